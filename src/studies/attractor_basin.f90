@@ -103,7 +103,7 @@ contains
       finish = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
    end subroutine follow
 
-   !> The attractor in whose neighbourhood an event is, or 0.
+   !> The number of the attractor whose neighbourhood contains an event; 0 if none.
    pure integer function neighbourhood_of(targets, event) result(label)
       !> Motions with their neighbourhoods.
       type(target_type), intent(in) :: targets(:)

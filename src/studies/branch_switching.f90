@@ -335,7 +335,7 @@ contains
       integer, intent(in) :: parameter
       !> As in `switch_branch`.
       logical, intent(in) :: tied
-      !> Change of the parameter over its value (over 0.01 if that is less).
+      !> Change of the parameter over its value (over 0.01 if the value is less).
       real(wp), intent(in) :: offset
       !> r, D, xi, mu, R1, R2
       real(wp), intent(out) :: c(:)

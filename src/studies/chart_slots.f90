@@ -196,7 +196,7 @@ contains
    end function larger
 
    !> Puts a sheet into the first slot in which it neither overlaps nor touches another sheet;
-   !! otherwise into the first one in which it overlaps none; otherwise it is divided among slots.
+   !! otherwise into the first one in which it overlaps none. Otherwise it is divided among slots.
    pure subroutine place(members, ranks, holder, slots)
       !> (3, p) i, j, k of its motions; (keep, m, n) ranks of all motions.
       integer, intent(in) :: members(:, :), ranks(:, :, :)
@@ -233,7 +233,7 @@ contains
       end do
    end subroutine place
 
-   !> The last slot whose motion has the lowest rank, if that is below a rank; otherwise 0.
+   !> The last slot whose motion has the lowest rank, if that is below a given rank; otherwise 0.
    pure integer function weakest(ranks, holder, rank) result(slot)
       !> (keep) ranks of the motions at a point; (capacity) the motion that holds each slot; the
       !! rank in question.

@@ -23,7 +23,7 @@ contains
       integer, intent(in) :: kind, index
       !> Whether the family consists of symmetric motions.
       logical, intent(in) :: symmetric
-      !> Whether the first way in which a member can repeat itself is as its own mirror image.
+      !> Whether repetition number 1 is that of a motion that is its own mirror image.
       logical, intent(in) :: mirrored
       character(name_length) :: name
 

@@ -100,7 +100,7 @@ contains
       type(frame_type), intent(in) :: frame
       !> u_i, theta_i (2n), and the parameters r, log(D), xi, mu, R1, R2.
       real(wp), intent(in) :: unknowns(:), c(:)
-      !> The orbit of these.
+      !> The orbit of these unknowns and parameters.
       type(orbit_type), intent(in) :: o
       !> The condition.
       type(condition_type), intent(in) :: condition
@@ -142,7 +142,7 @@ contains
       type(frame_type), intent(in) :: frame
       !> u_i, theta_i (2n).
       real(wp), intent(in) :: unknowns(:)
-      !> The orbit of these.
+      !> The orbit of these unknowns.
       type(orbit_type), intent(in) :: o
       !> Values of fold, flip, Neimark-Sacker; 0 where an impact has no approach speed.
       real(wp), intent(out) :: values(3)

@@ -21,7 +21,7 @@ contains
       real(wp), intent(in) :: before, now, next
       !> Lengths of the steps between them.
       real(wp), intent(in) :: first, second
-      !> The extremum counts also if it is less than this share of the middle value.
+      !> The extremum also counts if it is less than this share of the middle value.
       real(wp), intent(in), optional :: margin
       real(wp) :: slope, curvature, at, extreme
 

@@ -36,15 +36,15 @@ module vi_curve
 
 contains
 
-   !> Newton's method for a point on which conditions are zero and, if there is one condition less
-   !! than active parameters, which lies in a given plane.
+   !> Newton's method for a point on which conditions are zero and, if there is one condition
+   !! fewer than active parameters, which lies in a given plane.
    !!
    !! Equations: those of the motion, the conditions, and normal . (point - start) = 0.
    pure subroutine correct(curve, conditions, point, iterations, normal, tangent, correction)
       !> The curve.
       type(curve_type), intent(in) :: curve
-      !> Conditions that are zero at the point: as many as there are active parameters, or one less
-      !! with `normal`.
+      !> Conditions that are zero at the point: as many as there are active parameters, or one
+      !! fewer with `normal`.
       type(condition_type), intent(in) :: conditions(:)
       !> In: a guess. Out: the last iterate.
       real(wp), intent(inout) :: point(:)
@@ -393,7 +393,7 @@ contains
    pure subroutine tangent_at(curve, conditions, point, along, tangent, regular, orientation)
       !> The curve.
       type(curve_type), intent(in) :: curve
-      !> One condition less than there are active parameters.
+      !> One condition fewer than there are active parameters.
       type(condition_type), intent(in) :: conditions(:)
       !> A point of the curve, and a vector to which the tangent is not orthogonal.
       real(wp), intent(in) :: point(:), along(:)
