@@ -39,6 +39,8 @@ module vi_channels
    end type reached_type
 
    integer, parameter :: budget = 10000000
+   !> Cells after which the pairs are computed directly again.
+   integer, parameter :: cells = 64
    !> Terms of the Taylor series of g.
    integer, parameter :: terms = 9
 
@@ -61,31 +63,33 @@ contains
       !> The event.
       type(reached_type), intent(out) :: reached
       real(wp), dimension(size(x0)) :: x, v, x_next, v_next
-      real(wp), dimension(size(regime%upper)) :: y, rate, y_next, rate_next, bound, low, high
+      real(wp), dimension(size(regime%upper)) :: y, rate, y_next, rate_next, bound, low, high, &
+         reserve
       complex(wp) :: turn(size(regime%turns, 1)), turn_next(size(regime%turns, 1))
       integer :: doubtful(size(regime%upper))
-      real(wp) :: h, time, found, speed, t
+      real(wp) :: h, time, found, speed, t, horizon
+      real(wp) :: inner(4)
       integer :: i, j, n, steps, wall, row
 
-      x = x0
-      v = v0
-      do i = 1, size(turn)
-         turn(i) = cmplx(cos(i*phase), sin(i*phase), wp)
-      end do
       call bound_rows(regime, x0, v0, 4, bound)
-      call row_values(regime, x, v, turn, y, rate)
+      t = 0
+      horizon = cells*regime%steps%length(level)
+      call start_afresh(regime, x0, v0, phase, t, horizon, x, v, turn, y, rate, reserve)
       if (leaving%row > 0) then
          y(leaving%row) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
             leaving%wall > 0)
          rate(leaving%row) = -leaving%wall*leaving%speed
       end if
-      t = 0
       steps = 0
       do while (t < limit)
          steps = steps + 1
          reached%complete = steps < budget
          if (.not. reached%complete) return
          h = regime%steps%length(level)
+         if (t + h > horizon) then
+            horizon = t + cells*h
+            call start_afresh(regime, x0, v0, phase, t, cells*h, x, v, turn, y, rate, reserve)
+         end if
          x_next = regime%steps%xx(:, level)*x + regime%steps%xv(:, level)*v &
             + regime%steps%x(:, level)
          v_next = regime%steps%vx(:, level)*x + regime%steps%vv(:, level)*v &
@@ -98,17 +102,21 @@ contains
             - sag(bound, h), y_next - 0.25_wp*h*rate_next, y_next)
          n = 0
          do i = 1, size(y)
-            if (high(i) < regime%upper(i) .and. low(i) > regime%lower(i)) cycle
+            if (high(i) < regime%upper(i) - reserve(i) .and. &
+               low(i) > regime%lower(i) + reserve(i)) cycle
             if (i == leaving%row .and. t <= 0) then
-               ! the row starts on its limit and leaves it
-               if (merge(max(y(i) + 0.25_wp*h*rate(i), 0.5_wp*(y(i) + y_next(i)) &
-                  + h*(rate(i) - rate_next(i))/6 + sag(bound(i), h), &
-                  y_next(i) - 0.25_wp*h*rate_next(i), y_next(i)) < regime%upper(i) &
-                  .and. low(i) > regime%lower(i), &
-                  min(y(i) + 0.25_wp*h*rate(i), 0.5_wp*(y(i) + y_next(i)) &
-                  + h*(rate(i) - rate_next(i))/6 - sag(bound(i), h), &
-                  y_next(i) - 0.25_wp*h*rate_next(i), y_next(i)) > regime%lower(i) &
-                  .and. high(i) < regime%upper(i), leaving%wall > 0)) cycle
+               ! the row starts on its limit and leaves it: the first coefficient does not count
+               inner = [y(i) + 0.25_wp*h*rate(i), 0.5_wp*(y(i) + y_next(i)) &
+                  + h*(rate(i) - rate_next(i))/6, y_next(i) - 0.25_wp*h*rate_next(i), y_next(i)]
+               if (leaving%wall > 0) then
+                  inner(2) = inner(2) + sag(bound(i), h)
+                  if (maxval(inner) < regime%upper(i) - reserve(i) .and. &
+                     low(i) > regime%lower(i) + reserve(i)) cycle
+               else
+                  inner(2) = inner(2) - sag(bound(i), h)
+                  if (minval(inner) > regime%lower(i) + reserve(i) .and. &
+                     high(i) < regime%upper(i) - reserve(i)) cycle
+               end if
             end if
             n = n + 1
             doubtful(n) = i
@@ -139,6 +147,74 @@ contains
          if (n == 0) level = max(1, level - 1)
       end do
    end subroutine first_event
+
+   !> Computes the pairs and rows at a time directly, so that rounding errors of the products do not
+   !! add up, and bounds the rounding errors of the rows for some time after it.
+   pure subroutine start_afresh(regime, x0, v0, phase, t, duration, x, v, turn, y, rate, reserve)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the start of the flight.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> Load phase there (rad), the time after it, and how long the bound has to hold.
+      real(wp), intent(in) :: phase, t, duration
+      !> (m) The pairs at that time.
+      real(wp), intent(out) :: x(:), v(:)
+      !> (harmonics) e^(i h Omega t) then.
+      complex(wp), intent(out) :: turn(:)
+      !> (rows) Values, rates, and the bound.
+      real(wp), intent(out) :: y(:), rate(:), reserve(:)
+      integer :: h
+
+      if (t > 0) then
+         call advance(regime%modes, t, x0, v0, x, v)
+      else
+         x = x0
+         v = v0
+      end if
+      do h = 1, size(turn)
+         associate (angle => h*(phase + regime%frequency*t))
+            turn(h) = cmplx(cos(angle), sin(angle), wp)
+         end associate
+      end do
+      call row_values(regime, x, v, turn, y, rate)
+      call rounding(regime, x, v, duration, reserve)
+   end subroutine start_afresh
+
+   !> A bound on the rounding errors of the rows over some time.
+   pure subroutine rounding(regime, x, v, duration, reserve)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the beginning.
+      real(wp), intent(in) :: x(:), v(:)
+      !> How long.
+      real(wp), intent(in) :: duration
+      !> (rows)
+      real(wp), intent(out) :: reserve(:)
+      real(wp), parameter :: share = 16*epsilon(1.0_wp)
+      real(wp) :: of_x, of_v
+      integer :: h, k
+
+      reserve = abs(regime%row_offset)
+      do h = 1, size(regime%ripple, 2)
+         reserve = reserve + abs(regime%ripple(:, h))
+      end do
+      do k = 1, size(x)
+         associate (stiffness => regime%modes%stiffness(k), force => abs(regime%modes%force(k)), &
+            drift => abs(regime%modes%drift(k)), first => regime%first_row(k), &
+            last => regime%last_row(k))
+            if (stiffness > 0) then
+               call bound_on(stiffness, abs(x(k)) + force/stiffness &
+                  + 2*regime%modes%damping(k)*drift/stiffness, abs(v(k)) + drift, of_x, of_v)
+            else
+               of_v = abs(v(k)) + force*duration
+               of_x = abs(x(k)) + (of_v + drift)*duration
+            end if
+            reserve(first:last) = reserve(first:last) + abs(regime%position(first:last, k))*of_x &
+               + abs(regime%velocity(first:last, k))*of_v
+         end associate
+      end do
+      reserve = share*reserve
+   end subroutine rounding
 
    !> The rows and their rates.
    pure subroutine row_values(regime, x, v, turn, y, rate)
