@@ -56,10 +56,10 @@ def test_interrupt_at_the_start(name, tool):
     ("lyapunov --cycles 80 --state -1e-3 6 -.5e-1 9", 0, ""),
     ("lyapunov --cycles 80 --state -inf 0 0 0", 2, "--state -inf 0 0 0: must be a finite number"),
     ("lyapunov --cycles 80 --state 0 -NaN 0 0", 2, "--state 0 -NaN 0 0: must be a finite number"),
-    ("lyapunov --cycles -1e3", 2, "--cycles -1e3: must be a whole number"),
-    ("lyapunov --cycles 2.5", 2, "--cycles 2.5: must be a whole number"),
-    ("lyapunov --mu 1,5", 2, "--mu 1,5: must be a number"),
-    ("lyapunov --cycles 80 -1e", 2, "unrecognized arguments: -1e"),
+    ("lyapunov --cycles -1e3", 2, "--cycles -1e3: must be a whole number; see `vibroimpact lyapunov --help`"),
+    ("lyapunov --cycles 2.5", 2, "--cycles 2.5: must be a whole number; see `vibroimpact lyapunov --help`"),
+    ("lyapunov --mu 1,5", 2, "--mu 1,5: must be a number; see `vibroimpact lyapunov --help`"),
+    ("lyapunov --cycles 80 -1e", 2, "unrecognized arguments: -1e; see `vibroimpact lyapunov --help`"),
 ])  # fmt: skip
 def test_numbers(words, status, said, tool):
     """Negative ones in any notation are values; a fault names option, value, and what is allowed."""

@@ -314,7 +314,6 @@ def test_missing_xarray(monkeypatch):
             {"r": np.linspace(0.5, 1, 999), "clearance": np.linspace(1, 2, 999), "slots": 32},
             "slots",
         ),
-        ({"symmetric": "yes"}, "symmetric"),
         (
             {"pattern": vi.Pattern("RL", 2), "symmetric": True},
             "symmetric = True: .*half mirrors the first",
@@ -346,6 +345,7 @@ def test_bad_input(change, words):
         {"osc": 1},
         {"pattern": 7},
         {"slots": "4"},
+        {"symmetric": "yes"},
         {"multipliers": "no"},
         {"progress": 5},
     ],

@@ -5,6 +5,7 @@ import http.client
 import re
 import signal
 import time
+from concurrent.futures import ThreadPoolExecutor
 from urllib.parse import urlsplit
 
 import pytest
@@ -53,7 +54,9 @@ def opened(address, token, **headers):
         socket.close()
         return 101 if first else None
 
-    return asyncio.run(ask())
+    # in a thread of its own: tests in a browser keep an event loop in this one
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, ask()).result()
 
 
 def token_of(page):
