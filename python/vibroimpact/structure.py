@@ -179,7 +179,7 @@ class Structure:
         return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
 
     @property
-    def n(self) -> int:
+    def coordinates(self) -> int:
         """Number of coordinates."""
         return len(self.mass)
 
@@ -187,13 +187,13 @@ class Structure:
         """Matrices (n, n, 3), directions (n, gaps), and openings with restitution (2, gaps)."""
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
         # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
-        gaps = self.gaps or (Gap(np.eye(self.n)[0], 1e300),)
+        gaps = self.gaps or (Gap(np.eye(self.coordinates)[0], 1e300),)
         directions = np.array([gap.direction for gap in gaps]).T
         values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
         return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
 
     def __repr__(self) -> str:
-        n, gaps = self.n, len(self.gaps)
+        n, gaps = self.coordinates, len(self.gaps)
         return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {gaps} gap{'s' if gaps != 1 else ''}>"
 
 
@@ -286,7 +286,7 @@ class Load:
         object.__setattr__(self, "frequency", frequency)
 
     @property
-    def n(self) -> int:
+    def coordinates(self) -> int:
         """Number of coordinates."""
         return self.constant.size
 
@@ -295,11 +295,11 @@ class Load:
         both = (
             np.stack([self.cosine, self.sine], axis=1).T
             if self.sine.size
-            else np.zeros((self.n, 2, 0))
+            else np.zeros((self.coordinates, 2, 0))
         )
         return self.frequency if len(self.sine) else 0.0, np.asfortranarray(both), self.constant
 
     def __repr__(self) -> str:
         n = len(self.sine)
         kinds = f"{n} harmonic{'s' if n != 1 else ''}"
-        return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.n} coordinates>"
+        return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"

@@ -78,7 +78,7 @@ class StructureTrajectory:
         if times.ndim != 1 or not inside.all():
             raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
         order = np.argsort(times, kind="stable")
-        n, m = self.structure.n, len(self.events) + 1
+        n, m = self.structure.coordinates, len(self.events) + 1
         starts = np.empty((2 * n + 1, m), order="F")
         starts[0] = np.append(self.start, self.events["time"])
         starts[1:, 0] = np.concatenate(self.first_state)
@@ -110,8 +110,8 @@ def _arrays(
     """The arguments of the core for a structure and its load."""
     matrices, directions, values = structure._arrays()
     if load is None:
-        nothing = np.zeros((structure.n, 2, 0))
-        return matrices, directions, values, 0.0, nothing, np.zeros(structure.n)
+        nothing = np.zeros((structure.coordinates, 2, 0))
+        return matrices, directions, values, 0.0, nothing, np.zeros(structure.coordinates)
     frequency, harmonics, constant = load._arrays()
     return matrices, directions, values, frequency, harmonics, constant
 
@@ -173,12 +173,12 @@ def simulate_structure(
     [1.0, 5.561718, 7.505486]
     """
     checks.instance(structure, "structure", Structure)
-    n = structure.n
+    n = structure.coordinates
     if load is not None:
         checks.instance(load, "load", Load)
-        if load.n != n:
+        if load.coordinates != n:
             raise ParameterError(
-                f"load for {load.n} coordinates: must be for {n} as the structure is"
+                f"load for {load.coordinates} coordinates: must be for {n} as the structure is"
             )
     if (cycles is None) == (duration is None):
         raise ParameterError(

@@ -298,7 +298,8 @@ contains
       integer, parameter :: codes(*) = [stat%ok, stat%singular, stat%free_amplitude, stat%no_load, &
          stat%zero_approach, stat%lapack_failed, stat%not_finite, stat%no_motion, &
          stat%more_events, stat%budget, stat%no_convergence, stat%lost_digits, stat%not_computed, &
-         stat%event_limit, stat%no_memory]
+         stat%event_limit, stat%no_memory, stat%mass_not_definite, stat%negative_stiffness, &
+         stat%defective, stat%resonance, stat%coupled_impacts, stat%gap_closed]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

@@ -22,7 +22,7 @@ def exponential(matrix):
 
 def first_order(structure, load):
     """The matrix of (q, q', 1, cos, sin of each harmonic), all of whose equations are linear."""
-    n, h = structure.n, 0 if load is None else len(load.sine)
+    n, h = structure.coordinates, 0 if load is None else len(load.sine)
     inverse = np.linalg.inv(structure.mass)
     a = np.zeros((2 * n + 1 + 2 * h, 2 * n + 1 + 2 * h))
     a[:n, n : 2 * n] = np.eye(n)
@@ -46,7 +46,7 @@ def extended(state, load, t):
 
 def check_laws(run, tolerance=1e-10):
     """Each flight by the matrix exponential, each impact by its law, and every gap open in between."""
-    s, n = run.structure, run.structure.n
+    s, n = run.structure, run.structure.coordinates
     a = first_order(s, run.load)
     directions = np.array([gap.direction for gap in s.gaps])
     openings = np.array([gap.opening for gap in s.gaps])
@@ -219,8 +219,8 @@ def test_random_structures(coupled):
     for _ in range(20):
         s = random_structure(rng, coupled)
         load = vi.Load(
-            float(rng.uniform(0.3, 3)), sine=3 * rng.normal(size=(2, s.n)),
-            cosine=3 * rng.normal(size=s.n), constant=0.1 * rng.normal(size=s.n),
+            float(rng.uniform(0.3, 3)), sine=3 * rng.normal(size=(2, s.coordinates)),
+            cosine=3 * rng.normal(size=s.coordinates), constant=0.1 * rng.normal(size=s.coordinates),
         )  # fmt: skip
         try:
             run = vi.simulate(s, load, cycles=3, max_events=60)
@@ -248,7 +248,9 @@ def check_samples(run):
         state = run.states[k - 1] if k else np.array(run.first_state)
         steps = exponential(first_order(s, run.load) * (time - begin) / 16)
         flight = np.linalg.matrix_power(steps, 16) @ extended(state, run.load, begin)
-        assert np.concatenate([q[:, i], rate[:, i]]) == pytest.approx(flight[: 2 * s.n], abs=1e-8)
+        assert np.concatenate([q[:, i], rate[:, i]]) == pytest.approx(
+            flight[: 2 * s.coordinates], abs=1e-8
+        )
 
 
 def test_the_same_bits_again():
