@@ -56,7 +56,7 @@ module vi_result
 
    !> A column with its values: rows of the table, and within a row the places of `each`.
    type, public :: filled_type
-      !> Allocatable, since gfortran 12 otherwise warns about its default values.
+      !> An allocatable component, since gfortran 12 otherwise warns about its default values.
       type(column_type), allocatable :: column
       !> Place of its table; 0 while it has no values.
       integer :: table = 0
