@@ -1,5 +1,6 @@
 """Oscillators, patterns, motions and batches as objects: frozen, equal, as JSON, in words."""
 
+import dataclasses
 import json
 import math
 import pickle
@@ -143,9 +144,17 @@ def test_to_dict_is_json():
 
 @pytest.mark.parametrize("name", ["consistent", "admissible", "stable"])
 def test_repr_names_the_verdicts(name):
-    """A glance at a motion shows what it is worth."""
-    assert name in repr(periodic())
+    """A glance at a motion shows what it is worth; a line leaves out only that it is consistent."""
+    assert name in str(periodic())
+    assert name in repr(periodic()) or name == "consistent"
+    assert len(repr(periodic())) <= 88
     assert "RL" in repr(periodic())
+
+
+def test_repr_of_an_inconsistent_motion():
+    """That a motion contradicts itself is never left out."""
+    motion = dataclasses.replace(periodic(), consistent=False)
+    assert ": not consistent, " in repr(motion)
 
 
 def test_sample_of_nothing():
