@@ -479,19 +479,19 @@ end subroutine sample_trajectory
 !> Simulates a structure with gaps from a state to an end of time, or until there are more than
 !! `capacity` events.
 !!
-!! `matrices` are M, C, K; `gap_values` the opening and the restitution of each gap; `loads` the
-!! cosine and sine parts of each harmonic. A column of `table` is time, approach speed, impulse,
-!! coordinates and velocities just after an event; one of `labels` its kind and gap.
-subroutine simulate_structure(n, gaps, harmonics, matrices, directions, gap_values, frequency, &
-   loads, constant, start, state, last, capacity, table, labels, n_events, end_state, end_time, &
-   status)
+!! `matrices` are M, C, K; `gap_values` as in `new_structure`; `loads` the cosine and
+!! sine parts of each harmonic. A column of `table` is time, approach speed, impulse, coordinates
+!! and velocities just after an event; one of `labels` its kind and gap.
+subroutine simulate_structure(n, gaps, width, harmonics, matrices, directions, gap_values, &
+   frequency, loads, constant, start, state, last, capacity, table, labels, n_events, &
+   end_state, end_time, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_trajectory, only: simulate_structure_arrays
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, gaps, harmonics, capacity
-   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(2, gaps), &
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, capacity
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
       frequency, loads(n, 2, harmonics), constant(n), start, state(2*n), last
    real(c_double), intent(inout) :: table(2*n + 3, capacity)
    integer(c_int), intent(inout) :: labels(2, capacity)
@@ -504,15 +504,15 @@ subroutine simulate_structure(n, gaps, harmonics, matrices, directions, gap_valu
 end subroutine simulate_structure
 
 !> Coordinates and velocities of a structure at the given times, which ascend.
-subroutine sample_structure(n, gaps, harmonics, m, k, matrices, directions, gap_values, frequency, &
-   loads, constant, starts, labels, times, values, status)
+subroutine sample_structure(n, gaps, width, harmonics, m, k, matrices, directions, gap_values, &
+   frequency, loads, constant, starts, labels, times, values, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_trajectory, only: sample_structure_arrays
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, gaps, harmonics, m, k, labels(2, m)
-   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(2, gaps), &
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, m, k, labels(2, m)
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
       frequency, loads(n, 2, harmonics), constant(n), starts(2*n + 1, m), times(k)
    real(c_double), intent(out) :: values(2*n, k)
    integer(c_int), intent(out) :: status
@@ -520,6 +520,24 @@ subroutine sample_structure(n, gaps, harmonics, m, k, matrices, directions, gap_
    call sample_structure_arrays(new_structure(matrices, directions, gap_values), &
       new_load(frequency, loads, constant), starts, labels, times, values, status)
 end subroutine sample_structure
+
+!> R(v) and its slope at m speeds, for a law given as in `new_restitution`.
+subroutine restitution_values(width, m, kind, numbers, speeds, values, slopes)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_restitution, only: new_restitution, restitution_at, restitution_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: width, m
+   real(c_double), intent(in) :: kind, numbers(width), speeds(m)
+   real(c_double), intent(out) :: values(m), slopes(m)
+   type(restitution_type) :: law
+   integer :: i
+
+   law = new_restitution(kind, numbers)
+   do i = 1, m
+      call restitution_at(law, speeds(i), values(i), slopes(i))
+   end do
+end subroutine restitution_values
 
 !> The exact motion near a guess of x_i and theta_i = alpha_i + tau, by Newton's method.
 subroutine exact(n, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, theta, &

@@ -23,6 +23,7 @@ from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact
 from .period import Period
+from .restitution import PowerLaw, TabulatedRestitution
 from .run import RunLog, run_namelists
 from .solve import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
 from .spacing import spaced
@@ -72,6 +73,7 @@ __all__ = [
     "Period",
     "PeriodicWindow",
     "Piece",
+    "PowerLaw",
     "Response",
     "RunLog",
     "Sample",
@@ -82,6 +84,7 @@ __all__ = [
     "Structure",
     "StructureTrajectory",
     "StudyInterrupted",
+    "TabulatedRestitution",
     "Trajectory",
     "Units",
     "VibroimpactError",

@@ -285,6 +285,18 @@ class _ReadNamelist(Protocol):
     ) -> tuple[int, int]: ...
 
 @type_check_only
+class _RestitutionValues(Protocol):
+    # values, slopes
+    def __call__(
+        self,
+        kind: float,
+        numbers: ArrayLike,
+        speeds: ArrayLike,
+        width: int = ...,
+        m: int = ...,
+    ) -> tuple[_Real, _Real]: ...
+
+@type_check_only
 class _RunCase(Protocol):
     # handle, status
     def __call__(
@@ -365,6 +377,7 @@ class _SampleStructure(Protocol):
         times: ArrayLike,
         n: int = ...,
         gaps: int = ...,
+        width: int = ...,
         harmonics: int = ...,
         m: int = ...,
         k: int = ...,
@@ -456,6 +469,7 @@ class _SimulateStructure(Protocol):
         labels: _Integer,
         n: int = ...,
         gaps: int = ...,
+        width: int = ...,
         harmonics: int = ...,
         capacity: int = ...,
     ) -> tuple[int, _Real, float, int]: ...
@@ -589,6 +603,7 @@ new_result: _NewResult
 open_table: _OpenTable
 periodic: _Periodic
 read_namelist: _ReadNamelist
+restitution_values: _RestitutionValues
 run_case: _RunCase
 run_namelists: _RunNamelists
 same_motion: _SameMotion

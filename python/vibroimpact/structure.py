@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import checks
 from .errors import ParameterError
+from .restitution import PowerLaw, Restitution, TabulatedRestitution, checked, numbers_of
 
 __all__ = ["Gap", "Load", "Structure"]
 
@@ -42,15 +43,17 @@ class Gap:
         The coordinates that close it, such as ``[-1, 1]`` for a stop of body 1 to the right of body 2.
     opening : float
         Its opening at q = 0; negative if it is closed there.
-    restitution : float
-        Coefficient of restitution, 0 to 1.
+    restitution : float, PowerLaw or TabulatedRestitution
+        Coefficient of restitution, 0 to 1, or a law of it over the approach speed.
     """
 
     direction: _Array
     opening: float
-    restitution: float = 1.0
+    restitution: Restitution = 1.0
 
-    def __init__(self, direction: ArrayLike, opening: float, restitution: float = 1.0) -> None:
+    def __init__(
+        self, direction: ArrayLike, opening: float, restitution: Restitution = 1.0
+    ) -> None:
         wanted = "numbers, one a coordinate, not all 0"
         direction = _numbers(direction, "direction", wanted, (-1,))
         if not direction.any():
@@ -60,10 +63,12 @@ class Gap:
             raise ParameterError(f"opening = {opening!r}: must be a finite number")
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "opening", opening)
-        object.__setattr__(self, "restitution", checks.number(restitution, "restitution"))
+        object.__setattr__(self, "restitution", checked(restitution))
 
     def __repr__(self) -> str:
-        return f"Gap({self.direction.tolist()}, {self.opening:g}, restitution={self.restitution:g})"
+        r = self.restitution
+        law = f"{r!r}" if isinstance(r, (PowerLaw, TabulatedRestitution)) else f"{r:g}"
+        return f"Gap({self.direction.tolist()}, {self.opening:g}, restitution={law})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -184,12 +189,21 @@ class Structure:
         return len(self.mass)
 
     def _arrays(self) -> tuple[_Array, _Array, _Array]:
-        """Matrices (n, n, 3), directions (n, gaps), and openings with restitution (2, gaps)."""
+        """Matrices (n, n, 3), directions (n, gaps), and openings with restitution.
+
+        The latter are (2, gaps), or with laws (3 or more, gaps): opening, kind and numbers of each.
+        """
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
         # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
         gaps = self.gaps or (Gap(np.eye(self.coordinates)[0], 1e300),)
         directions = np.array([gap.direction for gap in gaps]).T
-        values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
+        if all(isinstance(gap.restitution, float) for gap in gaps):
+            values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
+        else:
+            columns = [[gap.opening, *numbers_of(gap.restitution)] for gap in gaps]
+            values = np.zeros((max(map(len, columns)), len(gaps)))
+            for j, column in enumerate(columns):
+                values[: len(column), j] = column
         return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
 
     def __repr__(self) -> str:

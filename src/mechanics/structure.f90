@@ -8,11 +8,13 @@ module vi_structure
    use vi_eigen_routines, only: dgeqrf, dgesv, dorgqr
    use vi_kinds, only: wp
    use vi_modes, only: levels, modes_type, new_steps, steady_response, steps_type
+   use vi_restitution, only: constant_law, new_restitution, restitution_at, restitution_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: check_structure, new_load, new_regime, new_structure, state_of, to_pairs
+   public :: check_structure, new_load, new_regime, new_structure, restitution_of, state_of, &
+      to_pairs
 
    !> A structure and its gaps.
    type, public :: structure_type
@@ -20,8 +22,11 @@ module vi_structure
       real(wp), allocatable, dimension(:, :) :: mass, damping, stiffness
       !> (n, gaps) G_j.
       real(wp), allocatable :: directions(:, :)
-      !> (gaps) Openings e_j, coefficients of restitution, and effective masses 1/(G_j.M^-1 G_j).
+      !> (gaps) Openings e_j, coefficients of restitution at speed 0, and effective masses
+      !! 1/(G_j.M^-1 G_j).
       real(wp), allocatable :: openings(:), restitution(:), effective(:)
+      !> (gaps) The coefficients of restitution as functions of the approach speed.
+      type(restitution_type), allocatable :: laws(:)
       !> (n, gaps) M^-1 G_j: the change of q' due to an impulse of -1.
       real(wp), allocatable :: mobility(:, :)
       !> (gaps) The channel of each gap, and whether it is the upper wall (+1) or the lower one
@@ -86,17 +91,46 @@ contains
 
    !> A structure from arrays.
    pure function new_structure(matrices, directions, gap_values) result(structure)
-      !> (n, n, 3) M, C and K; (n, gaps) G_j; (2, gaps) opening and restitution of each gap.
+      !> (n, n, 3) M, C and K; (n, gaps) G_j; (2, gaps) opening and restitution of each gap, or with
+      !! laws (3 or more, gaps): opening, and kind and numbers of its law as in `new_restitution`.
       real(wp), intent(in) :: matrices(:, :, :), directions(:, :), gap_values(:, :)
       type(structure_type) :: structure
+      integer :: j
 
       allocate (structure%mass, source=matrices(:, :, 1))
       allocate (structure%damping, source=matrices(:, :, 2))
       allocate (structure%stiffness, source=matrices(:, :, 3))
       allocate (structure%directions, source=directions)
       allocate (structure%openings, source=gap_values(1, :))
-      allocate (structure%restitution, source=gap_values(2, :))
+      allocate (structure%laws(size(gap_values, 2)), structure%restitution(size(gap_values, 2)))
+      do j = 1, size(gap_values, 2)
+         if (size(gap_values, 1) == 2) then
+            structure%laws(j) = new_restitution(real(constant_law, wp), gap_values(2:, j))
+         else
+            structure%laws(j) = new_restitution(gap_values(2, j), gap_values(3:, j))
+         end if
+         structure%restitution(j) = structure%laws(j)%numbers(1)
+      end do
    end function new_structure
+
+   !> The coefficient of restitution of a gap at an approach speed, and its derivative.
+   pure subroutine restitution_of(structure, gap, speed, value, slope)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gap.
+      integer, intent(in) :: gap
+      !> Approach speed v >= 0.
+      real(wp), intent(in) :: speed
+      !> R and dR/dv, as in `restitution_at`.
+      real(wp), intent(out) :: value, slope
+
+      if (structure%laws(gap)%kind == constant_law) then
+         value = structure%restitution(gap)
+         slope = 0
+      else
+         call restitution_at(structure%laws(gap), speed, value, slope)
+      end if
+   end subroutine restitution_of
 
    !> A load from arrays.
    pure function new_load(frequency, harmonics, constant) result(load)

@@ -4,9 +4,10 @@ module vi_structure_run
    use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives
    use vi_kinds, only: wp
    use vi_modes, only: advance
+   use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
-   use vi_structure, only: check_structure, load_type, new_regime, regime_type, state_of, &
-      structure_type, to_pairs
+   use vi_structure, only: check_structure, load_type, new_regime, regime_type, restitution_of, &
+      state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -259,7 +260,7 @@ contains
       type(run_event_type), intent(inout) :: event
       !> `stat%ok`, or `stat%coupled_impacts` where its outcome is not defined.
       integer, intent(out) :: status
-      real(wp) :: impulse
+      real(wp) :: impulse, restitution, slope
       integer :: j, gap
 
       status = stat%ok
@@ -276,12 +277,12 @@ contains
             call move(run, state, reached%time)
             if (closes_another(run, state, gap)) status = stat%coupled_impacts
             if (status /= stat%ok) return
-            impulse = (1 + structure%restitution(gap))*structure%effective(gap)*reached%speed
+            call restitution_of(structure, gap, reached%speed, restitution, slope)
+            impulse = (1 + restitution)*structure%effective(gap)*reached%speed
             state%x = state%x - impulse*matmul(regime%xd, kick)
             state%v = state%v - impulse*matmul(regime%vd, kick)
          end associate
-         state%leaving = leaving_type(reached%row, reached%wall, &
-            structure%restitution(gap)*reached%speed)
+         state%leaving = leaving_type(reached%row, reached%wall, restitution*reached%speed)
          call note(state, impact_event, gap, reached%speed, impulse, event)
       end associate
    end subroutine collide
@@ -336,9 +337,9 @@ contains
    !> Completes an accumulation of impacts, if what remains of it is short enough.
    !!
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
-   !! take T = 2u/(a (1 - R)), to first order. They affect the structure only through u itself: the
-   !! rest begins at once from the velocities without the part that closes the gap, with an error of
-   !! order u^3.
+   !! take T = 2u/(a (1 - R)), to first order; with R(v) T is 2/a times the sum of their departure
+   !! speeds. They affect the structure only through u itself: the rest begins at once from the
+   !! velocities without the part that closes the gap, with an error of order u^3.
    pure subroutine accumulate(run, state, remaining, event, stuck, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
@@ -372,9 +373,13 @@ contains
             speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, run%load%frequency]
             unit = 1
             if (maxval(speeds) > 0) unit = 1/maxval(speeds)
-            lost = closing*(1 - run%structure%restitution(gap))
+            ! with a law R(v) no accumulation is completed unless R stays below 1 as v falls to 0
+            lost = closing*(1 - greatest_below(run%structure%laws(gap), leaving%speed))
             if (.not. 2*leaving%speed <= longest*unit*lost) return
             duration = 2*leaving%speed/lost
+            if (run%structure%laws(gap)%kind /= constant_law) then
+               duration = 2*total_of_speeds(run%structure, gap, leaving%speed)/closing
+            end if
             if (abs(d(3))*duration**2 > time_error*unit*closing) return
             if (duration > remaining) return
          end if
@@ -395,6 +400,31 @@ contains
       if (reached%row == 0) call move(run, state, duration)
       call note(state, stick_event, gap, 0.0_wp, 0.0_wp, event)
    end subroutine accumulate
+
+   !> The sum of the departure speeds of an accumulation, each R(v) times the one before it.
+   pure real(wp) function total_of_speeds(structure, gap, first) result(total)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gap.
+      integer, intent(in) :: gap
+      !> The first departure speed.
+      real(wp), intent(in) :: first
+      integer, parameter :: most = 10000
+      real(wp) :: speed, restitution, slope
+      integer :: i
+
+      total = 0
+      speed = first
+      do i = 1, most
+         total = total + speed
+         call restitution_of(structure, gap, speed, restitution, slope)
+         speed = restitution*speed
+         if (.not. speed > epsilon(1.0_wp)*total) return
+      end do
+      ! what remains is a geometric series, whose R hardly changes any more
+      call restitution_of(structure, gap, speed, restitution, slope)
+      total = total + speed/(1 - restitution)
+   end function total_of_speeds
 
    !> A set with one more member.
    pure function merged(set, one) result(larger)

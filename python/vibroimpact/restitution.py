@@ -1,0 +1,153 @@
+"""Coefficients of restitution that depend on the approach speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, checks
+from .errors import ParameterError
+
+__all__ = ["PowerLaw", "TabulatedRestitution"]
+
+_Array = NDArray[np.float64]
+
+
+class _Law:
+    """A law R(v)."""
+
+    def _numbers(self) -> tuple[float, _Array]:
+        """Its kind and numbers, for the core."""
+        raise NotImplementedError
+
+    def __call__(self, speed: ArrayLike) -> _Array:
+        """R at approach speeds >= 0, of any shape."""
+        return self._evaluate(speed)[0]
+
+    def slope(self, speed: ArrayLike) -> _Array:
+        """dR/dv at approach speeds >= 0, of any shape."""
+        return self._evaluate(speed)[1]
+
+    def _evaluate(self, speed: ArrayLike) -> tuple[_Array, _Array]:
+        wanted = "numbers >= 0"
+        speeds = np.array(checks.real_array(speed, "speed", wanted), dtype=np.float64)
+        if not (speeds >= 0).all():
+            raise ParameterError(f"speed: must be {wanted}")
+        values, slopes = _core.restitution_values(*self._numbers(), speeds.ravel())
+        return values.reshape(speeds.shape), slopes.reshape(speeds.shape)
+
+
+@dataclass(frozen=True)
+class PowerLaw(_Law):
+    """A coefficient of restitution that falls with the approach speed: R0 (1 + (v/speed)^k)^(-exponent/k).
+
+    It tends to `R0` far below `speed`, and to R0 (v/speed)^-exponent far above.
+
+    Parameters
+    ----------
+    R0 : float
+        Coefficient at low speeds, 0 to 1. With 1, accumulating impacts never come to rest.
+    speed : float
+        The speed, > 0, at which the two parts meet, such as that of first yield.
+    exponent : float
+        >= 0; 1/4 for plastic contact of spheres.
+    sharpness : float
+        k > 0. A large one gives the smaller one of R0 and R0 (v/speed)^-exponent with a sharp corner at
+        `speed`; 1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> law = vi.PowerLaw(0.9, speed=0.1, exponent=0.25)
+    >>> law([0.0, 0.1, 1.0]).round(4).tolist()
+    [0.9, 0.8253, 0.5055]
+    >>> vi.Gap([1.0], 0.5, law)
+    Gap([1.0], 0.5, restitution=PowerLaw(R0=0.9, speed=0.1, exponent=0.25, sharpness=2.0))
+    """
+
+    R0: float
+    speed: float
+    exponent: float
+    sharpness: float = 2.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "R0", checks.number(self.R0, "restitution", "R0"))
+        for name, low in {"speed": "> 0", "exponent": ">= 0", "sharpness": "> 0"}.items():
+            wanted = f"a finite number {low}"
+            value = checks.to_float(getattr(self, name), name, wanted)
+            if not (np.isfinite(value) and (value > 0 or (value == 0 and low == ">= 0"))):
+                raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+            object.__setattr__(self, name, value)
+
+    def _numbers(self) -> tuple[float, _Array]:
+        return 1.0, np.array([self.R0, self.speed, self.exponent, self.sharpness])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TabulatedRestitution(_Law):
+    """A coefficient of restitution by a table of approach speeds.
+
+    Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it
+    keeps the value there.
+
+    Parameters
+    ----------
+    speeds : array_like (m,)
+        At least two ascending speeds >= 0.
+    values : array_like (m,)
+        R there, 0 to 1.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> law = vi.TabulatedRestitution([0.0, 0.5, 2.0], [0.9, 0.8, 0.6])
+    >>> law([0.0, 0.25, 0.5, 2.0, 10.0]).round(4).tolist()
+    [0.9, 0.8468, 0.8, 0.6, 0.6]
+    """
+
+    speeds: _Array
+    values: _Array
+
+    def __init__(self, speeds: ArrayLike, values: ArrayLike) -> None:
+        for name, given, wanted in (
+            ("speeds", speeds, "at least two ascending finite numbers >= 0"),
+            ("values", values, "numbers from 0 to 1, one a speed"),
+        ):
+            array = np.array(checks.real_array(given, name, wanted), dtype=np.float64)
+            good = array.ndim == 1 and np.isfinite(array).all() and (array >= 0).all()
+            if name == "speeds":
+                good = good and len(array) >= 2 and (np.diff(array) > 0).all()
+            else:
+                good = good and array.shape == self.speeds.shape and (array <= 1).all()
+            if not good:
+                raise ParameterError(f"{name} = {array.tolist()!r}: must be {wanted}")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def _numbers(self) -> tuple[float, _Array]:
+        return 2.0, np.concatenate([[len(self.speeds)], self.speeds, self.values])
+
+    def __repr__(self) -> str:
+        return f"TabulatedRestitution({self.speeds.tolist()}, {self.values.tolist()})"
+
+
+#: What is taken as the coefficient of restitution of a gap.
+Restitution: TypeAlias = float | PowerLaw | TabulatedRestitution
+
+
+def checked(restitution: Restitution) -> Restitution:
+    """A law, or a number from 0 to 1."""
+    if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
+        return restitution
+    return checks.number(restitution, "restitution")
+
+
+def numbers_of(restitution: Restitution) -> list[float]:
+    """The kind and numbers of a law, for the core."""
+    if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
+        kind, numbers = restitution._numbers()
+        return [kind, *numbers.tolist()]
+    return [0.0, restitution]

@@ -1,0 +1,201 @@
+"""Coefficients of restitution that depend on the approach speed, against laws and an independent event loop."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+LAWS = [
+    vi.PowerLaw(0.9, 0.3, 0.25), vi.PowerLaw(1.0, 0.5, 0.25, sharpness=0.2),
+    vi.PowerLaw(0.8, 1.0, 0.234, sharpness=20), vi.PowerLaw(0.7, 2.0, 0.25, sharpness=1.0),
+    vi.TabulatedRestitution([0.0, 0.5, 1.0, 3.0], [0.95, 0.9, 0.6, 0.5]),
+    vi.TabulatedRestitution([0.2, 0.5, 1.0, 3.0, 4.0], [0.5, 0.9, 0.9, 0.3, 0.4]),
+]  # fmt: skip
+SPEEDS = np.concatenate([[0.0], np.geomspace(1e-8, 1e8, 4001)])
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_values_stay_between_zero_and_one(law):
+    r = law(SPEEDS)
+    assert ((r >= 0) & (r <= 1)).all()
+    assert law(SPEEDS.reshape(2, -1)).shape == (2, 2001)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_slopes(law):
+    """The slope by central differences; it is continuous, so that it holds at the points of a table too."""
+    v = np.array([0.07, 0.2, 0.3, 0.5, 0.77, 1.0, 1.9, 3.0, 3.5, 4.0, 10.0])
+    h = 1e-6
+    differences = (law(v + h) - law(v - h)) / (2 * h)
+    assert law.slope(v) == pytest.approx(differences, abs=2e-5)
+    smooth = np.array([0.07, 0.77, 1.9, 3.5, 10.0])
+    differences = (law(smooth + h) - law(smooth - h)) / (2 * h)
+    assert law.slope(smooth) == pytest.approx(differences, abs=1e-9)
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if isinstance(law, vi.PowerLaw)])
+def test_the_power_law_by_its_formula(law):
+    v = np.geomspace(1e-3, 1e3, 200)
+    k = law.sharpness
+    formula = law.R0 * (1 + (v / law.speed) ** k) ** (-law.exponent / k)
+    assert law(v) == pytest.approx(formula, rel=1e-14)
+    assert law(0.0) == law.R0
+    far = 1e30
+    assert law.slope(far) * far / law(far) == pytest.approx(-law.exponent, rel=1e-5)
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if not isinstance(law, vi.PowerLaw)])
+def test_tables_meet_their_points_and_are_monotone_between(law):
+    assert law(law.speeds).tolist() == law.values.tolist()
+    for i in range(len(law.speeds) - 1):
+        between = law(np.linspace(law.speeds[i], law.speeds[i + 1], 500))
+        rise = law.values[i + 1] - law.values[i]
+        assert (np.diff(between) * np.sign(rise) >= -1e-15).all()
+    assert law(law.speeds[-1] * 100) == law.values[-1]
+
+
+def damper(law, masses=(1.0, 0.1), opening=0.5):
+    gaps = [vi.Gap([-1, 1], opening, law), vi.Gap([1, -1], opening, law)]
+    return vi.Structure(masses, [0.02, 0], [1, 0], gaps)
+
+
+@pytest.mark.parametrize("r", [0.37, 0.8, 1.0])
+def test_constant_laws_equal_a_number(r):
+    load = vi.Load(1.04, sine=[0.3, 0])
+    plain = vi.simulate(damper(r), load, cycles=40)
+    assert len(plain.events) > 20
+    for law in (vi.TabulatedRestitution([0, 1, 3], [r] * 3), vi.PowerLaw(r, 0.1, 0.0)):
+        run = vi.simulate(damper(law), load, cycles=40)
+        assert run.events.tobytes() == plain.events.tobytes()
+        assert run.states.tobytes() == plain.states.tobytes()
+
+
+def independent_events(structure, state, duration):
+    """Impacts of undamped bodies: modes by NumPy, roots by scanning and bisection."""
+    omega2, shapes = np.linalg.eigh(
+        structure.stiffness / np.sqrt(np.outer(*2 * [np.diag(structure.mass)]))
+    )
+    root = np.sqrt(np.diag(structure.mass))
+    omega = np.sqrt(np.maximum(omega2, 0))
+
+    def flight(q, rate, t):
+        a, b = shapes.T @ (root * q), shapes.T @ (root * rate)
+        w = np.array([math.sin(o * t) / o if o > 1e-7 else t for o in omega])
+        return (
+            shapes @ (np.cos(omega * t) * a + w * b) / root,
+            shapes @ (np.cos(omega * t) * b - omega2 * w * a) / root,
+        )
+
+    q, rate = (np.array(part, dtype=float) for part in state)
+    t, events, step = 0.0, [], 1e-3
+    while t < duration:
+        found = None
+        for i in range(1, int((duration - t) / step) + 2):
+            here, speeds = flight(q, rate, i * step)
+            for j, gap in enumerate(structure.gaps):
+                if gap.direction @ here > gap.opening and gap.direction @ speeds > 0:
+                    low, high = (i - 1) * step, i * step
+                    for _ in range(60):
+                        middle = 0.5 * (low + high)
+                        if gap.direction @ flight(q, rate, middle)[0] > gap.opening:
+                            high = middle
+                        else:
+                            low = middle
+                    found = (high, j)
+            if found:
+                break
+        if not found or t + found[0] > duration:
+            return np.array(events)
+        dt, j = found
+        q, rate = flight(q, rate, dt)
+        t += dt
+        gap = structure.gaps[j]
+        speed = gap.direction @ rate
+        kick = gap.direction / np.diag(structure.mass)
+        rate = rate - (1 + float(gap.restitution(speed))) * speed / (gap.direction @ kick) * kick
+        events.append((t, j, speed))
+    return np.array(events)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_against_an_independent_event_loop(law):
+    gaps = [vi.Gap([-1, 1, 0], 0.5, law), vi.Gap([1, -1, 0], 0.5, law), vi.Gap([0, 0, 1], 0.4, law)]
+    s = vi.Structure([1, 0.3, 0.5], [0, 0, 0], [[2, 0, -1], [0, 0, 0], [-1, 0, 1]], gaps)
+    state = ([0.1, 0.0, 0.0], [1.0, -2.0, 0.5])
+    known = independent_events(s, state, 20.0)
+    run = vi.simulate(s, duration=20.0, state=state)
+    assert len(known) > 5
+    assert run.events["gap"].tolist() == known[:, 1].astype(int).tolist()
+    assert run.events["time"] == pytest.approx(known[:, 0], abs=1e-10)
+    assert run.events["speed"] == pytest.approx(known[:, 2], abs=1e-10)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_energy_lost_at_each_impact(law):
+    """An impact takes m v^2 (1 - R(v)^2)/2, whatever the bodies are."""
+    s = damper(law)
+    s = vi.Structure(s.mass, np.zeros((2, 2)), s.stiffness, s.gaps)
+    run = vi.simulate(s, duration=60, state=([0, 0], [1, -1]))
+    impacts = run.events["kind"] == "impact"
+    n = len(impacts) if impacts.all() else int(np.argmin(impacts))
+    assert n > 10
+    states = [np.array(run.first_state), *run.states[:n]]
+    energies = [0.5 * (d @ s.mass @ d + q @ s.stiffness @ q) for q, d in states]
+    v = run.events["speed"][:n]
+    m = 0.1 / 1.1
+    assert -np.diff(energies) == pytest.approx(0.5 * m * v**2 * (1 - law(v) ** 2), abs=1e-14)
+    assert run.events["impulse"][:n] == pytest.approx((1 + law(v)) * m * v, rel=1e-13)
+
+
+@pytest.mark.parametrize("law", [
+    vi.PowerLaw(0.5, 1.0, 0.25), vi.PowerLaw(0.6, 1e-3, 0.5), vi.PowerLaw(0.5, 1.0, 0.25, sharpness=0.2),
+    vi.TabulatedRestitution([0, 1, 5], [0.4, 0.7, 0.2]),
+])  # fmt: skip
+def test_a_ball_comes_to_rest(law):
+    """Its hops by the recurrence v -> R(v) v, each 2 v/g long, summed to their limit."""
+    g, height = 9.81, 1.0
+    s = vi.Structure([2.0], [0.0], [0.0], [vi.Gap([-1.0], 0.0, law)])
+    run = vi.simulate(s, vi.Load(1.0, constant=[-2.0 * g]), duration=5.0, state=([height], [0.0]))
+    time, speed = math.sqrt(2 * height / g), math.sqrt(2 * height * g)
+    times = []
+    while speed > 1e-20:
+        times.append(time)
+        speed *= float(law(speed))
+        time += 2 * speed / g
+    impacts = run.events["time"][run.events["kind"] == "impact"]
+    assert len(impacts) > 8
+    assert impacts == pytest.approx(times[: len(impacts)], rel=1e-13)
+    assert run.events["kind"][-1] == "stick"
+    assert run.events["time"][-1] == pytest.approx(time, rel=1e-13)
+
+
+def test_accumulation_is_not_completed_where_nothing_is_lost_in_the_limit():
+    """With R(v) = (1 + v^2)^(-1/8) the n-th speed falls as n^(-1/2), so that the sum of the hops has no limit."""
+    s = vi.Structure([1.0], [0.0], [0.0], [vi.Gap([-1.0], 0.0, vi.PowerLaw(1.0, 1.0, 0.25))])
+    run = vi.simulate(
+        s, vi.Load(1.0, constant=[-1.0]), duration=1e6, state=([1.0], [0.0]), max_events=3000
+    )
+    assert set(run.events["kind"]) == {"impact"}
+    v = run.events["speed"]
+    assert v[1:] == pytest.approx(v[:-1] * (1 + v[:-1] ** 2) ** -0.125, rel=1e-12)
+    assert 1 / v[-1] ** 2 == pytest.approx(3000 / 4, rel=0.02)
+
+
+@pytest.mark.parametrize(("make", "message"), [
+    (lambda: vi.PowerLaw(1.2, 1, 0.2), "R0 = 1.2: must be"),
+    (lambda: vi.PowerLaw(0.9, 0, 0.2), "speed = 0.0: must be a finite number > 0"),
+    (lambda: vi.PowerLaw(0.9, 1, -0.2), "exponent = -0.2: must be a finite number >= 0"),
+    (lambda: vi.PowerLaw(0.9, 1, 0.2, math.inf), "sharpness = inf: must be"),
+    (lambda: vi.TabulatedRestitution([0], [1]), "speeds = [0.0]: must be at least two"),
+    (lambda: vi.TabulatedRestitution([0, 0], [1, 1]), "speeds = [0.0, 0.0]: must be"),
+    (lambda: vi.TabulatedRestitution([0, 1], [1, 1.1]), "values = [1.0, 1.1]: must be"),
+    (lambda: vi.TabulatedRestitution([0, 1], [1, math.nan]), "values = [1.0, nan]: must be"),
+    (lambda: vi.TabulatedRestitution([0, 1], [1]), "values = [1.0]: must be"),
+    (lambda: vi.PowerLaw(0.9, 1, 0.2)(-1.0), "speed: must be numbers >= 0"),
+    (lambda: vi.Gap([1], 1, "hard"), "restitution = 'hard'"),
+])  # fmt: skip
+def test_bad_laws(make, message):
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
+        make()
+    assert message in str(caught.value)
