@@ -521,6 +521,33 @@ subroutine sample_structure(n, gaps, width, harmonics, m, k, matrices, direction
       new_load(frequency, loads, constant), starts, labels, times, values, status)
 end subroutine sample_structure
 
+!> A periodic motion of a structure from presumed load phases of its impacts: from the linear
+!! problem (`wanted` 0; 1 with the state among the unknowns), or exact (2).
+!!
+!! Columns of `impacts` are load phases, approach speeds, impulses; a column of `states` is the
+!! coordinates and velocities just after an impact; `scalars` are the residual, det[P] and the value
+!! that it must have.
+subroutine periodic_structure(n, gaps, width, harmonics, m, matrices, directions, gap_values, &
+   frequency, loads, constant, at, phases, cycles, wanted, impacts, states, p, multipliers, scalars, &
+   verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_period, only: periodic_structure_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, m, at(m), cycles, wanted
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), phases(m)
+   real(c_double), intent(out) :: impacts(m, 3), states(2*n, m), p(2*n, 2*n), &
+      scalars(3)
+   complex(c_double_complex), intent(out) :: multipliers(2*n)
+   integer(c_int), intent(out) :: verdicts(3), status
+
+   call periodic_structure_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), at, phases, cycles, wanted, impacts, states, p, &
+      multipliers, scalars, verdicts, status)
+end subroutine periodic_structure
+
 !> R(v) and its slope at m speeds, for a law given as in `new_restitution`.
 subroutine restitution_values(width, m, kind, numbers, speeds, values, slopes)
    use, intrinsic :: iso_c_binding, only: c_double, c_int

@@ -29,6 +29,7 @@ from .solve import equispaced, equispaced_batch, linear_system, periodic, period
 from .spacing import spaced
 from .status import status_text
 from .structure import Gap, Load, Structure
+from .structure_motion import StructureMotion, exact_structure, periodic_structure
 from .structure_trajectory import StructureTrajectory, simulate_structure
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
@@ -82,6 +83,7 @@ __all__ = [
     "SpecialPoint",
     "StabilityFlags",
     "Structure",
+    "StructureMotion",
     "StructureTrajectory",
     "StudyInterrupted",
     "TabulatedRestitution",
@@ -100,6 +102,7 @@ __all__ = [
     "equispaced_batch",
     "errors",
     "exact",
+    "exact_structure",
     "find",
     "is_symmetric",
     "linear_system",
@@ -108,6 +111,7 @@ __all__ = [
     "motion_images",
     "periodic",
     "periodic_batch",
+    "periodic_structure",
     "read_namelist",
     "response",
     "run_namelists",

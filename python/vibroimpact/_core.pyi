@@ -276,6 +276,28 @@ class _Periodic(Protocol):
     ) -> tuple[_Real, _Real, _Complex, _Integer, _Integer]: ...
 
 @type_check_only
+class _PeriodicStructure(Protocol):
+    # impacts, states, p, multipliers, scalars, verdicts, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        at: ArrayLike,
+        phases: ArrayLike,
+        cycles: int,
+        wanted: int,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+        m: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Complex, _Real, _Integer, int]: ...
+
+@type_check_only
 class _ReadNamelist(Protocol):
     # handle, status
     def __call__(
@@ -602,6 +624,7 @@ linear_system: _LinearSystem
 new_result: _NewResult
 open_table: _OpenTable
 periodic: _Periodic
+periodic_structure: _PeriodicStructure
 read_namelist: _ReadNamelist
 restitution_values: _RestitutionValues
 run_case: _RunCase

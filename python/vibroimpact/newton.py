@@ -15,6 +15,8 @@ from .motion import Motion
 from .period import end_of, letters_of, not_periodic
 from .solve import frozen, impact_restitution, periodic
 from .status import MORE_EVENTS, VERDICT, raise_status
+from .structure import or_structure
+from .structure_motion import exact_structure
 from .trajectory import Trajectory
 
 __all__ = ["exact"]
@@ -24,6 +26,7 @@ MOST_ITERATIONS = 50
 REST_EVENTS = (200, 20_000)
 
 
+@or_structure(exact_structure)
 def exact(
     osc: Oscillator,
     r: float,

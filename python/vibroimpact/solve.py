@@ -12,12 +12,15 @@ from .errors import ParameterError
 from .model import Oscillator, Pattern, plain_pattern
 from .motion import Motion, Motions
 from .status import NO_MOTION, VERDICT, raise_status
+from .structure import or_structure
+from .structure_motion import periodic_structure
 
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
 
 
+@or_structure(periodic_structure)
 def periodic(
     osc: Oscillator,
     r: float,

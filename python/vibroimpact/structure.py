@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -317,3 +318,24 @@ class Load:
         n = len(self.sine)
         kinds = f"{n} harmonic{'s' if n != 1 else ''}"
         return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
+
+
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+
+def or_structure(
+    of_structure: Callable[..., Any],
+) -> Callable[[Callable[_Arguments, _Result]], Callable[_Arguments, _Result]]:
+    """A decorator: a procedure for oscillators, which hands structures over to another one."""
+
+    def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+        @functools.wraps(of_oscillator)
+        def either(*args: Any, **kwargs: Any) -> Any:
+            if args and isinstance(args[0], Structure):
+                return of_structure(*args, **kwargs)
+            return of_oscillator(*args, **kwargs)
+
+        return either
+
+    return decorate

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -226,22 +224,6 @@ def simulate_structure(
     return StructureTrajectory(
         structure, load, start, end, events, states, (q, rate), (final[:n], final[n:]), status == 0
     )
-
-
-_Arguments = ParamSpec("_Arguments")
-_Run = TypeVar("_Run")
-
-
-def or_structure(simulate: Callable[_Arguments, _Run]) -> Callable[_Arguments, _Run]:
-    """`simulate` for oscillators, which also takes structures."""
-
-    @functools.wraps(simulate)
-    def either(*args: Any, **kwargs: Any) -> Any:
-        if args and isinstance(args[0], Structure):
-            return simulate_structure(*args, **kwargs)
-        return simulate(*args, **kwargs)
-
-    return either
 
 
 def _state(state: Any, n: int) -> tuple[_Array, _Array]:

@@ -19,7 +19,8 @@ from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
 from .states import NEEDED, Moment, State, System, as_numbers, later, moments_of, start_of, state_of
 from .status import MORE_EVENTS, raise_status
-from .structure_trajectory import or_structure
+from .structure import or_structure
+from .structure_trajectory import simulate_structure
 from .tables import Result, made
 
 __all__ = ["State", "Trajectory", "simulate"]
@@ -280,7 +281,7 @@ def digits(value: float) -> str:
     return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"
 
 
-@or_structure
+@or_structure(simulate_structure)
 def simulate(
     osc: Oscillator,
     r: float,

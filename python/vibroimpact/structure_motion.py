@@ -1,0 +1,315 @@
+"""Periodic motions of linear structures with gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, checks
+from .errors import ParameterError
+from .restitution import PowerLaw, TabulatedRestitution
+from .status import VERDICT, raise_status
+from .structure import Load, Structure
+from .structure_trajectory import _arrays as core_arrays
+
+__all__ = ["StructureMotion", "exact_structure", "periodic_structure"]
+
+_Array = NDArray[np.float64]
+#: What the core is asked for.
+ELIMINATED, FULL, EXACT = 0, 1, 2
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StructureMotion:
+    """A periodic motion of a structure without rest.
+
+    Attributes
+    ----------
+    structure : Structure
+    load : Load
+    gaps : ndarray (N,)
+        The gap of each impact in a period, from 0.
+    cycles : int
+        Load cycles in a period.
+    phases : ndarray (N,)
+        Load phases Omega t of the impacts (rad), in ascending order.
+    speeds, impulses : ndarray (N,)
+        Approach speeds, and impulses (1 + R) m v.
+    states : ndarray (N, 2, n)
+        Coordinates and velocities just after each impact.
+    residual : float
+        The largest residual of the equations, each relative to the sum of the absolute terms in it.
+    matrix : ndarray (2n, 2n)
+        [P], the derivative of the period of (q, q') from just after the first impact; NaN if there is none.
+    multipliers : ndarray (2n,)
+        Its eigenvalues, in order of decreasing modulus.
+    determinant, law : float
+        det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal.
+    consistent, admissible, stable : bool or None
+        Whether the residual is one of rounding; whether every gap stays open between the impacts; whether all
+        multipliers lie inside the unit circle. None: not decided.
+    """
+
+    structure: Structure
+    load: Load
+    gaps: NDArray[np.int32]
+    cycles: int
+    phases: _Array
+    speeds: _Array
+    impulses: _Array
+    states: _Array
+    residual: float
+    matrix: _Array
+    multipliers: NDArray[np.complex128]
+    determinant: float
+    law: float
+    consistent: bool | None
+    admissible: bool | None
+    stable: bool | None
+
+    @property
+    def q(self) -> _Array:
+        """(n,) Coordinates just after the first impact."""
+        return np.asarray(self.states[0, 0])
+
+    @property
+    def q_dot(self) -> _Array:
+        """(n,) Velocities just after the first impact."""
+        return np.asarray(self.states[0, 1])
+
+    @property
+    def period(self) -> float:
+        """Its period, in time."""
+        return 2 * np.pi * self.cycles / self.load.frequency
+
+    def sample(self, t: ArrayLike) -> tuple[_Array, _Array]:
+        """Coordinates and velocities at given times.
+
+        Parameters
+        ----------
+        t : array_like (m,)
+            Any times; the load phase is Omega t.
+
+        Returns
+        -------
+        q, q_dot : ndarray (n, m)
+        """
+        times = np.atleast_1d(checks.real_array(t, "t", "finite times"))
+        if times.ndim != 1 or not np.isfinite(times).all():
+            raise ParameterError(f"t = {t!r}: must be finite times")
+        n, m = self.structure.coordinates, len(self.phases)
+        first = self.phases[0] / self.load.frequency
+        inside = first + np.mod(times - first, self.period)
+        order = np.argsort(inside, kind="stable")
+        starts = np.empty((2 * n + 1, m), order="F")
+        starts[0] = self.phases / self.load.frequency
+        starts[1:] = self.states.reshape(m, 2 * n).T
+        labels = np.ones((2, m), dtype=np.int32, order="F")
+        labels[1] = self.gaps + 1
+        values, status = _core.sample_structure(
+            *core_arrays(self.structure, self.load), starts, labels, inside[order]
+        )
+        raise_status(status)
+        found = np.empty((2 * n, len(times)))
+        found[:, order] = values
+        return found[:n], found[n:]
+
+    def __repr__(self) -> str:
+        verdicts = [] if self.consistent else [f"residual {self.residual:.2g}"]
+        for value, name in ((self.admissible, "admissible"), (self.stable, "stable")):
+            if value is not None:
+                verdicts.append(name if value else f"not {name}")
+        largest = np.abs(self.multipliers).max(initial=0.0)
+        n = len(self.phases)
+        return (
+            f"<StructureMotion of {n} impact{'s' if n != 1 else ''} in {self.cycles} "
+            f"cycle{'s' if self.cycles != 1 else ''}: {', '.join(verdicts)} (max|lambda| = {largest:.4g})>"
+        )
+
+
+def periodic_structure(
+    structure: Structure,
+    load: Load,
+    phases: ArrayLike,
+    gaps: Sequence[int],
+    cycles: int = 1,
+    full: bool = False,
+) -> StructureMotion:
+    """The periodic motion of a structure whose impact phases are presumed.
+
+    Given the impact times, all else is linear: an overdetermined system (LAPACK DGELS) for the approach speeds
+    and the mean positions of modes of frequency 0. The motion is consistent only if its `residual` is one of
+    rounding. `vibroimpact.periodic` calls this for a `Structure`.
+
+    Parameters
+    ----------
+    structure : Structure
+        With constant coefficients of restitution.
+    load : Load
+    phases : array_like (N,)
+        Load phases Omega t of the impacts (rad), increasing, within less than a period of each other.
+    gaps : sequence of int (N,)
+        The gap of each impact, from 0.
+    cycles : int
+        Load cycles in a period, 1 to 10000.
+    full : bool
+        Solve for the state after the first impact as well, with periodicity among the equations, instead of
+        eliminating it by the periodic response of each mode. For a motion both give the same; for other phases
+        they minimise different residuals.
+
+    Returns
+    -------
+    StructureMotion
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+    SingularError
+        If a mode without damping resonates with the load or the period, or there is no unique solution, as where
+        no impact balances a constant force on a mode of frequency 0.
+
+    Examples
+    --------
+    The third column of Table 1 of the 1983 paper, by the matrices of its two masses:
+
+    >>> import math, vibroimpact as vi
+    >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
+    >>> phases = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
+    >>> motion = vi.periodic(damper, vi.Load(0.94, sine=[1, 0]), phases, gaps=[0, 1])
+    >>> motion.residual < 1e-11, motion.stable
+    (True, True)
+    """
+    laws = [
+        i for i, gap in enumerate(structure.gaps)
+        if isinstance(gap.restitution, PowerLaw | TabulatedRestitution)
+    ]  # fmt: skip
+    numbers, phases, cycles = _pattern(structure, load, phases, gaps, cycles)
+    for i in laws:
+        if i in numbers:
+            raise ParameterError(
+                f"gaps[{i}].restitution = {structure.gaps[i].restitution!r}: must be a number, "
+                "since the problem is linear only then; use exact"
+            )
+    return _motion(structure, load, numbers, phases, cycles, FULL if full else ELIMINATED)
+
+
+def exact_structure(
+    structure: Structure,
+    load: Load,
+    guess: StructureMotion | tuple[Any, ...],
+) -> StructureMotion:
+    """The exact periodic motion of a structure near a guess, by Newton's method.
+
+    Unknown are the impact times, the approach speeds and the mean positions of modes of frequency 0; all
+    derivatives are in closed form. `vibroimpact.exact` calls this for a `Structure`.
+
+    Parameters
+    ----------
+    structure : Structure
+    load : Load
+    guess : StructureMotion or (phases, gaps) or (phases, gaps, cycles)
+        A motion at other parameters, or impacts as in `periodic_structure`.
+
+    Returns
+    -------
+    StructureMotion
+        `admissible` is False if a gap would be negative between the impacts.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+    SingularError
+        If the iteration does not converge, and as in `periodic_structure`.
+
+    Examples
+    --------
+    A mass on a spring that hits one wall, example 15.2 of H. Dankowicz and F. Schilder, Recipes for Continuation
+    (SIAM, 2013):
+
+    >>> import vibroimpact as vi
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    >>> round(float(motion.phases[0]), 8), round(float(motion.speeds[0]), 8), motion.stable
+    (0.07595216, 1.69573294, True)
+    """
+    if isinstance(guess, StructureMotion):
+        phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
+    elif isinstance(guess, tuple) and len(guess) in (2, 3):
+        phases, gaps, cycles = guess if len(guess) == 3 else (*guess, 1)
+    else:
+        raise ParameterError(
+            f"guess = {guess!r}: must be a StructureMotion, or (phases, gaps) or (phases, gaps, cycles)"
+        )
+    numbers, phases, cycles = _pattern(structure, load, phases, gaps, cycles)
+    return _motion(structure, load, numbers, phases, cycles, EXACT)
+
+
+def _pattern(
+    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any
+) -> tuple[NDArray[np.int32], _Array, int]:
+    """Checks the arguments that describe a motion."""
+    checks.instance(structure, "structure", Structure)
+    checks.instance(load, "load", Load)
+    n = structure.coordinates
+    if load.coordinates != n:
+        raise ParameterError(
+            f"load for {load.coordinates} coordinates: must be for {n} as the structure is"
+        )
+    cycles = checks.integer(cycles, "cycles", 1, 10_000)
+    wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
+    array = np.array(checks.real_array(gaps, "gaps", wanted))
+    many = len(structure.gaps)
+    if array.ndim != 1 or not 1 <= array.size <= 1000 or (array != np.round(array)).any():
+        raise ParameterError(f"gaps = {gaps!r}: must be {wanted}")
+    if not ((array >= 0) & (array < many)).all():
+        raise ParameterError(
+            f"gaps = {gaps!r}: must be {wanted}, each below {many} as the structure has {many} gaps"
+        )
+    numbers = array.astype(np.int32)
+    wanted = (
+        "finite load phases, one an impact, increasing, within less than a period of each other"
+    )
+    phases = np.array(checks.real_array(phases, "phases", wanted), dtype=np.float64)
+    if phases.shape != numbers.shape or not np.isfinite(phases).all():
+        raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+    order = np.argsort(phases, kind="stable")
+    if (order != np.arange(len(phases))).any() or phases[-1] - phases[0] >= 2 * np.pi * cycles:
+        raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+    if np.abs(phases).max() > 1e6:
+        raise ParameterError(f"phases = {phases.tolist()!r}: must be at most 1e6 in magnitude")
+    return numbers, phases, cycles
+
+
+def _motion(
+    structure: Structure,
+    load: Load,
+    gaps: NDArray[np.int32],
+    phases: _Array,
+    cycles: int,
+    wanted: int,
+) -> StructureMotion:
+    """The motion from the core."""
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)
+    impacts, states, matrix, multipliers, scalars, verdicts, status = _core.periodic_structure(
+        matrices, directions, values, load.frequency, harmonics, constant,
+        gaps + 1, phases, cycles, wanted,
+    )  # fmt: skip
+    raise_status(status)
+    n = structure.coordinates
+    columns = [np.ascontiguousarray(impacts[:, i]) for i in range(3)]
+    states = np.ascontiguousarray(states.T).reshape(len(gaps), 2, n)
+    for array in (gaps, states, matrix, multipliers, *columns):
+        array.flags.writeable = False
+    consistent, admissible, stable = (VERDICT[int(v)] for v in verdicts)
+    residual, determinant, law = scalars.tolist()
+    return StructureMotion(
+        structure, load, gaps, cycles, *columns, states, residual, matrix, multipliers,
+        determinant, law, consistent, admissible, stable,
+    )  # fmt: skip
