@@ -78,7 +78,7 @@ contains
             call first_contact(structure, regime, equations, speeds, j, x_here, v_here, flight, &
                reached)
             complete = complete .and. reached%complete
-            first = first .and. agrees(structure, regime, equations, speeds, next, flight, reached)
+            first = first .and. agrees(regime, equations, next, flight, reached)
          end if
          call advance(regime%modes, flight, x_here, v_here, x, v)
          call state_after(structure, regime, equations, speeds, offsets, next, x_after, v_after)
@@ -131,15 +131,11 @@ contains
    end subroutine first_contact
 
    !> Whether the first contact is the next impact of the motion.
-   pure logical function agrees(structure, regime, equations, speeds, next, flight, reached)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
+   pure logical function agrees(regime, equations, next, flight, reached)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> The equations of the motion.
       type(equations_type), intent(in) :: equations
-      !> (N) Approach speeds.
-      real(wp), intent(in) :: speeds(:)
       !> The next impact.
       integer, intent(in) :: next
       !> Duration of the flight, and the first contact after its beginning.
@@ -156,7 +152,6 @@ contains
             regime%lower_gap(reached%row), reached%wall > 0) .and. abs(equations%times - &
             equations%times(next)) <= 0)
          agrees = agrees .and. abs(reached%time - flight) <= agreement*equations%period
-         if (gap > size(structure%openings)) agrees = .false.
       end associate
    end function agrees
 

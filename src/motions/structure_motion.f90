@@ -36,6 +36,9 @@ module vi_structure_motion
       !> (p, N) What a unit impulse adds to the balance of each pair of frequency 0, and (p) what
       !! the constant forces add within a period.
       real(wp), allocatable :: balance(:, :), supplied(:)
+      !> (p) Whether no impact acts on a pair of frequency 0 or depends on it, as for a free mass
+      !! that hits nothing: its offset is any, and 0 here.
+      logical, allocatable :: apart(:)
    end type equations_type
 
 contains
@@ -52,7 +55,8 @@ contains
       real(wp), intent(in) :: times(:), period
       !> The equations.
       type(equations_type), intent(out) :: equations
-      !> `stat%ok`, or `stat%resonance` where an undamped pair resonates with the period.
+      !> `stat%ok`; `stat%resonance` where an undamped pair resonates with the period;
+      !! `stat%no_motion` where a constant force acts on a pair of frequency 0 and no impact does.
       integer, intent(out) :: status
       real(wp), dimension(size(regime%modes%stiffness), size(gaps)) :: in_x, in_v, of_x, of_v
       integer, allocatable :: pairs(:)
@@ -96,6 +100,11 @@ contains
                + regime%modes%force(pairs(k)))
          end associate
       end do
+      equations%apart = .not. (any(abs(equations%balance) > 0, 2) .or. any(abs( &
+         equations%by_offset) > 0, 1))
+      if (any(.not. any(abs(equations%balance) > 0, 2) .and. abs(equations%supplied) > 0)) then
+         status = stat%no_motion
+      end if
    end subroutine new_equations
 
    !> Time from impact j to the next instant of impact i; the whole period for the same impact, so
@@ -160,6 +169,10 @@ contains
             + abs(forced(:, 1))
          value(2*n + 1:) = matmul(equations%balance, impulses) + equations%supplied
          scale(2*n + 1:) = matmul(abs(equations%balance), abs(impulses)) + abs(equations%supplied)
+         do i = 1, size(offsets)
+            if (equations%apart(i)) value(2*n + i) = offsets(i)
+            if (equations%apart(i)) scale(2*n + i) = 1
+         end do
          if (.not. present(jacobian)) return
          jacobian = 0
          do i = 1, n
@@ -178,6 +191,9 @@ contains
             jacobian(2*n + 1:, n + i) = equations%balance(:, i)*slopes(i)
          end do
          jacobian(:n, 2*n + 1:) = equations%by_offset
+         do i = 1, size(offsets)
+            if (equations%apart(i)) jacobian(2*n + i, 2*n + i) = 1
+         end do
       end associate
    end subroutine residuals
 
@@ -294,6 +310,7 @@ contains
       !> `stat%ok`, or `stat%singular`.
       integer, intent(out) :: status
       real(wp), allocatable :: state(:, :), a(:, :), right(:), work(:), columns(:)
+      integer, allocatable :: pairs(:)
       real(wp), dimension(size(x)) :: in_x, in_v, of_x, of_v, to_x, to_v
       real(wp) :: d(0:2), impulse, slope, length, unit
       integer :: i, j, m, n, unknowns, next
@@ -302,10 +319,15 @@ contains
       n = size(speeds)
       unknowns = 2*m + n
       ! how the pairs depend on the unknowns, and in the last column what does not
-      allocate (state(2*m, unknowns + 1), a(2*m + 2*n, unknowns), right(2*m + 2*n), &
-         columns(unknowns))
+      allocate (pairs, source=pack(offset_pairs(regime), equations%apart))
+      allocate (state(2*m, unknowns + 1), a(2*m + 2*n + size(pairs), unknowns), &
+         right(2*m + 2*n + size(pairs)), columns(unknowns))
       state = 0
       a = 0
+      right = 0
+      do i = 1, size(pairs)
+         a(2*m + 2*n + i, pairs(i)) = 1
+      end do
       do i = 1, 2*m
          state(i, i) = 1
       end do

@@ -10,7 +10,7 @@ module vi_status
 
    type :: status_codes
       integer :: ok = 0
-      !> The linear equations (26), (30) have no unique solution.
+      !> The linear equations, (26) and (30) for the oscillator, have no unique solution.
       integer :: singular = 1
       !> Equal durations and equal restitution: A is free (rank 3); the clearance must be given.
       integer :: free_amplitude = 2
@@ -76,7 +76,7 @@ contains
       case (stat%ok)
          text = 'done'
       case (stat%singular)
-         text = 'the linear equations (26), (30) have no unique solution for these phases'
+         text = 'the linear equations have no unique solution for these phases'
       case (stat%free_amplitude)
          text = 'two equally spaced impacts with equal restitution leave the load amplitude free: &
             &give the clearance and ask for the equispaced motions instead'

@@ -166,7 +166,7 @@ contains
 
       offsets = 0
       call state_after(structure, regime, equations, speeds, offsets, 1, x, v)
-      offsets = first(offset_pairs(regime)) - x(offset_pairs(regime))
+      offsets = pack(first - x, .not. regime%modes%stiffness > 0)
    end subroutine offsets_of
 
 end module vi_structure_period

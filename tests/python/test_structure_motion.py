@@ -1,0 +1,374 @@
+"""Periodic motions of structures with gaps: laws, published numbers, and independent routes."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.errors import ParameterError, ParameterTypeError, SingularError
+
+scipy_linalg = pytest.importorskip("scipy.linalg")
+
+
+def damper(xi=0.005, mu=0.042, restitution=0.75, clearance=37.0):
+    """The oscillator of 1983 as a structure of two masses."""
+    gaps = [
+        vi.Gap([-1, 1], clearance / 2, restitution),
+        vi.Gap([1, -1], clearance / 2, restitution),
+    ]
+    return vi.Structure([1, mu], [2 * xi, 0], [1, 0], gaps)
+
+
+def random_structure(rng, restitution=None):
+    """A host of a few modes with free masses between walls, or on springs, and one grounded stop."""
+    hosts, masses = int(rng.integers(1, 5)), int(rng.integers(1, 3))
+    n = hosts + masses
+    a = rng.normal(size=(hosts, hosts))
+    mass, damping, stiffness = np.zeros((3, n, n))
+    mass[:hosts, :hosts] = np.eye(hosts) + 0.2 * a @ a.T / hosts
+    b = rng.normal(size=(hosts, hosts))
+    stiffness[:hosts, :hosts] = 0.5 * np.eye(hosts) + b @ b.T
+    c = rng.normal(size=(hosts, hosts))
+    damping[:hosts, :hosts] = 0.05 * (np.eye(hosts) + c @ c.T)
+    gaps = []
+    for i in range(hosts, n):
+        mass[i, i] = rng.uniform(0.05, 0.4)
+        at = int(rng.integers(hosts))
+        direction = np.zeros(n)
+        direction[i], direction[at] = 1, -1
+        kind = rng.integers(3)
+        if kind == 1:
+            damping[i, i] = rng.uniform(0.001, 0.2)
+        if kind == 2:
+            k, c = rng.uniform(0.05, 0.5), rng.uniform(0, 0.1)
+            part = np.array([[1, -1], [-1, 1]])
+            stiffness[np.ix_([i, at], [i, at])] += k * part
+            damping[np.ix_([i, at], [i, at])] += c * part
+        for side in (1, -1):
+            r = rng.uniform(0.3, 0.9) if restitution is None else restitution(rng)
+            gaps.append(vi.Gap(side * direction, rng.uniform(0.2, 1.0), r))
+    sine, cosine = np.zeros((2, 2, n))
+    sine[0, :hosts] = rng.normal(size=hosts)
+    cosine[1, :hosts] = 0.3 * rng.normal(size=hosts)
+    return vi.Structure(mass, damping, stiffness, gaps), vi.Load(
+        rng.uniform(0.4, 2.0), sine=sine, cosine=cosine
+    )
+
+
+def settled(structure, load, cycles=300, most=6):
+    """Impacts of a period with which a simulation ends: phases, gaps, cycles; None if it is not periodic."""
+    run = vi.simulate(structure, load, cycles=cycles)
+    period = 2 * np.pi / load.frequency
+    if not len(run.events) or (run.events["kind"] != "impact").any() or not run.complete:
+        return None
+    times, gaps = run.events["time"], run.events["gap"]
+    for k in range(1, most + 1):
+        last = times > (cycles - k) * period
+        before = (times > (cycles - 2 * k) * period) & ~last
+        n = int(last.sum())
+        if not 0 < n < 25 or n != before.sum() or (gaps[last] != gaps[before]).any():
+            continue
+        if np.abs(times[last] - times[before] - k * period).max() > 1e-5 * period:
+            continue
+        start = times[last][0] * load.frequency
+        shift = 2 * np.pi * np.floor(start / (2 * np.pi))
+        return times[last] * load.frequency - shift, gaps[last].tolist(), k
+    return None
+
+
+def samples(count, seed=0, **options):
+    """Exact motions of random structures."""
+    rng = np.random.default_rng(seed)
+    found = 0
+    for _ in range(40 * count):
+        structure, load = random_structure(rng, **options)
+        try:
+            guess = settled(structure, load)
+        except SingularError:
+            continue
+        if guess is None:
+            continue
+        found += 1
+        yield vi.exact(structure, load, guess), guess
+        if found == count:
+            return
+    pytest.fail(f"only {found} of {count} random structures have a periodic motion")
+
+
+def period_map(motion):
+    """The derivative of the period, by matrix exponentials and saltation matrices."""
+    s = motion.structure
+    n = s.coordinates
+    inverse = np.linalg.inv(s.mass)
+    flow = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ s.stiffness, -inverse @ s.damping]])
+    times = np.append(motion.phases, motion.phases[0] + 2 * np.pi * motion.cycles) / (
+        motion.load.frequency
+    )
+    total = np.eye(2 * n)
+    for i in range(len(motion.phases)):
+        j = (i + 1) % len(motion.phases)
+        total = scipy_linalg.expm(flow * (times[i + 1] - times[i])) @ total
+        gap = s.gaps[motion.gaps[j]]
+        g, r = gap.direction, gap.restitution
+        m = 1 / (g @ inverse @ g)
+        jump = np.eye(n) - (1 + r) * m * np.outer(inverse @ g, g)
+        after = motion.states[j]
+        before = after + np.array([np.zeros(n), inverse @ g * motion.impulses[j]])
+        phase = times[i + 1] * motion.load.frequency
+
+        def acceleration(state, phase=phase):
+            load = motion.load
+            force = np.array(load.constant)
+            for h in range(len(load.sine)):
+                force = force + load.sine[h] * np.sin((h + 1) * phase)
+                force = force + load.cosine[h] * np.cos((h + 1) * phase)
+            return inverse @ (force - s.damping @ state[1] - s.stiffness @ state[0])
+
+        corner = acceleration(after) - jump @ acceleration(before)
+        saltation = np.block(
+            [
+                [jump, np.zeros((n, n))],
+                [np.outer(corner, g) / motion.speeds[j], jump],
+            ]
+        )
+        total = saltation @ total
+    return total
+
+
+def test_table_1_by_the_general_path():
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    reference = vi.exact(osc, 0.94, 37.0, ([0, 1.382 * math.pi], vi.Pattern("RL")))
+    # 12 digits of the phases by an independent program
+    phases = [0.517272128279 * math.pi, (0.517272128279 + 1.382026495805) * math.pi]
+    structure, load = damper(), vi.Load(0.94, sine=[1, 0])
+    linear = vi.periodic(structure, load, phases, [0, 1])
+    assert linear.residual < 1e-11
+    motion = vi.exact(structure, load, linear)
+    assert motion.consistent and motion.admissible and motion.stable
+    np.testing.assert_allclose(np.diff(motion.phases), reference.phases[1:], atol=1e-12)
+    np.testing.assert_allclose(motion.phases, phases, atol=5e-12)
+    np.testing.assert_allclose(motion.q[0], reference.X[0], rtol=1e-12)
+    np.testing.assert_allclose(
+        motion.speeds, np.abs(reference.X_dot_before - reference.Z_dot_before), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        np.poly(motion.multipliers), np.poly(reference.multipliers), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize(("pattern", "r", "clearance"), [("RL", 1.04, 25.0), ("RL", 0.95, 40.0)])
+def test_oscillator_and_structure_have_the_same_motions(pattern, r, clearance):
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    for reference in vi.equispaced(osc, r, clearance):
+        lag = math.atan2(2 * osc.xi * r, 1 - r**2)
+        guess = (
+            np.mod(reference.phases[0] + reference.tau + lag, 2 * np.pi) + reference.phases,
+            [0, 1],
+        )
+        motion = vi.exact(damper(0.0114, 0.028, 0.75, clearance), vi.Load(r, sine=[1, 0]), guess)
+        np.testing.assert_allclose(
+            np.poly(motion.multipliers), np.poly(reference.multipliers), rtol=1e-9, atol=1e-9
+        )
+        np.testing.assert_allclose(motion.q[0], reference.X[0], rtol=1e-10)
+        assert motion.stable == reference.stable
+        assert motion.admissible == reference.admissible
+
+
+def test_published_one_wall_motions():
+    # H. Dankowicz and F. Schilder, Recipes for Continuation (SIAM, 2013), example 15.2; the digits by an
+    # independent program
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    np.testing.assert_allclose(motion.phases, [0.07595216493831], atol=1e-13)
+    np.testing.assert_allclose(motion.speeds, [1.69573294], atol=5e-9)
+    np.testing.assert_allclose(motion.multipliers[0].real, -0.58429531, atol=5e-9)
+    np.testing.assert_allclose(abs(motion.multipliers[0].imag), 0.00560035, atol=5e-9)
+    np.testing.assert_allclose(np.linalg.det(motion.matrix), 0.34143237829831, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "load", "phase", "multiplier", "published"),
+    [
+        (0.81, 0.3475333974123, 0.078, -1, 0.3475333989),
+        (0.799, 0.3628362019809, 0.05, 1, 0.3628362019763),
+    ],
+)
+def test_published_bifurcations_of_the_one_wall_stop(frequency, load, phase, multiplier, published):
+    # the last digits by an independent program; published by I. Ghosh and D. J. W. Simpson with VIVID
+    wall = vi.Structure([1], [0.04], [1], [vi.Gap([1], 1, 0.9)])
+    assert load == pytest.approx(published, abs=2e-9)
+    motion = vi.exact(wall, vi.Load(frequency, cosine=[load]), ([phase], [0], 2))
+    # near a fold the multiplier moves with the square root of the load
+    assert abs(motion.multipliers[0] - multiplier) < (1e-9 if multiplier < 0 else 1e-5)
+
+
+def test_bouncing_ball_on_a_shaken_plate():
+    # relative to the plate, whose acceleration acts as a force: a period T lasts as long as the flight, so the
+    # approach speed is g T/(1 + R), and the impulse m g T
+    restitution, gravity, frequency, mass = 0.5, 9.81, 12.0, 0.3
+    ball = vi.Structure([mass], [0], [0], [vi.Gap([-1], 0, restitution)])
+    period = 2 * np.pi / frequency
+    load = vi.Load(frequency, sine=[1.5 * mass * gravity], constant=[-mass * gravity])
+    motion = vi.exact(ball, load, ([1.0], [0]))
+    np.testing.assert_allclose(motion.speeds, gravity * period / (1 + restitution), rtol=1e-13)
+    np.testing.assert_allclose(motion.impulses, mass * gravity * period, rtol=1e-13)
+    np.testing.assert_allclose(np.prod(motion.multipliers).real, restitution**2, rtol=1e-13)
+    assert motion.admissible and motion.stable
+
+
+@pytest.mark.slow
+def test_laws_of_many_random_structures():
+    check_laws(150, 5)
+
+
+def test_laws_of_random_structures():
+    check_laws(12, 1)
+
+
+def check_laws(count, seed):
+    for motion, _ in samples(count, seed):
+        structure, load = motion.structure, motion.load
+        assert motion.consistent and motion.residual < 1e-13
+        assert motion.admissible
+        # det[P] in closed form
+        trace = np.trace(np.linalg.solve(structure.mass, structure.damping))
+        restitution = np.array([structure.gaps[i].restitution for i in motion.gaps])
+        law = np.exp(-trace * motion.period) * np.prod(restitution**2)
+        assert motion.law == pytest.approx(law, rel=1e-10)
+        scale = np.prod(np.linalg.norm(motion.matrix, axis=0))
+        assert abs(motion.determinant - law) < 1e-11 * law + 1e-14 * scale
+        # the derivative by matrix exponentials
+        reference = period_map(motion)
+        np.testing.assert_allclose(
+            motion.matrix, reference, rtol=0, atol=1e-8 * np.abs(reference).max()
+        )
+        # the simulation comes back after a period; an error grows by [P]
+        start = motion.phases[0] / load.frequency
+        run = vi.simulate(
+            structure,
+            load,
+            duration=0.999999 * motion.period,
+            start=start,
+            state=(motion.q, motion.q_dot),
+        )
+        growth = max(1.0, np.abs(motion.matrix).max())
+        others = run.events[run.events["speed"] > 0]
+        assert others["gap"].tolist() == motion.gaps[1:].tolist()
+        np.testing.assert_allclose(
+            others["time"] * load.frequency, motion.phases[1:], atol=1e-11 * growth, rtol=1e-13
+        )
+        # both linear problems give the motion itself
+        for full in (False, True):
+            linear = vi.periodic(
+                structure, load, motion.phases, motion.gaps, motion.cycles, full=full
+            )
+            largest = max(np.abs(motion.states).max(), motion.speeds.max())
+            assert linear.residual < 1e-9
+            np.testing.assert_allclose(linear.states, motion.states, rtol=0, atol=1e-8 * largest)
+
+
+def test_eliminated_and_full_problem_agree_to_rounding():
+    differences = []
+    for motion, _ in samples(10, 3):
+        arguments = (motion.structure, motion.load, motion.phases, motion.gaps, motion.cycles)
+        eliminated, full = (vi.periodic(*arguments, full=full) for full in (False, True))
+        largest = max(np.abs(full.states).max(), full.speeds.max())
+        differences.append(np.abs(eliminated.states - full.states).max() / largest)
+    assert np.median(differences) < 1e-12
+    assert max(differences) < 1e-9
+
+
+def test_newton_converges_from_displaced_times():
+    rng = np.random.default_rng(2)
+    for motion, _ in samples(8, 4):
+        spread = 0.01 * 2 * np.pi * motion.cycles / len(motion.phases)
+        phases = np.sort(motion.phases + spread * rng.uniform(-1, 1, len(motion.phases)))
+        again = vi.exact(motion.structure, motion.load, (phases, motion.gaps, motion.cycles))
+        np.testing.assert_allclose(again.phases, motion.phases, atol=1e-9)
+
+
+def test_restitution_that_depends_on_the_speed():
+    def law(rng):
+        return vi.PowerLaw(rng.uniform(0.6, 0.95), rng.uniform(0.2, 1.0), rng.uniform(0.1, 0.5))
+
+    for motion, guess in samples(6, 7, restitution=law):
+        step = 1e-6
+        values = []
+        for i, speed in zip(motion.gaps, motion.speeds, strict=True):
+            r = motion.structure.gaps[i].restitution
+            slope = (r(speed * (1 + step)) - r(speed * (1 - step))) / (2 * speed * step)
+            values.append(r(speed) * (r(speed) + slope * speed))
+        trace = np.trace(np.linalg.solve(motion.structure.mass, motion.structure.damping))
+        law_value = np.prod(values) * np.exp(-trace * motion.period)
+        assert motion.law == pytest.approx(law_value, rel=1e-8)
+        scale = np.prod(np.linalg.norm(motion.matrix, axis=0))
+        assert abs(motion.determinant - motion.law) < 1e-11 * abs(motion.law) + 1e-14 * scale
+        with pytest.raises(ParameterError, match="restitution"):
+            vi.periodic(motion.structure, motion.load, *guess)
+
+
+def test_sample_is_periodic_and_meets_the_walls():
+    structure, load = damper(), vi.Load(0.94, sine=[1, 0])
+    motion = vi.exact(structure, load, ([1.62, 5.97], [0, 1]))
+    t = np.linspace(-7, 20, 23)
+    q, q_dot = motion.sample(t)
+    again, again_dot = motion.sample(t + 3 * motion.period)
+    np.testing.assert_allclose(q, again, atol=1e-11)
+    np.testing.assert_allclose(q_dot, again_dot, atol=1e-11)
+    q, q_dot = motion.sample(motion.phases / load.frequency)
+    np.testing.assert_allclose(q[1] - q[0], [18.5, -18.5], rtol=1e-13)
+    np.testing.assert_allclose(q_dot.T, motion.states[:, 1], rtol=1e-12)
+
+
+def test_a_motion_through_a_wall_is_not_admissible():
+    # one impact in six cycles solves the equations, but the mass would be far behind the wall in between
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.1, 0.8)])
+    motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0], 6))
+    assert motion.consistent
+    assert motion.admissible is False
+
+
+REFUSED = [
+    (dict(phases=[0.5]), "phases"),
+    (dict(phases=[4.0, 0.5]), "phases"),
+    (dict(phases=[0.5, 7.0]), "phases"),
+    (dict(phases=[0.5, math.nan]), "phases"),
+    (dict(phases=[1e9, 1e9 + 1]), "phases"),
+    (dict(phases=[], gaps=[]), "gaps"),
+    (dict(gaps=[0, 2]), "gaps"),
+    (dict(gaps=[0, -1]), "gaps"),
+    (dict(gaps=[0, 0.5]), "gaps"),
+    (dict(cycles=0), "cycles"),
+    (dict(cycles=1.5), "cycles"),
+]
+
+
+@pytest.mark.parametrize(("change", "name"), REFUSED)
+def test_refused_arguments(change, name):
+    values = dict(phases=[1.6, 5.9], gaps=[0, 1], cycles=1) | change
+    with pytest.raises((ParameterError, ParameterTypeError), match=name):
+        vi.periodic(damper(), vi.Load(0.94, sine=[1, 0]), **values)
+    with pytest.raises((ParameterError, ParameterTypeError), match=name):
+        vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), tuple(values.values()))
+
+
+def test_refused_loads_and_guesses():
+    with pytest.raises(ParameterTypeError, match="load"):
+        vi.exact(damper(), None, ([1.6, 5.9], [0, 1]))
+    with pytest.raises(ParameterError, match="load for 3 coordinates"):
+        vi.exact(damper(), vi.Load(1.0, sine=[1, 0, 0]), ([1.6, 5.9], [0, 1]))
+    with pytest.raises(ParameterError, match="guess"):
+        vi.exact(damper(), vi.Load(1.0, sine=[1, 0]), 3)
+
+
+def test_a_mean_force_that_nothing_balances():
+    # the free mass is pushed to the right wall, but only the left one is hit
+    load = vi.Load(0.94, sine=[1, 0], constant=[0, 0.1])
+    motion = vi.periodic(damper(), load, [1.6], [1])
+    assert motion.consistent is False or motion.speeds[0] < 0
+
+
+def test_resonance_with_the_period_is_refused():
+    structure = damper(xi=0.0)
+    with pytest.raises(SingularError, match="resonates"):
+        vi.periodic(structure, vi.Load(1.0, sine=[0, 0.1]), [1.6, 5.9], [0, 1])
