@@ -6,13 +6,16 @@
 !! f'''', prove that most rows stay within their limits. A row in doubt is searched by steps that
 !! cannot jump over a zero (vi_advance), up to the first event found so far in the cell.
 !!
-!! Just after departure from a wall the gap is a small difference of large numbers. There its
-!! Taylor series is used: g(t) = t k(t) with k(0) the departure speed.
+!! A row in doubt is evaluated by its Taylor series about the beginning of the cell, as far as the
+!! omitted terms are below rounding. Just after departure from a wall the gap is a small difference
+!! of large numbers. There g(t) = t k(t), with k(0) the departure speed, is evaluated by the series
+!! of k.
 module vi_channels
    use vi_advance, only: safe_step
-   use vi_bernstein, only: sag
    use vi_kinds, only: wp
-   use vi_modes, only: advance, bound_on, levels, rates, step_functions
+   use vi_lane_rows, only: add_derivatives, side_by_side
+   use vi_modes, only: advance, advance_pair, bound_on, levels
+   use vi_rows, only: bound_values, row_values
    use vi_structure, only: regime_type
    implicit none (type, external)
    private
@@ -41,17 +44,42 @@ module vi_channels
    integer, parameter :: budget = 10000000
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
-   !> Terms of the Taylor series of g.
-   integer, parameter :: terms = 9
+   !> Order of the last term of a Taylor series.
+   integer, parameter :: order = 20
+
+   !> Room for a search.
+   type, public :: space_type
+      real(wp), allocatable :: pairs(:, :), work(:, :), values(:, :)
+      complex(wp), allocatable :: turns(:, :)
+      integer, allocatable :: doubtful(:, :)
+   end type space_type
+
+   !> The Taylor series of a row.
+   type :: series_type
+      !> Time about which it is, and how far it is valid.
+      real(wp) :: centre = 0, reach = -1
+      real(wp) :: c(0:order) = 0
+      !> The last order that is used.
+      integer :: last = order
+      !> A bound on the derivative after it, if all orders are used.
+      real(wp) :: beyond = 0
+   end type series_type
+
+   !> The gap to the wall just left over the time since then, k(t) = g(t)/t.
+   type :: departure_type
+      real(wp) :: k(0:order - 1) = 0
+      !> Time up to which it is valid, and a bound on the fifth derivative of the gap.
+      real(wp) :: near = 0, fifth = 0
+   end type departure_type
 
 contains
 
    !> The first event of a flight.
-   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, level, reached)
+   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, level, reached, space)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
-      real(wp), intent(in) :: x0(:), v0(:)
+      real(wp), contiguous, intent(in) :: x0(:), v0(:)
       !> Load phase at the start (rad).
       real(wp), intent(in) :: phase
       !> How the flight begins.
@@ -62,91 +90,207 @@ contains
       integer, intent(inout) :: level
       !> The event.
       type(reached_type), intent(out) :: reached
-      real(wp), dimension(size(x0)) :: x, v, x_next, v_next
-      real(wp), dimension(size(regime%upper)) :: y, rate, y_next, rate_next, bound, low, high, &
-         reserve
-      complex(wp) :: turn(size(regime%turns, 1)), turn_next(size(regime%turns, 1))
-      integer :: doubtful(size(regime%upper))
-      real(wp) :: h, time, found, speed, t, horizon
-      real(wp) :: inner(4)
-      integer :: i, j, n, steps, wall, row
+      !> Kept by the caller, so that memory is not allocated anew for each flight.
+      type(space_type), intent(inout), optional :: space
+      type(space_type) :: own
 
-      call bound_rows(regime, x0, v0, 4, bound)
-      t = 0
-      horizon = cells*regime%steps%length(level)
-      call start_afresh(regime, x0, v0, phase, t, horizon, x, v, turn, y, rate, reserve)
-      if (leaving%row > 0) then
-         y(leaving%row) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
-            leaving%wall > 0)
-         rate(leaving%row) = -leaving%wall*leaving%speed
+      if (present(space)) then
+         call make_room(regime, space)
+         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
+            phase, leaving, limit, level, space%pairs, space%work, space%values, space%turns, &
+            space%doubtful, reached)
+      else
+         call make_room(regime, own)
+         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
+            phase, leaving, limit, level, own%pairs, own%work, own%values, own%turns, &
+            own%doubtful, reached)
       end if
-      steps = 0
-      do while (t < limit)
-         steps = steps + 1
-         reached%complete = steps < budget
-         if (.not. reached%complete) return
-         h = regime%steps%length(level)
-         if (t + h > horizon) then
-            horizon = t + cells*h
-            call start_afresh(regime, x0, v0, phase, t, cells*h, x, v, turn, y, rate, reserve)
-         end if
-         x_next = regime%steps%xx(:, level)*x + regime%steps%xv(:, level)*v &
-            + regime%steps%x(:, level)
-         v_next = regime%steps%vx(:, level)*x + regime%steps%vv(:, level)*v &
-            + regime%steps%v(:, level)
-         turn_next = turn*regime%turns(:, level)
-         call row_values(regime, x_next, v_next, turn_next, y_next, rate_next)
-         high = max(y, y + 0.25_wp*h*rate, 0.5_wp*(y + y_next) + h*(rate - rate_next)/6 &
-            + sag(bound, h), y_next - 0.25_wp*h*rate_next, y_next)
-         low = min(y, y + 0.25_wp*h*rate, 0.5_wp*(y + y_next) + h*(rate - rate_next)/6 &
-            - sag(bound, h), y_next - 0.25_wp*h*rate_next, y_next)
-         n = 0
-         do i = 1, size(y)
-            if (high(i) < regime%upper(i) - reserve(i) .and. &
-               low(i) > regime%lower(i) + reserve(i)) cycle
-            if (i == leaving%row .and. t <= 0) then
-               ! the row starts on its limit and leaves it: the first coefficient does not count
-               inner = [y(i) + 0.25_wp*h*rate(i), 0.5_wp*(y(i) + y_next(i)) &
-                  + h*(rate(i) - rate_next(i))/6, y_next(i) - 0.25_wp*h*rate_next(i), y_next(i)]
-               if (leaving%wall > 0) then
-                  inner(2) = inner(2) + sag(bound(i), h)
-                  if (maxval(inner) < regime%upper(i) - reserve(i) .and. &
-                     low(i) > regime%lower(i) + reserve(i)) cycle
-               else
-                  inner(2) = inner(2) - sag(bound(i), h)
-                  if (minval(inner) > regime%lower(i) + reserve(i) .and. &
-                     high(i) < regime%upper(i) - reserve(i)) cycle
-               end if
-            end if
-            n = n + 1
-            doubtful(n) = i
-         end do
-         if (n > 2 .and. level < levels) then
-            level = level + 1
-            cycle
-         end if
-         found = min(t + h, limit)
-         row = 0
-         do j = 1, n
-            call search(regime, x0, v0, phase, doubtful(j), leaving, bound(doubtful(j)), t, found, &
-               h, &
-               wall, time, speed, reached%complete)
-            if (.not. reached%complete) return
-            if (wall == 0) cycle
-            found = time
-            row = doubtful(j)
-            reached = reached_type(row, wall, time, speed)
-         end do
-         if (row > 0) return
-         t = t + h
-         x = x_next
-         v = v_next
-         turn = turn_next
-         y = y_next
-         rate = rate_next
-         if (n == 0) level = max(1, level - 1)
-      end do
    end subroutine first_event
+
+   !> Allocates what a search needs.
+   pure subroutine make_room(regime, space)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> In and out: allocated, if it does not fit.
+      type(space_type), intent(inout) :: space
+      logical :: fits
+
+      associate (pairs => size(regime%modes%stiffness), rows => size(regime%upper), &
+         harmonics => size(regime%turns, 1))
+         fits = allocated(space%pairs)
+         if (fits) fits = size(space%pairs, 1) == pairs .and. size(space%values, 1) == rows
+         if (fits) return
+         if (allocated(space%pairs)) deallocate (space%pairs, space%work, space%values, &
+            space%turns, space%doubtful)
+         allocate (space%pairs(pairs, 6), space%work(pairs + side_by_side, 4), &
+            space%values(rows, 6), space%turns(harmonics, 2), &
+            space%doubtful(2, rows + 1))
+      end associate
+   end subroutine make_room
+
+   !> The first event of a flight, cell by cell.
+   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, leaving, limit, level, &
+      pairs, work, values, turns, doubtful, reached)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Number of pairs, of rows, and of harmonics of the load.
+      integer, intent(in) :: m, rows, harmonics
+      !> (m) The pairs at the start.
+      real(wp), intent(in) :: x0(m), v0(m)
+      !> As in `first_event`.
+      real(wp), intent(in) :: phase
+      !> As in `first_event`.
+      type(leaving_type), intent(in) :: leaving
+      !> As in `first_event`.
+      real(wp), intent(in) :: limit
+      !> As in `first_event`.
+      integer, intent(inout) :: level
+      !> Pairs at the beginning and at the end of a cell (m, 1 to 4), and room for two bounds.
+      real(wp), intent(inout) :: pairs(m, 6)
+      !> Room for pairs.
+      real(wp), intent(inout) :: work(m + side_by_side, 4)
+      !> Rows and rates at the beginning and at the end of a cell (rows, 1 to 4), the bounds on
+      !! their fourth derivatives (rows, 5) and on rounding errors (rows, 6).
+      real(wp), intent(inout) :: values(rows, 6)
+      !> (harmonics) e^(i h Omega t) at the beginning and at the end of a cell.
+      complex(wp), intent(inout) :: turns(harmonics, 2)
+      !> The rows in doubt, as in `find_doubts`.
+      integer, intent(inout) :: doubtful(2, rows + 1)
+      !> The event.
+      type(reached_type), intent(out) :: reached
+      real(wp) :: h, time, found, speed, t, horizon, brief
+      integer :: hold, j, n, steps, wall, row
+      logical :: fresh, small
+
+      associate (x => pairs(:, 1), v => pairs(:, 2), x_next => pairs(:, 3), &
+         v_next => pairs(:, 4), y => values(:, 1), rate => values(:, 2), y_next => values(:, 3), &
+         rate_next => values(:, 4), bound => values(:, 5), reserve => values(:, 6), &
+         turn => turns(:, 1), turn_next => turns(:, 2))
+         ! where a cell costs less than a search, long cells in doubt are divided, not searched
+         small = m*rows <= 64
+         brief = 1/max(maxval(regime%rows%fastest), tiny(1.0_wp))
+         call bound_fourth(regime, m, x0, v0, pairs(:, 5), pairs(:, 6), bound)
+         t = 0
+         horizon = cells*regime%steps%length(level)
+         call start_afresh(regime, x0, v0, phase, t, horizon, x, v, turn, y, rate, reserve)
+         fresh = .true.
+         if (leaving%row > 0) then
+            y(leaving%row) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
+               leaving%wall > 0)
+            rate(leaving%row) = -leaving%wall*leaving%speed
+         end if
+         steps = 0
+         hold = 0
+         do while (t < limit)
+            steps = steps + 1
+            reached%complete = steps < budget
+            if (.not. reached%complete) return
+            h = regime%steps%length(level)
+            if (t + h > horizon) then
+               horizon = t + cells*h
+               call start_afresh(regime, x0, v0, phase, t, cells*h, x, v, turn, y, rate, reserve)
+               fresh = .true.
+            end if
+            associate (steps => regime%steps)
+               do j = 1, size(x)
+                  x_next(j) = steps%xx(j, level)*x(j) + steps%xv(j, level)*v(j) + steps%x(j, level)
+                  v_next(j) = steps%vx(j, level)*x(j) + steps%vv(j, level)*v(j) + steps%v(j, level)
+               end do
+            end associate
+            do j = 1, size(turn)
+               turn_next(j) = turn(j)*regime%turns(j, level)
+            end do
+            call row_values(regime%rows, regime%frequency, x_next, v_next, turn_next, y_next, &
+               rate_next)
+            call find_doubts(regime, leaving, t, h, y, rate, y_next, rate_next, bound, reserve, &
+               doubtful, n)
+            if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
+               level = level + 1
+               hold = 2
+               cycle
+            end if
+            if (n > 0 .and. .not. fresh) then
+               ! a search begins from pairs computed directly, so that rounding errors stay small
+               horizon = t + cells*h
+               call start_afresh(regime, x0, v0, phase, t, cells*h, x, v, turn, y, rate, reserve)
+               fresh = .true.
+               cycle
+            end if
+            found = min(t + h, limit)
+            row = 0
+            do j = 1, n
+               call search(regime, x0, v0, phase, x, v, turn, doubtful(:, j), leaving, &
+                  bound(doubtful(1, j)), t, found, h, work, wall, time, speed, reached%complete)
+               if (.not. reached%complete) return
+               if (wall == 0) cycle
+               found = time
+               row = doubtful(1, j)
+               reached = reached_type(row, wall, time, speed)
+            end do
+            if (row > 0) return
+            t = t + h
+            x = x_next
+            v = v_next
+            turn = turn_next
+            y = y_next
+            rate = rate_next
+            fresh = .false.
+            hold = hold - 1
+            if (n == 0 .and. hold < 0) level = max(1, level - 1)
+         end do
+      end associate
+   end subroutine search_cells
+
+   !> The rows that are not proved to stay within their limits over a cell.
+   pure subroutine find_doubts(regime, leaving, t, h, y, rate, y_next, rate_next, bound, reserve, &
+      doubtful, n)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> How the flight begins.
+      type(leaving_type), intent(in) :: leaving
+      !> Beginning and length of the cell.
+      real(wp), intent(in) :: t, h
+      !> (rows) Values and rates at its ends.
+      real(wp), dimension(:), intent(in) :: y, rate, y_next, rate_next
+      !> (rows) Bounds on the fourth derivatives and on the rounding errors.
+      real(wp), dimension(:), intent(in) :: bound, reserve
+      !> (2, rows + 1) The rows, and which limits they may reach: 1 the upper one, 2 the lower one,
+      !! 3 both. Their number.
+      integer, intent(inout) :: doubtful(:, :)
+      integer, intent(out) :: n
+      real(wp) :: first, second, third, fourth, middle, upper, lower, quarter, sixth, sag
+      integer :: i
+
+      n = 0
+      quarter = 0.25_wp*h
+      sixth = h/6
+      sag = (h*h)**2/144
+      do i = 1, size(y)
+         upper = regime%upper(i) - reserve(i)
+         lower = regime%lower(i) + reserve(i)
+         first = y(i)
+         second = first + quarter*rate(i)
+         third = 0.5_wp*(first + y_next(i)) + sixth*(rate(i) - rate_next(i))
+         middle = sag*bound(i)
+         fourth = y_next(i) - quarter*rate_next(i)
+         doubtful(1, n + 1) = i
+         doubtful(2, n + 1) = 0
+         if (i == leaving%row .and. t <= 0) then
+            ! the row starts on its limit and leaves it: the first coefficient does not count there
+            if (.not. (leaving%wall > 0 .or. first < upper)) doubtful(2, n + 1) = 1
+            if (.not. (leaving%wall < 0 .or. first > lower)) doubtful(2, n + 1) = &
+               doubtful(2, n + 1) + 2
+         else
+            if (.not. first < upper) doubtful(2, n + 1) = 1
+            if (.not. first > lower) doubtful(2, n + 1) = doubtful(2, n + 1) + 2
+         end if
+         if (.not. (second < upper .and. third + middle < upper .and. fourth < upper .and. &
+            y_next(i) < upper)) doubtful(2, n + 1) = ior(doubtful(2, n + 1), 1)
+         if (.not. (second > lower .and. third - middle > lower .and. fourth > lower .and. &
+            y_next(i) > lower)) doubtful(2, n + 1) = ior(doubtful(2, n + 1), 2)
+         if (doubtful(2, n + 1) > 0) n = n + 1
+      end do
+   end subroutine find_doubts
 
    !> Computes the pairs and rows at a time directly, so that rounding errors of the products do not
    !! add up, and bounds the rounding errors of the rows for some time after it.
@@ -158,11 +302,11 @@ contains
       !> Load phase there (rad), the time after it, and how long the bound has to hold.
       real(wp), intent(in) :: phase, t, duration
       !> (m) The pairs at that time.
-      real(wp), intent(out) :: x(:), v(:)
+      real(wp), contiguous, intent(out) :: x(:), v(:)
       !> (harmonics) e^(i h Omega t) then.
       complex(wp), intent(out) :: turn(:)
       !> (rows) Values, rates, and the bound.
-      real(wp), intent(out) :: y(:), rate(:), reserve(:)
+      real(wp), contiguous, intent(out) :: y(:), rate(:), reserve(:)
       integer :: h
 
       if (t > 0) then
@@ -172,13 +316,19 @@ contains
          v = v0
       end if
       do h = 1, size(turn)
-         associate (angle => h*(phase + regime%frequency*t))
-            turn(h) = cmplx(cos(angle), sin(angle), wp)
-         end associate
+         turn(h) = turned(h*(phase + regime%frequency*t))
       end do
-      call row_values(regime, x, v, turn, y, rate)
+      call row_values(regime%rows, regime%frequency, x, v, turn, y, rate)
       call rounding(regime, x, v, duration, reserve)
    end subroutine start_afresh
+
+   !> e^(i angle).
+   pure complex(wp) function turned(angle)
+      !> The angle.
+      real(wp), intent(in) :: angle
+
+      turned = cmplx(cos(angle), sin(angle), wp)
+   end function turned
 
    !> A bound on the rounding errors of the rows over some time.
    pure subroutine rounding(regime, x, v, duration, reserve)
@@ -191,98 +341,69 @@ contains
       !> (rows)
       real(wp), intent(out) :: reserve(:)
       real(wp), parameter :: share = 16*epsilon(1.0_wp)
-      real(wp) :: of_x, of_v
-      integer :: h, k
+      real(wp) :: of_x, of_v, sum_x, sum_v, squares
+      integer :: i, k
 
-      reserve = abs(regime%row_offset)
-      do h = 1, size(regime%ripple, 2)
-         reserve = reserve + abs(regime%ripple(:, h))
-      end do
+      sum_x = 0
+      sum_v = 0
       do k = 1, size(x)
          associate (stiffness => regime%modes%stiffness(k), force => abs(regime%modes%force(k)), &
-            drift => abs(regime%modes%drift(k)), first => regime%first_row(k), &
-            last => regime%last_row(k))
+            drift => abs(regime%modes%drift(k)), inverse => regime%modes%inverse(k))
             if (stiffness > 0) then
-               call bound_on(stiffness, abs(x(k)) + force/stiffness &
-                  + 2*regime%modes%damping(k)*drift/stiffness, abs(v(k)) + drift, of_x, of_v)
+               ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
+               of_x = abs(x(k)) + (force + 2*regime%modes%damping(k)*drift)*inverse**2
+               squares = (abs(v(k)) + drift)**2 + stiffness*of_x**2
+               sum_v = sum_v + squares
+               sum_x = sum_x + squares*inverse**2
             else
                of_v = abs(v(k)) + force*duration
                of_x = abs(x(k)) + (of_v + drift)*duration
+               sum_x = sum_x + of_x**2
+               sum_v = sum_v + of_v**2
             end if
-            reserve(first:last) = reserve(first:last) + abs(regime%position(first:last, k))*of_x &
-               + abs(regime%velocity(first:last, k))*of_v
          end associate
       end do
-      reserve = share*reserve
+      ! by the inequality of Cauchy and Schwarz
+      do i = 1, size(reserve)
+         reserve(i) = share*(regime%rows%constant_size(i) &
+            + regime%rows%position_norm(i)*sqrt(sum_x) + regime%rows%velocity_norm(i)*sqrt(sum_v))
+      end do
    end subroutine rounding
 
-   !> The rows and their rates.
-   pure subroutine row_values(regime, x, v, turn, y, rate)
+   !> Bounds on the absolute fourth derivatives of all rows, from now on.
+   pure subroutine bound_fourth(regime, m, x0, v0, of_x, of_v, bound)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> (m) The pairs.
-      real(wp), intent(in) :: x(:), v(:)
-      !> (harmonics) e^(i h Omega t).
-      complex(wp), intent(in) :: turn(:)
-      !> (rows) Values and rates.
-      real(wp), intent(out) :: y(:), rate(:)
-      complex(wp) :: here
-      integer :: h, i, k
-
-      y = regime%row_offset
-      rate = regime%rate_offset
-      do k = 1, size(x)
-         if (regime%by_position) then
-            do i = regime%first_row(k), regime%last_row(k)
-               y(i) = y(i) + regime%position(i, k)*x(k)
-               rate(i) = rate(i) + regime%position(i, k)*v(k)
-            end do
-         else
-            do i = regime%first_row(k), regime%last_row(k)
-               y(i) = y(i) + regime%position(i, k)*x(k) + regime%velocity(i, k)*v(k)
-               rate(i) = rate(i) + regime%rate_position(i, k)*x(k) + regime%rate_velocity(i, k)*v(k)
-            end do
-         end if
-      end do
-      do h = 1, size(turn)
-         do i = 1, size(y)
-            here = regime%ripple(i, h)*turn(h)
-            y(i) = y(i) + here%re
-            rate(i) = rate(i) - h*regime%frequency*here%im
-         end do
-      end do
-   end subroutine row_values
-
-   !> Bounds on the absolute derivatives of a given order >= 2 of all rows, from now on.
-   pure subroutine bound_rows(regime, x0, v0, order, bound)
-      !> The regime.
-      type(regime_type), intent(in) :: regime
-      !> (m) The pairs.
-      real(wp), intent(in) :: x0(:), v0(:)
-      !> Order of the derivative.
-      integer, intent(in) :: order
+      !> Number of pairs.
+      integer, intent(in) :: m
+      !> (m) The pairs at the start.
+      real(wp), intent(in) :: x0(m), v0(m)
+      !> (m) Bounds on the derivatives of the pairs.
+      real(wp), intent(out) :: of_x(m), of_v(m)
       !> (rows)
-      real(wp), intent(out) :: bound(:)
-      real(wp), dimension(size(x0)) :: x, v, of_x, of_v
+      real(wp), contiguous, intent(out) :: bound(:)
+      real(wp) :: x, v, before
       integer :: h, i, k
 
-      x = x0
-      v = v0
-      do i = 1, order
-         call rates(regime%modes, i, x, v)
+      do k = 1, m
+         associate (stiffness => regime%modes%stiffness(k), drag => 2*regime%modes%damping(k))
+            x = v0(k) + regime%modes%drift(k)
+            v = -stiffness*x0(k) - drag*v0(k) + regime%modes%force(k)
+            do i = 2, 4
+               before = x
+               x = v
+               v = -stiffness*before - drag*v
+            end do
+            of_v(k) = sqrt(v*v + stiffness*x*x)
+            of_x(k) = of_v(k)*regime%modes%inverse(k)
+            if (.not. stiffness > 0) of_x(k) = abs(x)
+         end associate
       end do
-      call bound_on(regime%modes%stiffness, x, v, of_x, of_v)
-      bound = 0
-      do k = 1, size(x)
-         do i = regime%first_row(k), regime%last_row(k)
-            bound(i) = bound(i) + abs(regime%position(i, k))*of_x(k) &
-               + abs(regime%velocity(i, k))*of_v(k)
-         end do
-      end do
+      call bound_values(regime%rows, of_x, of_v, bound)
       do h = 1, size(regime%ripple, 2)
-         bound = bound + abs(regime%ripple(:, h))*(h*regime%frequency)**order
+         bound = bound + regime%rows%ripple_size(:, h)*(h*regime%frequency)**4
       end do
-   end subroutine bound_rows
+   end subroutine bound_fourth
 
    !> A row and its first three derivatives, computed directly from the start of the flight.
    pure subroutine row_derivatives(regime, x0, v0, phase, row, t, d)
@@ -298,206 +419,372 @@ contains
       real(wp), intent(in) :: t
       !> The derivatives of order 0 to 3.
       real(wp), intent(out) :: d(0:3)
-      real(wp) :: u, w, s2, s3, x, v, x_before, omega
+      real(wp) :: x, v, before, omega
       complex(wp) :: here
       integer :: h, i, j, k
 
       d = 0
       d(0) = regime%row_offset(row)
-      do j = regime%begins(row), regime%begins(row + 1) - 1
-         k = regime%touched(j)
-         associate (stiffness => regime%modes%stiffness(k), damping => regime%modes%damping(k), &
-            drift => regime%modes%drift(k), force => regime%modes%force(k))
-            if (abs(drift) + abs(force) > 0) then
-               call step_functions(stiffness, damping, t, u, w, s2, s3)
-            else
-               call step_functions(stiffness, damping, t, u, w)
-               s2 = 0
-            end if
-            x = u*x0(k) + w*v0(k) + force*s2 + drift*(w + 2*damping*s2)
-            v = (u - 2*damping*w)*v0(k) - stiffness*w*x0(k) + force*w - stiffness*drift*s2
-            d(0) = d(0) + regime%position(row, k)*x + regime%velocity(row, k)*v
+      do j = regime%rows%begins(row), regime%rows%begins(row + 1) - 1
+         k = regime%rows%touched(j)
+         if (t > 0) then
+            call advance_pair(regime%modes, k, t, x0(k), v0(k), x, v)
+         else
+            x = x0(k)
+            v = v0(k)
+         end if
+         associate (of_x => regime%rows%of_x(j), of_v => regime%rows%of_v(j))
+            d(0) = d(0) + of_x*x + of_v*v
             do i = 1, 3
-               x_before = x
+               before = x
                x = v
-               v = -stiffness*x_before - 2*damping*v
-               if (i == 1) x = x + drift
-               if (i == 1) v = v + force
-               d(i) = d(i) + regime%position(row, k)*x + regime%velocity(row, k)*v
+               v = -regime%modes%stiffness(k)*before - 2*regime%modes%damping(k)*v
+               if (i == 1) x = x + regime%modes%drift(k)
+               if (i == 1) v = v + regime%modes%force(k)
+               d(i) = d(i) + of_x*x + of_v*v
             end do
          end associate
       end do
       do h = 1, size(regime%ripple, 2)
          omega = h*regime%frequency
-         here = regime%ripple(row, h)*cmplx(cos(h*(phase + regime%frequency*t)), &
-            sin(h*(phase + regime%frequency*t)), wp)
+         here = regime%ripple(row, h)*turned(h*(phase + regime%frequency*t))
          d = d + [here%re, -omega*here%im, -omega**2*here%re, omega**3*here%im]
       end do
    end subroutine row_derivatives
 
    !> The first time within a cell at which one row reaches a limit.
-   pure subroutine search(regime, x0, v0, phase, row, leaving, bound, begin, end, longest, wall, &
-      time, speed, complete)
+   pure subroutine search(regime, x0, v0, phase, x, v, turn, doubt, leaving, bound, begin, end, &
+      longest, work, wall, time, speed, complete)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start of the flight.
       real(wp), intent(in) :: x0(:), v0(:)
       !> Load phase there (rad).
       real(wp), intent(in) :: phase
-      !> The row.
-      integer, intent(in) :: row
+      !> (m) The pairs at the beginning of the cell.
+      real(wp), intent(in) :: x(:), v(:)
+      !> (harmonics) e^(i h Omega t) there.
+      complex(wp), intent(in) :: turn(:)
+      !> The row, and which limits it may reach, as in `find_doubts`.
+      integer, intent(in) :: doubt(2)
       !> How the flight begins.
       type(leaving_type), intent(in) :: leaving
       !> Bound on the absolute fourth derivative of the row.
       real(wp), intent(in) :: bound
-      !> Times between which to search.
+      !> Times between which to search: begin is the beginning of the cell.
       real(wp), intent(in) :: begin, end
       !> Longest step: the length of the cell, so that a short remainder of the cell is not mistaken
       !! for a contact.
       real(wp), intent(in) :: longest
+      !> (m + side_by_side, 4) Room for pairs.
+      real(wp), contiguous, intent(inout) :: work(:, :)
       !> Limit that is reached: +1 upper, -1 lower; 0 if none is.
       integer, intent(out) :: wall
       !> Time at which it is reached, and approach speed.
       real(wp), intent(out) :: time, speed
       !> False if the search exceeded its step budget.
       logical, intent(out) :: complete
-      real(wp) :: k(0:terms - 1), d(0:3), t, h, step, near, fifth
+      type(series_type) :: series
+      type(departure_type) :: departure
+      real(wp) :: d(0:3), t, h, step
       integer :: i, side
+      logical :: departs
 
       wall = 0
       speed = 0
       time = end
       complete = .true.
-      near = 0
-      fifth = 0
-      if (row == leaving%row .and. begin <= 0) call gap_series(regime, x0, v0, phase, leaving, k, &
-         near, fifth)
-      t = begin
-      do i = 1, budget
-         call row_derivatives(regime, x0, v0, phase, row, t, d)
-         if (row == leaving%row .and. t <= 0) d(:1) = [merge(regime%upper(row), &
-            regime%lower(row), leaving%wall > 0), -leaving%wall*leaving%speed]
-         step = huge(1.0_wp)
-         do side = 1, -1, -2
-            if (side > 0 .and. regime%upper_gap(row) == 0) cycle
-            if (side < 0 .and. regime%lower_gap(row) == 0) cycle
-            if (row == leaving%row .and. side == leaving%wall .and. t < near) then
-               h = series_step(k, fifth, bound, leaving%released, t, near)
-               if (h <= 2*epsilon(1.0_wp)*t) speed = max(0.0_wp, series_speed(k, t))
-            else
-               h = safe_step(max(0.0_wp, side*(merge(regime%upper(row), regime%lower(row), &
-                  side > 0) - d(0))), -side*d(1), -side*d(2), -side*d(3), bound, &
-                  longest)
-               if (h <= 2*epsilon(1.0_wp)*t) speed = max(0.0_wp, side*d(1))
+      departs = doubt(1) == leaving%row .and. begin <= 0 .and. (doubt(2) == 3 .or. &
+         doubt(2) == merge(1, 2, leaving%wall > 0))
+      associate (row => doubt(1))
+         call expand(regime, x, v, turn, row, bound, begin, merge(-1.0_wp, end - begin, departs), &
+            work, series, departure%fifth)
+         if (departs) call depart(leaving, series, departure)
+         t = begin
+         do i = 1, budget
+            if (t > series%centre + series%reach) then
+               call expand_at(regime, x0, v0, phase, row, bound, t, end - t, work, series)
             end if
-            if (h <= 2*epsilon(1.0_wp)*t) then
-               wall = side
-               time = t
-               return
-            end if
-            step = min(step, h)
+            call evaluate(series, t, d)
+            if (departs .and. t <= 0) d(:1) = [merge(regime%upper(row), &
+               regime%lower(row), leaving%wall > 0), -leaving%wall*leaving%speed]
+            step = huge(1.0_wp)
+            do side = 1, -1, -2
+               if (iand(doubt(2), merge(1, 2, side > 0)) == 0) cycle
+               if (departs .and. side == leaving%wall .and. t < departure%near) then
+                  h = series_step(departure, bound, leaving, t)
+                  if (h <= 2*epsilon(1.0_wp)*t) speed = max(0.0_wp, series_speed(departure%k, t))
+               else
+                  h = safe_step(max(0.0_wp, side*(merge(regime%upper(row), regime%lower(row), &
+                     side > 0) - d(0))), -side*d(1), -side*d(2), -side*d(3), bound, &
+                     longest)
+                  if (h <= 2*epsilon(1.0_wp)*t) speed = max(0.0_wp, side*d(1))
+               end if
+               if (h <= 2*epsilon(1.0_wp)*t) then
+                  wall = side
+                  time = t
+                  return
+               end if
+               step = min(step, h)
+            end do
+            t = t + step
+            if (t > end) return
          end do
-         t = t + step
-         if (t > end) return
-      end do
+      end associate
       complete = .false.
    end subroutine search
 
-   !> Taylor coefficients of k(t) = g(t)/t, the gap to the wall just left over time, and the time up
-   !! to which they are valid.
-   pure subroutine gap_series(regime, x0, v0, phase, leaving, k, near, fifth)
+   !> The Taylor series of a row about a time, from pairs computed directly.
+   pure subroutine expand_at(regime, x0, v0, phase, row, bound, t, wanted, work, series)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> (m) The pairs at the start.
+      !> (m) The pairs at the start of the flight.
       real(wp), intent(in) :: x0(:), v0(:)
-      !> Load phase at the start (rad).
+      !> Load phase there (rad).
       real(wp), intent(in) :: phase
-      !> The wall that is left.
-      type(leaving_type), intent(in) :: leaving
-      !> Coefficients.
-      real(wp), intent(out) :: k(0:)
-      !> Time up to which they are valid, and a bound on the fifth derivative of the gap.
-      real(wp), intent(out) :: near, fifth
-      real(wp) :: d(0:terms + 1), x, v, x_before, factorial, of_x, of_v, omega
-      complex(wp) :: here
-      integer :: h, i, j, n
+      !> The row, and the bound on its absolute fourth derivative.
+      integer, intent(in) :: row
+      real(wp), intent(in) :: bound
+      !> The time, and how far the series is wanted.
+      real(wp), intent(in) :: t, wanted
+      !> (m + side_by_side, 4) Room for pairs.
+      real(wp), contiguous, intent(inout) :: work(:, :)
+      !> The series.
+      type(series_type), intent(out) :: series
+      real(wp) :: fifth
+      complex(wp) :: turn(size(regime%ripple, 2))
+      integer :: h, j
 
-      d = 0
+      ! the pairs beyond those of the row are not used, except for the first one with factors of 0
+      work(:min(1, size(x0)), 3:4) = 0
+      do j = regime%rows%begins(row), regime%rows%begins(row + 1) - 1
+         associate (k => regime%rows%touched(j))
+            if (abs(regime%rows%of_x(j)) + abs(regime%rows%of_v(j)) > 0) then
+               call advance_pair(regime%modes, k, t, x0(k), v0(k), work(k, 3), work(k, 4))
+            end if
+         end associate
+      end do
+      do h = 1, size(turn)
+         turn(h) = turned(h*(phase + regime%frequency*t))
+      end do
+      call expand(regime, work(:, 3), work(:, 4), turn, row, bound, t, wanted, work, series, fifth)
+   end subroutine expand_at
+
+   !> The Taylor series of a row about a time.
+   pure subroutine expand(regime, x0, v0, turn, row, bound, t, wanted, work, series, fifth)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at that time; only those of the row are used.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> (harmonics) e^(i h Omega t) then.
+      complex(wp), intent(in) :: turn(:)
+      !> The row, and the bound on its absolute fourth derivative.
+      integer, intent(in) :: row
+      real(wp), intent(in) :: bound
+      !> The time, and how far the series is wanted; below 0 with as many terms as possible.
+      real(wp), intent(in) :: t, wanted
+      !> (m + side_by_side, 4) Room for pairs.
+      real(wp), contiguous, intent(inout) :: work(:, :)
+      !> The series.
+      type(series_type), intent(out) :: series
+      !> A bound on the fifth derivative, if the series is wanted with as many terms as possible.
+      real(wp), intent(out) :: fifth
+      real(wp) :: total(0:order), term, tolerance, size_now
+      complex(wp) :: here
+      integer :: h, i, j, k, n, begin
+
+      begin = regime%rows%begins(row)
+      n = regime%rows%begins(row + 1) - begin
+      total = 0
+      total(0) = regime%row_offset(row)
+      size_now = abs(total(0))
       fifth = 0
-      do j = regime%begins(leaving%row), regime%begins(leaving%row + 1) - 1
-         n = regime%touched(j)
-         x = x0(n)
-         v = v0(n)
-         do i = 1, terms + 1
-            x_before = x
-            x = v
-            v = -regime%modes%stiffness(n)*x_before - 2*regime%modes%damping(n)*v
-            if (i == 1) x = x + regime%modes%drift(n)
-            if (i == 1) v = v + regime%modes%force(n)
-            if (i <= terms) d(i) = d(i) + regime%position(leaving%row, n)*x &
-               + regime%velocity(leaving%row, n)*v
-            if (i /= 5 .and. i <= terms) cycle
-            call bound_on(regime%modes%stiffness(n), x, v, of_x, of_v)
-            of_x = abs(regime%position(leaving%row, n))*of_x &
-               + abs(regime%velocity(leaving%row, n))*of_v
-            if (i == 5) fifth = fifth + of_x
-            if (i > terms) d(i) = d(i) + of_x
+      associate (rows => regime%rows, modes => regime%modes, first => begin, &
+         last => begin + n - 1, x => work(:, 1), v => work(:, 2))
+         do j = 1, n
+            k = rows%touched(begin + j - 1)
+            associate (of_x => rows%of_x(begin + j - 1), of_v => rows%of_v(begin + j - 1))
+               total(0) = total(0) + (of_x*x0(k) + of_v*v0(k))
+               size_now = size_now + abs(of_x*x0(k)) + abs(of_v*v0(k))
+               x(j) = v0(k) + modes%drift(k)
+               v(j) = -modes%stiffness(k)*x0(k) - 2*modes%damping(k)*v0(k) + modes%force(k)
+               total(1) = total(1) + (of_x*x(j) + of_v*v(j))
+            end associate
          end do
+         do h = 1, size(turn)
+            size_now = size_now + regime%rows%ripple_size(row, h)
+         end do
+         tolerance = 0.5_wp*epsilon(1.0_wp)*size_now
+         series%last = order
+         series%reach = -1
+         if (wanted >= 0) then
+            ! how many terms a bound on the omitted ones demands
+            term = bound*wanted**4/24
+            do i = 5, order + 1
+               if (term <= tolerance) exit
+               term = term*rows%fastest(row)*wanted/i
+            end do
+            if (term <= tolerance) then
+               series%last = max(3, i - 2)
+               series%reach = wanted
+            end if
+         end if
+         if (series%reach < 0) then
+            call add_derivatives(n, 2, 5, rows%stiffness(first:last), rows%drag(first:last), &
+               rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
+            fifth = bound_of(regime, row, work(:n, 1), work(:n, 2), 5)
+            call add_derivatives(n, 6, order, rows%stiffness(first:last), rows%drag(first:last), &
+               rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
+         else
+            call add_derivatives(n, 2, series%last, rows%stiffness(first:last), &
+               rows%drag(first:last), rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), &
+               total)
+         end if
+      end associate
+      do h = 1, size(turn)
+         here = regime%ripple(row, h)*turn(h)
+         total(0) = total(0) + here%re
+         do i = 1, series%last
+            here = here*cmplx(0.0_wp, h*regime%frequency, wp)
+            total(i) = total(i) + here%re
+         end do
+      end do
+      series%centre = t
+      if (series%reach < 0) then
+         series%beyond = bound_of(regime, row, work(:n, 1), work(:n, 2), order) &
+            *regime%rows%fastest(row)
+         series%reach = tolerated(tolerance, series%beyond, order + 1)
+      end if
+      term = 1
+      do i = 0, series%last
+         series%c(i) = total(i)*term
+         term = term/(i + 1)
+      end do
+   end subroutine expand
+
+   !> A bound on the absolute derivative of a row of a given order >= 2, from now on.
+   pure real(wp) function bound_of(regime, row, x, v, n) result(bound)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> The row.
+      integer, intent(in) :: row
+      !> Derivatives of that order of its pairs.
+      real(wp), intent(in) :: x(:), v(:)
+      !> The order.
+      integer, intent(in) :: n
+      real(wp) :: of_x, of_v
+      integer :: h, j
+
+      bound = 0
+      do j = 1, size(x)
+         associate (i => regime%rows%begins(row) + j - 1)
+            call bound_on(regime%rows%stiffness(i), x(j), v(j), of_x, of_v)
+            bound = bound + abs(regime%rows%of_x(i))*of_x + abs(regime%rows%of_v(i))*of_v
+         end associate
       end do
       do h = 1, size(regime%ripple, 2)
-         omega = h*regime%frequency
-         here = regime%ripple(leaving%row, h)*cmplx(cos(h*phase), sin(h*phase), wp)
-         do i = 1, terms
-            here = here*cmplx(0.0_wp, omega, wp)
-            d(i) = d(i) + here%re
-         end do
-         fifth = fifth + abs(regime%ripple(leaving%row, h))*omega**5
-         d(terms + 1) = d(terms + 1) + abs(regime%ripple(leaving%row, h))*omega**(terms + 1)
+         bound = bound + regime%rows%ripple_size(row, h)*(h*regime%frequency)**n
       end do
-      k(0) = leaving%speed
-      factorial = 1
-      do i = 2, terms
-         factorial = factorial*i
-         k(i - 1) = -leaving%wall*d(i)/factorial
+   end function bound_of
+
+   !> The t at which bound t^n/(order + 1)! equals a tolerance.
+   pure real(wp) function tolerated(tolerance, bound, n) result(t)
+      !> The tolerance, and the bound.
+      real(wp), intent(in) :: tolerance, bound
+      !> The power.
+      integer, intent(in) :: n
+      real(wp), parameter :: factorial = 51090942171709440000.0_wp
+
+      t = huge(1.0_wp)
+      if (bound > tiny(1.0_wp)) t = (tolerance*factorial/bound)**(1.0_wp/n)
+   end function tolerated
+
+   !> Value and first three derivatives of a series.
+   pure subroutine evaluate(series, t, d)
+      !> The series.
+      type(series_type), intent(in) :: series
+      !> The time.
+      real(wp), intent(in) :: t
+      !> The derivatives of order 0 to 3.
+      real(wp), intent(out) :: d(0:3)
+      real(wp) :: s
+      integer :: i
+
+      s = t - series%centre
+      d = 0
+      do i = series%last, 0, -1
+         d(3) = d(3)*s + d(2)
+         d(2) = d(2)*s + d(1)
+         d(1) = d(1)*s + d(0)
+         d(0) = d(0)*s + series%c(i)
       end do
-      if (leaving%released) k(1) = 0
-      ! the omitted terms are below the rounding of g = k(0) t + .., or of k(2) t^3 + .. after a
-      ! release
-      near = 0.25_wp*regime%steps%length(1)
-      i = merge(terms - 2, terms, leaving%released)
-      x = epsilon(1.0_wp)*merge(abs(k(2)), k(0), leaving%released)*factorial*(terms + 1)
-      if (d(terms + 1)*near**i > x) near = (x/d(terms + 1))**(1.0_wp/i)
-   end subroutine gap_series
+      d(2) = 2*d(2)
+      d(3) = 6*d(3)
+   end subroutine evaluate
+
+   !> The gap to the wall just left over the time since then.
+   pure subroutine depart(leaving, series, departure)
+      !> The wall that is left.
+      type(leaving_type), intent(in) :: leaving
+      !> The series of the row about the start.
+      type(series_type), intent(in) :: series
+      !> In: with the bound on the fifth derivative. Out: complete.
+      type(departure_type), intent(inout) :: departure
+      integer :: m
+
+      departure%k = -leaving%wall*series%c(1:)
+      departure%k(0) = leaving%speed
+      if (leaving%released) departure%k(1) = 0
+      ! the first term of k that is not 0
+      m = 0
+      if (.not. leaving%speed > 0) m = merge(2, 1, leaving%released)
+      departure%near = 0
+      if (.not. abs(departure%k(m)) > 0) return
+      ! the omitted terms are below the rounding of the first one
+      departure%near = tolerated(epsilon(1.0_wp)*abs(departure%k(m)), series%beyond, order - m)
+   end subroutine depart
 
    !> A safe step for the gap to the wall just left, from its series: |k''''| <= B/5 with B the
    !! bound on g'''''.
-   pure real(wp) function series_step(k, fifth, fourth, released, t, near) result(step)
-      !> Coefficients of g(t)/t; bounds on the fifth and fourth derivative of g.
-      real(wp), intent(in) :: k(0:), fifth, fourth
-      !> Whether the gap opens from rest.
-      logical, intent(in) :: released
-      !> Time after the start, and time up to which the series is valid.
-      real(wp), intent(in) :: t, near
-      real(wp) :: value, slope, curvature, jerk
+   pure real(wp) function series_step(departure, fourth, leaving, t) result(step)
+      !> The gap over time.
+      type(departure_type), intent(in) :: departure
+      !> A bound on the fourth derivative of the gap.
+      real(wp), intent(in) :: fourth
+      !> The wall that is left.
+      type(leaving_type), intent(in) :: leaving
+      !> Time after the start.
+      real(wp), intent(in) :: t
+      real(wp) :: value, slope, curvature, jerk, root
       integer :: n
 
-      if (t <= 0 .and. released) then
-         ! k = k2 t^2 + ..: positive as long as the fourth derivative of the gap cannot outweigh
-         ! this term
-         step = min(near, 23.9_wp*max(0.0_wp, k(2))/max(fourth, tiny(fourth)))
-         return
-      end if
-      value = 0
-      slope = 0
-      curvature = 0
-      jerk = 0
-      do n = ubound(k, 1), 0, -1
-         jerk = jerk*t + 3*curvature
-         curvature = curvature*t + 2*slope
-         slope = slope*t + value
-         value = value*t + k(n)
-      end do
-      step = safe_step(max(0.0_wp, value), slope, curvature, jerk, 0.2_wp*fifth, 2*near)
+      associate (k => departure%k)
+         if (t <= 0 .and. .not. leaving%speed > 0) then
+            ! k/t >= k1 + k2 t - B/24 t^2: positive up to the first zero of this parabola; after a
+            ! release k1 = 0
+            root = sqrt(max(0.0_wp, k(2)**2 + k(1)*fourth/6))
+            step = 0
+            if (k(1) > 0 .and. k(2) <= 0) then
+               step = 2*k(1)/max(root - k(2), tiny(root))
+            else if (k(1) >= 0 .and. k(2) > 0) then
+               step = 12*(k(2) + root)/max(fourth, tiny(fourth))
+            end if
+            step = min(departure%near, 0.99_wp*step)
+            return
+         end if
+         value = 0
+         slope = 0
+         curvature = 0
+         jerk = 0
+         do n = ubound(k, 1), 0, -1
+            jerk = jerk*t + curvature
+            curvature = curvature*t + slope
+            slope = slope*t + value
+            value = value*t + k(n)
+         end do
+      end associate
+      step = safe_step(max(0.0_wp, value), slope, 2*curvature, 6*jerk, 0.2_wp*departure%fifth, &
+         2*departure%near)
    end function series_step
 
    !> Approach speed -g' = -t k' at a zero of k.

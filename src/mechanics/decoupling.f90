@@ -120,7 +120,9 @@ contains
       if (status /= stat%ok) return
       scale = maxval(abs(omega_squared))
       where (abs(omega_squared) <= zero_frequency*scale) omega_squared = 0
-      coupling = matmul(transpose(shapes), matmul(damping(at, at), shapes))
+      coupling = 0
+      if (any(abs(damping(at, at)) > 0)) coupling = matmul(transpose(shapes), &
+         matmul(damping(at, at), shapes))
       do i = 1, m
          if (coupling(i, i) < -no_coupling*max(sqrt(scale), maxval(abs(coupling)))) then
             status = stat%negative_stiffness

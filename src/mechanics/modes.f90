@@ -14,7 +14,7 @@ module vi_modes
    implicit none (type, external)
    private
 
-   public :: advance, bound_on, new_steps, rates, step_functions, steady_response
+   public :: advance, advance_pair, bound_on, new_steps, prepare, step_functions, steady_response
 
    !> Pairs of a structure.
    type, public :: modes_type
@@ -22,7 +22,14 @@ module vi_modes
       real(wp), allocatable :: stiffness(:), damping(:)
       !> (n) The constant terms p and f.
       real(wp), allocatable :: drift(:), force(:)
+      !> (n) What follows from them: omega, 1/omega (0 for omega = 0), sqrt(omega^2 - sigma^2) if it
+      !! is real, and the formula that applies.
+      real(wp), allocatable, dimension(:) :: omega, inverse, turn
+      integer, allocatable :: kind(:)
    end type modes_type
+
+   !> Formulas: a free mass; an oscillation without damping, and with damping; any other pair.
+   integer, parameter :: free_mass = 1, undamped = 2, damped = 3, other = 4
 
    !> Number of step lengths of a table.
    integer, parameter, public :: levels = 24
@@ -153,6 +160,27 @@ contains
       if (t > 0) s2 = s2/t
    end subroutine short_responses
 
+   !> Completes pairs by what follows from their constants.
+   pure subroutine prepare(modes)
+      !> In and out: the pairs.
+      type(modes_type), intent(inout) :: modes
+      integer :: k, n
+
+      n = size(modes%stiffness)
+      modes%omega = sqrt(modes%stiffness)
+      allocate (modes%inverse(n), modes%turn(n), source=0.0_wp)
+      allocate (modes%kind(n), source=other)
+      do k = 1, n
+         associate (omega => modes%omega(k), damping => modes%damping(k))
+            if (omega > 0) modes%inverse(k) = 1/omega
+            if (omega > damping) modes%turn(k) = sqrt((omega - damping)*(omega + damping))
+            if (abs(modes%force(k)) + abs(modes%drift(k)) > 0) cycle
+            if (omega > damping) modes%kind(k) = merge(damped, undamped, damping > 0)
+            if (.not. (omega > 0 .or. damping > 0)) modes%kind(k) = free_mass
+         end associate
+      end do
+   end subroutine prepare
+
    !> The pairs after a given time, computed directly from their start.
    pure subroutine advance(modes, t, x, v, x_new, v_new)
       !> The pairs.
@@ -163,22 +191,57 @@ contains
       real(wp), intent(in) :: x(:), v(:)
       !> (n) After that time.
       real(wp), intent(out) :: x_new(:), v_new(:)
-      real(wp) :: u, w, s2, s3
       integer :: k
 
       do k = 1, size(x)
-         s2 = 0
-         if (abs(modes%force(k)) + abs(modes%drift(k)) > 0) then
-            call step_functions(modes%stiffness(k), modes%damping(k), t, u, w, s2, s3)
-         else
-            call step_functions(modes%stiffness(k), modes%damping(k), t, u, w)
-         end if
-         x_new(k) = u*x(k) + w*v(k) + modes%force(k)*s2 &
-            + modes%drift(k)*(w + 2*modes%damping(k)*s2)
-         v_new(k) = (u - 2*modes%damping(k)*w)*v(k) - modes%stiffness(k)*w*x(k) &
-            + modes%force(k)*w - modes%stiffness(k)*modes%drift(k)*s2
+         call advance_pair(modes, k, t, x(k), v(k), x_new(k), v_new(k))
       end do
    end subroutine advance
+
+   !> One pair after a given time.
+   pure subroutine advance_pair(modes, k, t, x, v, x_new, v_new)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Number of the pair.
+      integer, intent(in) :: k
+      !> Time.
+      real(wp), intent(in) :: t
+      !> At the start.
+      real(wp), intent(in) :: x, v
+      !> After that time.
+      real(wp), intent(out) :: x_new, v_new
+      real(wp) :: angle, shrink, u, w, s2, s3
+
+      associate (stiffness => modes%stiffness(k), damping => modes%damping(k), &
+         force => modes%force(k), drift => modes%drift(k), turn => modes%turn(k))
+         select case (modes%kind(k))
+         case (free_mass)
+            x_new = x + t*v
+            v_new = v
+         case (undamped, damped)
+            angle = turn*t
+            w = t
+            if (angle > 1.0e-8_wp) w = sin(angle)/turn
+            u = cos(angle)
+            if (modes%kind(k) == damped) then
+               shrink = exp(-damping*t)
+               u = shrink*(u + damping*w)
+               w = shrink*w
+            end if
+            x_new = u*x + w*v
+            v_new = (u - 2*damping*w)*v - stiffness*w*x
+         case default
+            s2 = 0
+            if (abs(force) + abs(drift) > 0) then
+               call step_functions(stiffness, damping, t, u, w, s2, s3)
+            else
+               call step_functions(stiffness, damping, t, u, w)
+            end if
+            x_new = u*x + w*v + force*s2 + drift*(w + 2*damping*s2)
+            v_new = (u - 2*damping*w)*v - stiffness*w*x + force*w - stiffness*drift*s2
+         end select
+      end associate
+   end subroutine advance_pair
 
    !> Tables that advance the pairs by steps of given lengths.
    pure subroutine new_steps(modes, longest, steps)
@@ -210,27 +273,6 @@ contains
       end do
    end subroutine new_steps
 
-   !> Derivatives of the pairs from those of the order below: order 1 adds the constant terms.
-   pure subroutine rates(modes, order, x, v)
-      !> The pairs.
-      type(modes_type), intent(in) :: modes
-      !> Order of the derivative that is wanted, >= 1.
-      integer, intent(in) :: order
-      !> (n) In: derivative order - 1. Out: derivative order.
-      real(wp), intent(inout) :: x(:), v(:)
-      real(wp) :: before
-      integer :: k
-
-      do k = 1, size(x)
-         before = x(k)
-         x(k) = v(k)
-         v(k) = -modes%stiffness(k)*before - 2*modes%damping(k)*v(k)
-         if (order > 1) cycle
-         x(k) = x(k) + modes%drift(k)
-         v(k) = v(k) + modes%force(k)
-      end do
-   end subroutine rates
-
    !> Bounds on |x| and |v| of a pair without constant terms, from now on.
    !!
    !! v^2 + omega^2 x^2 never grows. At frequency 0, x is the v of the derivative of the order
@@ -246,7 +288,7 @@ contains
 
       if (stiffness > 0) then
          omega = sqrt(stiffness)
-         of_v = hypot(v, omega*x)
+         of_v = sqrt(v**2 + stiffness*x**2)
          of_x = of_v/omega
       else
          of_x = abs(x)

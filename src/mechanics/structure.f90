@@ -7,8 +7,9 @@ module vi_structure
    use vi_decoupling, only: decouple, decoupled_type
    use vi_eigen_routines, only: dgeqrf, dgesv, dorgqr
    use vi_kinds, only: wp
-   use vi_modes, only: levels, modes_type, new_steps, steady_response, steps_type
+   use vi_modes, only: levels, modes_type, new_steps, prepare, steady_response, steps_type
    use vi_restitution, only: constant_law, new_restitution, restitution_at, restitution_type
+   use vi_rows, only: new_rows, row_values, rows_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -32,6 +33,13 @@ module vi_structure
       !> (gaps) The channel of each gap, and whether it is the upper wall (+1) or the lower one
       !! (-1).
       integer, allocatable :: channel(:), wall(:)
+      !> The coordinates that close each gap and their parts of its direction: those of gap j are
+      !! at(begins(j):begins(j + 1) - 1).
+      integer, allocatable :: begins(:), at(:)
+      real(wp), allocatable :: part(:)
+      !> The other gaps whose speed an impulse on gap j changes: coupled(coupled_begins(j):
+      !! coupled_begins(j + 1) - 1).
+      integer, allocatable :: coupled_begins(:), coupled(:)
       !> Number of channels: directions along which one gap or two opposite ones lie.
       integer :: channels = 0
    end type structure_type
@@ -74,12 +82,12 @@ module vi_structure
       !! does.
       real(wp), allocatable, dimension(:) :: upper, lower
       integer, allocatable, dimension(:) :: upper_gap, lower_gap
-      !> (m) First and last row in which a pair occurs.
-      integer, allocatable, dimension(:) :: first_row, last_row
-      !> Pairs of each row: those of row i are touched(begins(i):begins(i + 1) - 1).
-      integer, allocatable, dimension(:) :: touched, begins
-      !> Whether no row depends on v.
-      logical :: by_position = .true.
+      !> The rows and the coordinates, for fast evaluation.
+      type(rows_type) :: rows, coordinates
+      !> (m, gaps) Change of x and v due to an impulse of -1 on each gap.
+      real(wp), allocatable, dimension(:, :) :: kick_x, kick_v
+      !> The shortest time scale: 1 over the largest of omega, 2 sigma and Omega; 1 if all are 0.
+      real(wp) :: unit = 1
       !> Tables for steps in time, and (harmonics, levels) e^(i h Omega h_j).
       type(steps_type) :: steps
       complex(wp), allocatable :: turns(:, :)
@@ -150,18 +158,13 @@ contains
       type(structure_type), intent(inout) :: structure
       !> `stat%ok`, or `stat%mass_not_definite`.
       integer, intent(out) :: status
-      real(wp), allocatable :: factor(:, :)
-      integer, allocatable :: pivot(:)
-      integer :: i, j, n, info
+      integer :: i, j
 
-      n = size(structure%mass, 1)
-      allocate (factor, source=structure%mass)
       structure%mobility = structure%directions
-      allocate (pivot(n))
+      call solve(structure%mass, structure%mobility, status)
+      if (status /= stat%ok) status = stat%mass_not_definite
+      if (status /= stat%ok) return
       associate (gaps => size(structure%directions, 2))
-         call dgesv(n, gaps, factor, n, pivot, structure%mobility, n, info)
-         status = merge(stat%ok, stat%mass_not_definite, info == 0)
-         if (info /= 0) return
          structure%effective = 1/sum(structure%directions*structure%mobility, 1)
          allocate (structure%channel(gaps), structure%wall(gaps))
          structure%channels = 0
@@ -180,7 +183,45 @@ contains
             structure%channel(i) = structure%channels
          end do
       end associate
+      call set_lists(structure)
    end subroutine check_structure
+
+   !> The lists of coordinates that close gaps, and of gaps that are coupled.
+   pure subroutine set_lists(structure)
+      !> In and out: filled in.
+      type(structure_type), intent(inout) :: structure
+      !> Coupling over the roots of the effective masses that counts as none.
+      real(wp), parameter :: no_coupling = 1.0e-12_wp
+      integer, allocatable :: here(:)
+      real(wp), allocatable :: speeds(:)
+      integer :: gaps, i, j, n
+
+      n = size(structure%directions, 1)
+      gaps = size(structure%directions, 2)
+      allocate (structure%begins(gaps + 1), structure%coupled_begins(gaps + 1), source=1)
+      allocate (structure%at(count(abs(structure%directions) > 0)))
+      allocate (structure%part(size(structure%at)), structure%coupled(0))
+      do j = 1, gaps
+         here = pack([(i, i=1, n)], abs(structure%directions(:, j)) > 0)
+         i = structure%begins(j)
+         structure%begins(j + 1) = i + size(here)
+         structure%at(i:i + size(here) - 1) = here
+         structure%part(i:i + size(here) - 1) = structure%directions(here, j)
+      end do
+      allocate (speeds(gaps))
+      do j = 1, gaps
+         do i = 1, gaps
+            associate (first => structure%begins(i), last => structure%begins(i + 1) - 1)
+               speeds(i) = abs(dot_product(structure%part(first:last), &
+                  structure%mobility(structure%at(first:last), j)))*sqrt(structure%effective(i) &
+                  *structure%effective(j))
+            end associate
+         end do
+         speeds(j) = 0
+         structure%coupled = [structure%coupled, pack([(i, i=1, gaps)], speeds > no_coupling)]
+         structure%coupled_begins(j + 1) = size(structure%coupled) + 1
+      end do
+   end subroutine set_lists
 
    !> The motion of a structure while a set of gaps is at rest.
    pure subroutine new_regime(structure, load, resting, regime, status)
@@ -195,7 +236,7 @@ contains
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates.
       integer, intent(out) :: status
       type(decoupled_type) :: parts
-      real(wp), allocatable :: basis(:, :), pull(:, :), rows(:, :)
+      real(wp), allocatable :: basis(:, :), forces(:, :), drifts(:, :)
       integer :: h
 
       regime%resting = resting
@@ -207,32 +248,53 @@ contains
       if (status /= stat%ok) return
       regime%modes%stiffness = parts%stiffness
       regime%modes%damping = parts%damping
-      regime%qx = matmul(basis, parts%qx)
-      regime%qv = matmul(basis, parts%qv)
-      regime%dx = matmul(basis, parts%dx)
-      regime%dv = matmul(basis, parts%dv)
-      ! the basis is orthonormal, so its transpose gives the coordinates of vectors in its span
-      regime%xq = matmul(parts%xq, transpose(basis))
-      regime%xd = matmul(parts%xd, transpose(basis))
-      regime%vq = matmul(parts%vq, transpose(basis))
-      regime%vd = matmul(parts%vd, transpose(basis))
-      pull = transpose(basis)
-      call solve(between(structure%mass), pull, status)
-      if (status /= stat%ok) return
-      ! (m, n) from forces to the inputs of the pairs
-      rows = matmul(parts%xd, pull)
-      regime%modes%drift = matmul(rows, load%constant - matmul(structure%stiffness, regime%offset))
-      allocate (regime%steady(size(basis, 1), size(load%sine, 2)), &
-         regime%steady_rate(size(basis, 1), size(load%sine, 2)))
-      pull = matmul(parts%vd, pull)
-      regime%modes%force = matmul(pull, load%constant - matmul(structure%stiffness, regime%offset))
-      do h = 1, size(load%sine, 2)
-         call steady_motion(regime, h, matmul(rows, cmplx(load%cosine(:, h), -load%sine(:, h), &
-            wp)), matmul(pull, cmplx(load%cosine(:, h), -load%sine(:, h), wp)), status)
+      if (size(resting) == 0) then
+         regime%qx = parts%qx
+         regime%qv = parts%qv
+         regime%dx = parts%dx
+         regime%dv = parts%dv
+         regime%xq = parts%xq
+         regime%xd = parts%xd
+         regime%vq = parts%vq
+         regime%vd = parts%vd
+      else
+         regime%qx = matmul(basis, parts%qx)
+         regime%qv = matmul(basis, parts%qv)
+         regime%dx = matmul(basis, parts%dx)
+         regime%dv = matmul(basis, parts%dv)
+         ! the basis is orthonormal, so its transpose gives the coordinates of vectors in its span
+         regime%xq = matmul(parts%xq, transpose(basis))
+         regime%xd = matmul(parts%xd, transpose(basis))
+         regime%vq = matmul(parts%vq, transpose(basis))
+         regime%vd = matmul(parts%vd, transpose(basis))
+      end if
+      ! the constant force and the harmonics as accelerations, and as inputs of the pairs
+      associate (harmonics => size(load%sine, 2))
+         allocate (forces(size(load%constant), 1 + 2*harmonics))
+         forces(:, 1) = load%constant - matmul(structure%stiffness, regime%offset)
+         forces(:, 2:harmonics + 1) = load%cosine
+         forces(:, harmonics + 2:) = load%sine
+         if (size(resting) > 0) forces = matmul(transpose(basis), forces)
+         call solve(between(structure%mass), forces, status)
          if (status /= stat%ok) return
-      end do
+         drifts = matmul(parts%xd, forces)
+         forces = matmul(parts%vd, forces)
+         regime%modes%drift = drifts(:, 1)
+         regime%modes%force = forces(:, 1)
+         allocate (regime%steady(size(basis, 1), harmonics), &
+            regime%steady_rate(size(basis, 1), harmonics))
+         do h = 1, harmonics
+            call steady_motion(regime, h, cmplx(drifts(:, h + 1), -drifts(:, harmonics + h + 1), &
+               wp), cmplx(forces(:, h + 1), -forces(:, harmonics + h + 1), wp), status)
+            if (status /= stat%ok) return
+         end do
+      end associate
+      call prepare(regime%modes)
       call set_rows(structure, load, regime, status)
-      if (status == stat%ok) call set_tables(regime)
+      if (status /= stat%ok) return
+      regime%kick_x = sparse_product(regime%xd, structure%mobility)
+      regime%kick_v = sparse_product(regime%vd, structure%mobility)
+      call set_tables(regime)
    contains
       !> A matrix of the structure between the vectors of the basis.
       pure function between(matrix) result(reduced)
@@ -250,6 +312,21 @@ contains
       end function between
    end subroutine new_regime
 
+   !> A matrix times one that consists mostly of zeros.
+   pure function sparse_product(left, right) result(product)
+      !> The matrices.
+      real(wp), intent(in) :: left(:, :), right(:, :)
+      real(wp) :: product(size(left, 1), size(right, 2))
+      integer :: j, k
+
+      product = 0
+      do j = 1, size(right, 2)
+         do k = 1, size(right, 1)
+            if (abs(right(k, j)) > 0) product(:, j) = product(:, j) + right(k, j)*left(:, k)
+         end do
+      end do
+   end function sparse_product
+
    !> Solves several systems with one matrix.
    pure subroutine solve(matrix, right, status)
       !> (n, n)
@@ -259,11 +336,21 @@ contains
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
       real(wp), allocatable :: factor(:, :)
-      integer :: pivot(size(matrix, 1)), info
+      integer :: pivot(size(matrix, 1)), i, info, n
 
       allocate (factor, source=matrix)
       status = stat%ok
       if (size(matrix) == 0) return
+      n = size(matrix, 1)
+      do i = 1, n
+         if (count(abs(matrix(:, i)) > 0) > 1 .or. .not. abs(matrix(i, i)) > 0) exit
+      end do
+      if (i > n) then
+         do i = 1, n
+            right(i, :) = right(i, :)/matrix(i, i)
+         end do
+         return
+      end if
       call dgesv(size(matrix, 1), size(right, 2), factor, size(matrix, 1), pivot, right, &
          size(matrix, 1), info)
       if (info /= 0) status = stat%singular
@@ -390,8 +477,10 @@ contains
             of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
          end associate
       end if
-      regime%position = matmul(of_q, regime%qx) + matmul(of_rate, regime%dx)
-      regime%velocity = matmul(of_q, regime%qv) + matmul(of_rate, regime%dv)
+      regime%position = transpose(sparse_product(transpose(regime%qx), transpose(of_q)) &
+         + sparse_product(transpose(regime%dx), transpose(of_rate)))
+      regime%velocity = transpose(sparse_product(transpose(regime%qv), transpose(of_q)) &
+         + sparse_product(transpose(regime%dv), transpose(of_rate)))
       regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, load%constant)
       allocate (regime%ripple(rows, size(load%sine, 2)))
       do h = 1, size(load%sine, 2)
@@ -409,39 +498,22 @@ contains
          regime%rate_offset = regime%rate_offset + regime%position(:, k)*regime%modes%drift(k) &
             + regime%velocity(:, k)*regime%modes%force(k)
       end do
-      regime%by_position = .not. any(abs(regime%velocity) > 0)
    end subroutine set_rows
 
-   !> Which pair occurs in which row, and the tables for steps in time.
+   !> The rows for fast evaluation, and the tables for steps in time.
    pure subroutine set_tables(regime)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
       real(wp), allocatable :: speeds(:)
-      integer :: h, i, j, k, m, rows
+      integer :: h, j
 
-      m = size(regime%modes%stiffness)
-      rows = size(regime%upper)
-      allocate (regime%first_row(m), regime%last_row(m), regime%begins(rows + 1))
-      do k = 1, m
-         associate (occurs => abs(regime%position(:, k)) + abs(regime%velocity(:, k)) > 0)
-            regime%first_row(k) = findloc(occurs, .true., 1)
-            regime%last_row(k) = findloc(occurs, .true., 1, back=.true.)
-            if (regime%first_row(k) == 0) regime%first_row(k) = 1
-         end associate
-      end do
-      allocate (regime%touched(count(abs(regime%position) + abs(regime%velocity) > 0)))
-      i = 1
-      do j = 1, rows
-         regime%begins(j) = i
-         do k = 1, m
-            if (.not. abs(regime%position(j, k)) + abs(regime%velocity(j, k)) > 0) cycle
-            regime%touched(i) = k
-            i = i + 1
-         end do
-      end do
-      regime%begins(rows + 1) = i
+      call new_rows(regime%modes, regime%position, regime%velocity, regime%row_offset, &
+         regime%ripple, regime%frequency, regime%rows)
+      call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, regime%steady, &
+         regime%frequency, regime%coordinates, regime%dx, regime%dv)
       speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, regime%frequency]
       speeds = pack(speeds, speeds > 0)
+      if (size(speeds) > 0) regime%unit = 1/maxval(speeds)
       call new_steps(regime%modes, merge(4/minval(speeds), 1.0_wp, size(speeds) > 0), regime%steps)
       allocate (regime%turns(size(regime%ripple, 2), levels))
       do j = 1, levels
@@ -485,19 +557,16 @@ contains
       !> Load phase Omega t (rad).
       real(wp), intent(in) :: phase
       !> (m) The pairs.
-      real(wp), intent(in) :: x(:), v(:)
+      real(wp), contiguous, intent(in) :: x(:), v(:)
       !> (n) Coordinates and velocities.
-      real(wp), intent(out) :: q(:), rate(:)
+      real(wp), contiguous, intent(out) :: q(:), rate(:)
+      complex(wp) :: turn(size(regime%steady, 2))
       integer :: h
 
-      q = regime%offset + matmul(regime%qx, x) + matmul(regime%qv, v)
-      rate = matmul(regime%dx, x) + matmul(regime%dv, v)
-      do h = 1, size(regime%steady, 2)
-         associate (turn => cmplx(cos(h*phase), sin(h*phase), wp))
-            q = q + real(regime%steady(:, h)*turn)
-            rate = rate + real(regime%steady_rate(:, h)*turn)
-         end associate
+      do h = 1, size(turn)
+         turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
       end do
+      call row_values(regime%coordinates, regime%frequency, x, v, turn, q, rate)
    end subroutine state_of
 
 end module vi_structure

@@ -1,9 +1,9 @@
 !> Event-by-event simulation of a linear structure with gaps.
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives
+   use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_modes, only: advance
+   use vi_modes, only: advance_pair
    use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, restitution_of, &
@@ -38,14 +38,17 @@ module vi_structure_run
       !> How the flight begins, and the step level of the previous search.
       type(leaving_type) :: leaving
       integer :: level = 8
+      !> (n) Room for coordinates and velocities, and for searches.
+      real(wp), allocatable :: q(:), rate(:)
+      type(space_type) :: space
    end type run_state_type
 
-   !> An event, and the pairs just after it.
+   !> An event, and the pairs, coordinates and velocities just after it.
    type, public :: run_event_type
       integer :: kind = 0, gap = 0, regime = 1
       integer(int64) :: cycle = 0
       real(wp) :: elapsed = 0, speed = 0, impulse = 0
-      real(wp), allocatable :: x(:), v(:)
+      real(wp), allocatable :: x(:), v(:), q(:), rate(:)
    end type run_event_type
 
 contains
@@ -207,7 +210,8 @@ contains
             cycle
          end if
          call first_event(run%regimes(state%regime), state%x, state%v, &
-            run%load%frequency*state%elapsed, state%leaving, remaining, state%level, reached)
+            run%load%frequency*state%elapsed, state%leaving, remaining, state%level, reached, &
+            state%space)
          if (.not. reached%complete) status = stat%budget
          if (status /= stat%ok) return
          if (reached%row == 0) exit
@@ -233,13 +237,18 @@ contains
       type(run_state_type), intent(inout) :: state
       !> Time to advance.
       real(wp), intent(in) :: time
-      real(wp), dimension(size(state%x)) :: x, v
+      real(wp) :: x, v
       integer(int64) :: cycles
+      integer :: k
 
       if (time > 0) then
-         call advance(run%regimes(state%regime)%modes, time, state%x, state%v, x, v)
-         state%x = x
-         state%v = v
+         associate (modes => run%regimes(state%regime)%modes)
+            do k = 1, size(state%x)
+               x = state%x(k)
+               v = state%v(k)
+               call advance_pair(modes, k, time, x, v, state%x(k), state%v(k))
+            end do
+         end associate
       end if
       state%elapsed = state%elapsed + time
       if (state%elapsed < run%period) return
@@ -264,26 +273,31 @@ contains
       integer :: j, gap
 
       status = stat%ok
-      associate (regime => run%regimes(state%regime), structure => run%structure)
+      if (.not. allocated(state%q)) allocate (state%q(size(run%structure%mass, 1)), &
+         state%rate(size(run%structure%mass, 1)))
+      associate (regime => run%regimes(state%regime), structure => run%structure, q => state%q, &
+         rate => state%rate)
          gap = gap_of(regime, reached%row, reached%wall)
-         associate (kick => structure%mobility(:, gap))
-            do j = 1, size(regime%resting)
-               if (are_coupled(structure, gap, regime%resting(j))) status = stat%coupled_impacts
-            end do
-            if (.not. reached%time > 0 .and. state%leaving%row > 0) then
-               if (are_coupled(structure, gap, gap_of(regime, state%leaving%row, &
-                  state%leaving%wall))) status = stat%coupled_impacts
-            end if
-            call move(run, state, reached%time)
-            if (closes_another(run, state, gap)) status = stat%coupled_impacts
-            if (status /= stat%ok) return
-            call restitution_of(structure, gap, reached%speed, restitution, slope)
-            impulse = (1 + restitution)*structure%effective(gap)*reached%speed
-            state%x = state%x - impulse*matmul(regime%xd, kick)
-            state%v = state%v - impulse*matmul(regime%vd, kick)
-         end associate
+         do j = 1, size(regime%resting)
+            if (are_coupled(structure, gap, regime%resting(j))) status = stat%coupled_impacts
+         end do
+         if (.not. reached%time > 0 .and. state%leaving%row > 0) then
+            if (are_coupled(structure, gap, gap_of(regime, state%leaving%row, &
+               state%leaving%wall))) status = stat%coupled_impacts
+         end if
+         call move(run, state, reached%time)
+         call state_now(run, state, q, rate)
+         if (closes_another(run, q, rate, gap)) status = stat%coupled_impacts
+         if (status /= stat%ok) return
+         call restitution_of(structure, gap, reached%speed, restitution, slope)
+         impulse = (1 + restitution)*structure%effective(gap)*reached%speed
+         do j = 1, size(state%x)
+            state%x(j) = state%x(j) - impulse*regime%kick_x(j, gap)
+            state%v(j) = state%v(j) - impulse*regime%kick_v(j, gap)
+         end do
+         rate = rate - impulse*structure%mobility(:, gap)
          state%leaving = leaving_type(reached%row, reached%wall, restitution*reached%speed)
-         call note(state, impact_event, gap, reached%speed, impulse, event)
+         call note(state, impact_event, gap, reached%speed, impulse, q, rate, event)
       end associate
    end subroutine collide
 
@@ -304,34 +318,39 @@ contains
       !> Two gaps.
       integer, intent(in) :: one, other
 
-      are_coupled = one /= other .and. abs(dot_product(structure%directions(:, one), &
-         structure%mobility(:, other)))*sqrt(structure%effective(one)*structure%effective(other)) &
-         > 1.0e-12_wp
+      are_coupled = any(structure%coupled(structure%coupled_begins(one): &
+         structure%coupled_begins(one + 1) - 1) == other)
    end function are_coupled
 
    !> Whether a gap that is coupled with the one that closes is closing at the same instant.
-   pure logical function closes_another(run, state, gap)
+   pure logical function closes_another(run, q, rate, gap)
       !> The run.
       type(run_type), intent(in) :: run
-      !> The state just before the impact.
-      type(run_state_type), intent(in) :: state
+      !> (n) Coordinates and velocities just before the impact.
+      real(wp), intent(in) :: q(:), rate(:)
       !> The gap that closes.
       integer, intent(in) :: gap
-      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
-      integer :: j
+      real(wp) :: speed, opening, size_now
+      integer :: i, j, k
 
       closes_another = .false.
-      call state_now(run, state, q, rate)
-      do j = 1, size(run%structure%openings)
-         if (.not. are_coupled(run%structure, gap, j)) cycle
-         associate (direction => run%structure%directions(:, j), &
-            opening => run%structure%openings(j))
-            if (.not. dot_product(direction, rate) > 0) cycle
-            closes_another = opening - dot_product(direction, q) <= 8*epsilon(1.0_wp) &
-               *(abs(opening) + dot_product(abs(direction), abs(q)))
-         end associate
-         if (closes_another) return
-      end do
+      associate (structure => run%structure)
+         do i = structure%coupled_begins(gap), structure%coupled_begins(gap + 1) - 1
+            j = structure%coupled(i)
+            speed = 0
+            opening = structure%openings(j)
+            size_now = abs(opening)
+            do k = structure%begins(j), structure%begins(j + 1) - 1
+               associate (at => structure%at(k), direction => structure%part(k))
+                  speed = speed + direction*rate(at)
+                  opening = opening - direction*q(at)
+                  size_now = size_now + abs(direction*q(at))
+               end associate
+            end do
+            closes_another = speed > 0 .and. opening <= 8*epsilon(1.0_wp)*size_now
+            if (closes_another) return
+         end do
+      end associate
    end function closes_another
 
    !> Completes an accumulation of impacts, if what remains of it is short enough.
@@ -355,7 +374,7 @@ contains
       integer, intent(out) :: status
       real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       type(reached_type) :: reached
-      real(wp), allocatable :: q(:), rate(:), speeds(:)
+      real(wp), allocatable :: q(:), rate(:)
       real(wp) :: d(0:3), closing, duration, lost, phase, unit
       integer :: gap, level
 
@@ -370,9 +389,7 @@ contains
          if (.not. closing > 0) return
          gap = gap_of(regime, leaving%row, leaving%wall)
          if (leaving%speed > 0) then
-            speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, run%load%frequency]
-            unit = 1
-            if (maxval(speeds) > 0) unit = 1/maxval(speeds)
+            unit = regime%unit
             ! with a law R(v) no accumulation is completed unless R stays below 1 as v falls to 0
             lost = closing*(1 - greatest_below(run%structure%laws(gap), leaving%speed))
             if (.not. 2*leaving%speed <= longest*unit*lost) return
@@ -398,7 +415,8 @@ contains
          duration, &
          level, reached)
       if (reached%row == 0) call move(run, state, duration)
-      call note(state, stick_event, gap, 0.0_wp, 0.0_wp, event)
+      call state_now(run, state, q, rate)
+      call note(state, stick_event, gap, 0.0_wp, 0.0_wp, q, rate, event)
    end subroutine accumulate
 
    !> The sum of the departure speeds of an accumulation, each R(v) times the one before it.
@@ -502,17 +520,19 @@ contains
       end associate
       state%leaving = leaving_type(run%structure%channel(gap), run%structure%wall(gap), 0.0_wp, &
          .true.)
-      call note(state, release_event, gap, 0.0_wp, 0.0_wp, event)
+      call note(state, release_event, gap, 0.0_wp, 0.0_wp, q, rate, event)
    end subroutine release
 
    !> Records an event.
-   pure subroutine note(state, kind, gap, speed, impulse, event)
+   pure subroutine note(state, kind, gap, speed, impulse, q, rate, event)
       !> The state just after it.
       type(run_state_type), intent(in) :: state
       !> Kind and gap.
       integer, intent(in) :: kind, gap
       !> Approach speed and impulse.
       real(wp), intent(in) :: speed, impulse
+      !> (n) Coordinates and velocities.
+      real(wp), intent(in) :: q(:), rate(:)
       !> The record.
       type(run_event_type), intent(inout) :: event
 
@@ -525,6 +545,8 @@ contains
       event%impulse = impulse
       event%x = state%x
       event%v = state%v
+      event%q = q
+      event%rate = rate
    end subroutine note
 
    !> Coordinates and velocities of a state.
@@ -534,7 +556,7 @@ contains
       !> The state.
       type(run_state_type), intent(in) :: state
       !> (n)
-      real(wp), intent(out) :: q(:), rate(:)
+      real(wp), contiguous, intent(out) :: q(:), rate(:)
 
       call state_of(run%regimes(state%regime), run%load%frequency*state%elapsed, state%x, state%v, &
          q, rate)

@@ -32,7 +32,8 @@ contains
       integer, intent(out) :: n
       !> (2n) Coordinates and velocities at the end, or just after the last event if the table is
       !! full; the time there.
-      real(wp), intent(out) :: end_state(:), end_time
+      real(wp), contiguous, intent(out) :: end_state(:)
+      real(wp), intent(out) :: end_time
       !> `stat%ok`, or as in `start_at` and `simulate_structure`.
       integer, intent(out) :: status
       integer, parameter :: chunk = 256
@@ -81,8 +82,8 @@ contains
       n = (size(table, 1) - 3)/2
       do i = 1, size(events)
          table(:3, i) = [time_of(run, events(i)), events(i)%speed, events(i)%impulse]
-         call state_of(run%regimes(events(i)%regime), run%load%frequency*events(i)%elapsed, &
-            events(i)%x, events(i)%v, table(4:3 + n, i), table(4 + n:, i))
+         table(4:3 + n, i) = events(i)%q
+         table(4 + n:, i) = events(i)%rate
          labels(:, i) = [events(i)%kind, events(i)%gap]
       end do
    end subroutine store
@@ -101,7 +102,7 @@ contains
       !> Times in ascending order, none before the first segment.
       real(wp), intent(in) :: times(:)
       !> (2n, times) Coordinates and velocities.
-      real(wp), intent(out) :: values(:, :)
+      real(wp), contiguous, intent(out) :: values(:, :)
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       type(run_type) :: run
@@ -149,7 +150,7 @@ contains
       !> The time.
       real(wp), intent(in) :: time
       !> (n)
-      real(wp), intent(out) :: q(:), rate(:)
+      real(wp), contiguous, intent(out) :: q(:), rate(:)
       real(wp), dimension(size(regime%xq, 1)) :: x, v, x_now, v_now
       integer :: n
 

@@ -1,0 +1,292 @@
+!> Rows of numbers that are sums over the pairs of a structure (vi_modes): its channels, or its
+!! coordinates.
+!!
+!! y_i = offset_i + sum over k of position_ik x_k + velocity_ik v_k + the harmonics of the load.
+!! Pairs that occur in most rows of a range form dense blocks; the others are listed one by one.
+module vi_rows
+   use, intrinsic :: iso_c_binding, only: c_int
+   use vi_kinds, only: wp
+   use vi_lane_rows, only: add_product, add_products, side_by_side
+   use vi_lane_rows_wide, only: add_products_wide => add_products
+   use vi_modes, only: modes_type
+   implicit none (type, external)
+   private
+
+   public :: bound_values, new_rows, row_values
+
+   !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
+   type, public :: block_type
+      integer :: first_row = 1, last_row = 0, first_pair = 1, last_pair = 0
+      !> (rows, pairs) Coefficients of x and v in the rows, and in their rates.
+      real(wp), allocatable, dimension(:, :) :: position, velocity, rate_position, rate_velocity
+      !> Absolute values of the first two.
+      real(wp), allocatable, dimension(:, :) :: position_size, velocity_size
+   end type block_type
+
+   !> The rows.
+   type, public :: rows_type
+      type(block_type), allocatable :: blocks(:)
+      !> Row and pair of each coefficient that is in no block, and the coefficients.
+      integer, allocatable, dimension(:) :: row, pair
+      real(wp), allocatable, dimension(:) :: position, velocity, rate_position, rate_velocity
+      !> (rows) Constants of each row and of its rate.
+      real(wp), allocatable, dimension(:) :: offset, rate_offset
+      !> (rows, harmonics)
+      complex(wp), allocatable :: ripple(:, :)
+      !> (rows, harmonics) Absolute values of the latter; (rows) their sum with that of the offset.
+      real(wp), allocatable :: ripple_size(:, :), constant_size(:)
+      !> Whether no row depends on v.
+      logical :: by_position = .true.
+      !> (rows) Root of the sum of squares of position and of velocity.
+      real(wp), allocatable, dimension(:) :: position_norm, velocity_norm
+      !> The pairs of each row: those of row i are touched(begins(i):begins(i + 1) - 1), filled up
+      !! to a multiple of `side_by_side` by pairs with coefficients 0.
+      integer, allocatable, dimension(:) :: touched, begins
+      !> (as touched) omega^2, 2 sigma, and the coefficients of x and of v.
+      real(wp), allocatable, dimension(:) :: stiffness, drag, of_x, of_v
+      !> (rows) No derivative grows faster than by this factor an order.
+      real(wp), allocatable :: fastest(:)
+      !> Whether the processor runs the procedures for wide registers, which give the same bits.
+      logical :: wide = .false.
+   end type rows_type
+
+   interface
+      !> As in vi_processor; here as a pure function.
+      pure integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
+         import :: c_int
+         implicit none (type, external)
+      end function runs_wide
+   end interface
+
+contains
+
+   !> Rows from their coefficients.
+   pure subroutine new_rows(modes, position, velocity, offset, ripple, frequency, rows, of_x, of_v)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> (rows, pairs) Coefficients of x and of v.
+      real(wp), intent(in) :: position(:, :), velocity(:, :)
+      !> (rows)
+      real(wp), intent(in) :: offset(:)
+      !> (rows, harmonics) Complex amplitudes of the harmonics of the load, and Omega.
+      complex(wp), intent(in) :: ripple(:, :)
+      real(wp), intent(in) :: frequency
+      !> The rows.
+      type(rows_type), intent(out) :: rows
+      !> (rows, pairs) Coefficients of x and of v in the rates, if they are known otherwise; the
+      !! rates then have no constants.
+      real(wp), intent(in), optional :: of_x(:, :), of_v(:, :)
+      logical :: occurs(size(position, 1), size(position, 2)), dense(size(position, 2)), &
+         ends(size(position, 2))
+      real(wp), allocatable, dimension(:, :) :: rate_position, rate_velocity
+      integer :: first(size(position, 2)), last(size(position, 2))
+      integer :: i, j, k, m, n
+
+      n = size(position, 1)
+      m = size(position, 2)
+      allocate (rows%offset, source=offset)
+      allocate (rows%ripple, source=ripple)
+      rows%ripple_size = abs(ripple)
+      rows%constant_size = abs(offset) + sum(rows%ripple_size, 2)
+      allocate (rows%rate_offset(n), source=0.0_wp)
+      allocate (rate_position(n, m), rate_velocity(n, m))
+      do k = 1, m
+         rate_position(:, k) = -modes%stiffness(k)*velocity(:, k)
+         rate_velocity(:, k) = position(:, k) - 2*modes%damping(k)*velocity(:, k)
+         rows%rate_offset = rows%rate_offset + position(:, k)*modes%drift(k) &
+            + velocity(:, k)*modes%force(k)
+      end do
+      if (present(of_x) .and. present(of_v)) then
+         rate_position = of_x
+         rate_velocity = of_v
+         rows%rate_offset = 0
+      end if
+      rows%wide = runs_wide() /= 0
+      rows%by_position = .not. any(abs(velocity) > 0)
+      rows%position_norm = sqrt(sum(position**2, 2))
+      rows%velocity_norm = sqrt(sum(velocity**2, 2))
+      occurs = abs(position) + abs(velocity) > 0
+      first = findloc(occurs, .true., 1)
+      last = findloc(occurs, .true., 1, back=.true.)
+      dense = count(occurs, 1) > 2 .and. 2*count(occurs, 1) > last - first
+      ! a block ends where the next pair has another range of rows
+      ends = dense
+      do k = 1, m - 1
+         ends(k) = dense(k) .and. .not. (dense(k + 1) .and. first(k + 1) == first(k) &
+            .and. last(k + 1) == last(k))
+      end do
+      allocate (rows%blocks(count(ends)))
+      j = 0
+      i = 1
+      do k = 1, m
+         if (.not. dense(k)) i = k + 1
+         if (.not. ends(k)) cycle
+         j = j + 1
+         associate (block => rows%blocks(j), from => first(k), to => last(k))
+            block%first_row = from
+            block%last_row = to
+            block%first_pair = i
+            block%last_pair = k
+            block%position = position(from:to, i:k)
+            block%velocity = velocity(from:to, i:k)
+            block%rate_position = rate_position(from:to, i:k)
+            block%rate_velocity = rate_velocity(from:to, i:k)
+            block%position_size = abs(block%position)
+            block%velocity_size = abs(block%velocity)
+         end associate
+         i = k + 1
+      end do
+      rows%row = pack(spread([(i, i=1, n)], 2, m), occurs .and. .not. spread(dense, 1, n))
+      rows%pair = pack(spread([(k, k=1, m)], 1, n), occurs .and. .not. spread(dense, 1, n))
+      allocate (rows%position(size(rows%row)), rows%velocity(size(rows%row)), &
+         rows%rate_position(size(rows%row)), rows%rate_velocity(size(rows%row)))
+      do i = 1, size(rows%row)
+         rows%position(i) = position(rows%row(i), rows%pair(i))
+         rows%velocity(i) = velocity(rows%row(i), rows%pair(i))
+         rows%rate_position(i) = rate_position(rows%row(i), rows%pair(i))
+         rows%rate_velocity(i) = rate_velocity(rows%row(i), rows%pair(i))
+      end do
+      call set_touched(modes, position, velocity, occurs, frequency, rows)
+   end subroutine new_rows
+
+   !> The pairs of each row.
+   pure subroutine set_touched(modes, position, velocity, occurs, frequency, rows)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> (rows, pairs) Coefficients of x and of v.
+      real(wp), intent(in) :: position(:, :), velocity(:, :)
+      !> (rows, pairs) Whether a pair occurs in a row.
+      logical, intent(in) :: occurs(:, :)
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> In and out: filled in.
+      type(rows_type), intent(inout) :: rows
+      integer :: i, j, k, n
+
+      n = 0
+      do j = 1, size(occurs, 1)
+         n = n + filled(count(occurs(j, :)))
+      end do
+      allocate (rows%begins(size(occurs, 1) + 1), rows%fastest(size(occurs, 1)))
+      allocate (rows%touched(n), source=1)
+      allocate (rows%stiffness(n), rows%drag(n), rows%of_x(n), rows%of_v(n), source=0.0_wp)
+      i = 1
+      do j = 1, size(occurs, 1)
+         rows%begins(j) = i
+         rows%fastest(j) = 0
+         if (size(rows%ripple, 2) > 0) rows%fastest(j) = size(rows%ripple, 2)*frequency
+         do k = 1, size(occurs, 2)
+            if (.not. occurs(j, k)) cycle
+            rows%touched(i) = k
+            rows%stiffness(i) = modes%stiffness(k)
+            rows%drag(i) = 2*modes%damping(k)
+            rows%of_x(i) = position(j, k)
+            rows%of_v(i) = velocity(j, k)
+            rows%fastest(j) = max(rows%fastest(j), sqrt(modes%stiffness(k)) + 2*modes%damping(k))
+            i = i + 1
+         end do
+         i = rows%begins(j) + filled(i - rows%begins(j))
+      end do
+      rows%begins(size(occurs, 1) + 1) = i
+   end subroutine set_touched
+
+   !> A number of pairs, filled up.
+   elemental integer function filled(n)
+      !> The number.
+      integer, intent(in) :: n
+
+      filled = side_by_side*((n + side_by_side - 1)/side_by_side)
+   end function filled
+
+   !> The rows and their rates.
+   pure subroutine row_values(rows, frequency, x, v, turn, y, rate)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> (m) The pairs.
+      real(wp), contiguous, intent(in) :: x(:), v(:)
+      !> (harmonics) e^(i h Omega t).
+      complex(wp), intent(in) :: turn(:)
+      !> (rows) Values and rates.
+      real(wp), contiguous, intent(out) :: y(:), rate(:)
+      complex(wp) :: here
+      integer :: h, i, j, n, m
+
+      y = rows%offset
+      rate = rows%rate_offset
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            n = b%last_row - b%first_row + 1
+            m = b%last_pair - b%first_pair + 1
+            if (rows%by_position .and. rows%wide) then
+               call add_products_wide(n, m, b%position, x(b%first_pair:b%last_pair), &
+                  v(b%first_pair:b%last_pair), y(b%first_row:b%last_row), &
+                  rate(b%first_row:b%last_row))
+            else if (rows%by_position) then
+               call add_products(n, m, b%position, x(b%first_pair:b%last_pair), &
+                  v(b%first_pair:b%last_pair), y(b%first_row:b%last_row), &
+                  rate(b%first_row:b%last_row))
+            else
+               call add_product(n, m, b%position, x(b%first_pair:b%last_pair), &
+                  y(b%first_row:b%last_row))
+               call add_product(n, m, b%velocity, v(b%first_pair:b%last_pair), &
+                  y(b%first_row:b%last_row))
+               call add_product(n, m, b%rate_position, x(b%first_pair:b%last_pair), &
+                  rate(b%first_row:b%last_row))
+               call add_product(n, m, b%rate_velocity, v(b%first_pair:b%last_pair), &
+                  rate(b%first_row:b%last_row))
+            end if
+         end associate
+      end do
+      if (rows%by_position) then
+         do i = 1, size(rows%row)
+            y(rows%row(i)) = y(rows%row(i)) + rows%position(i)*x(rows%pair(i))
+            rate(rows%row(i)) = rate(rows%row(i)) + rows%position(i)*v(rows%pair(i))
+         end do
+      else
+         do i = 1, size(rows%row)
+            y(rows%row(i)) = y(rows%row(i)) + (rows%position(i)*x(rows%pair(i)) &
+               + rows%velocity(i)*v(rows%pair(i)))
+            rate(rows%row(i)) = rate(rows%row(i)) + (rows%rate_position(i)*x(rows%pair(i)) &
+               + rows%rate_velocity(i)*v(rows%pair(i)))
+         end do
+      end if
+      do h = 1, size(turn)
+         do i = 1, size(y)
+            here = rows%ripple(i, h)*turn(h)
+            y(i) = y(i) + here%re
+            rate(i) = rate(i) - h*frequency*here%im
+         end do
+      end do
+   end subroutine row_values
+
+   !> Bounds on rows from bounds on the pairs, without the harmonics and the offset.
+   pure subroutine bound_values(rows, of_x, of_v, bound)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> (m) Bounds on |x| and |v|.
+      real(wp), contiguous, intent(in) :: of_x(:), of_v(:)
+      !> (rows)
+      real(wp), contiguous, intent(out) :: bound(:)
+      integer :: i, j, n, m
+
+      bound = 0
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            n = b%last_row - b%first_row + 1
+            m = b%last_pair - b%first_pair + 1
+            call add_product(n, m, b%position_size, of_x(b%first_pair:b%last_pair), &
+               bound(b%first_row:b%last_row))
+            if (rows%by_position) cycle
+            call add_product(n, m, b%velocity_size, of_v(b%first_pair:b%last_pair), &
+               bound(b%first_row:b%last_row))
+         end associate
+      end do
+      do i = 1, size(rows%row)
+         bound(rows%row(i)) = bound(rows%row(i)) + abs(rows%position(i))*of_x(rows%pair(i)) &
+            + abs(rows%velocity(i))*of_v(rows%pair(i))
+      end do
+   end subroutine bound_values
+
+end module vi_rows
