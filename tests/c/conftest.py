@@ -12,8 +12,8 @@ def installed(tmp_path_factory):
     if not (BUILD / "build.ninja").exists():
         call(tool("meson"), "setup", BUILD, ROOT, "-Dpython=disabled")
     # several workers may come here at once
-    ninja = tool("ninja-in-turn") if shutil.which(tool("ninja-in-turn")) else tool("ninja")
-    call(ninja, "-C", BUILD)
+    turn = [tool("in-turn")] if shutil.which(tool("in-turn")) else []
+    call(*turn, tool("ninja"), "-C", BUILD)
     away = tmp_path_factory.mktemp("installed")
     call(tool("meson"), "install", "-C", BUILD, "--no-rebuild", "--quiet", "--destdir", away)
     (settings,) = away.rglob("vibroimpact.pc")
