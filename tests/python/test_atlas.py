@@ -9,8 +9,6 @@ import vibroimpact as vi
 from vibroimpact.studies.atlas import OUTCOMES
 from vibroimpact.tables import language
 
-pytestmark = pytest.mark.xdist_group("atlas")
-
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 UNEQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
 

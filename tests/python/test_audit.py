@@ -11,7 +11,7 @@ from lane_simulation import CELLS, Lanes
 from shared_simulations import STATE, state
 from shared_systems import RIG
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("audit")]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from shared_systems import law
 
 
 @given(cases(most=5))
-@law(300)
+@law(200)
 def test_single_precision_is_as_good_as_it_can_be(case):
     """The difference from double precision is at most 32-bit rounding times the condition."""
     bound = error_bound(case, EPS_SINGLE)

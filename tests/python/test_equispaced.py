@@ -82,7 +82,7 @@ def test_few_digits_near_resonance_are_reported(sides, phases, precision):
     st.sampled_from([-1, 1]),
     st.floats(0.05, 3.0),
 )
-@law(500)
+@law(200)
 def test_equispaced_near_an_undamped_resonance(xi, mu, restitution, ratio_of_r, off, sign, ratio):
     """The law of the next test near a resonance without damping."""
     cycles, odd = ratio_of_r
@@ -97,7 +97,7 @@ def test_equispaced_near_an_undamped_resonance(xi, mu, restitution, ratio_of_r, 
     st.sampled_from([1, 3]),
     st.floats(0.05, 3.0),
 )
-@law(300)
+@law(200)
 def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ratio):
     """Both motions, or none, where the reference has them; symmetric and consistent."""
     assume(abs(r - 1.0) + xi > 1e-2)

@@ -30,7 +30,7 @@ def likely_motions(draw):
 
 @pytest.mark.slow
 @given(likely_motions())
-@law(400)
+@law(200)
 def test_verdicts(case):
     """Flags against the reference: where the walls are, what the multipliers and residual say."""
     case, _ = exact(case)
@@ -64,7 +64,7 @@ def test_consistent_is_the_residual_against_the_acceptance(case, acceptance):
 
 @pytest.mark.slow
 @given(likely_motions())
-@law(300)
+@law(200)
 def test_extremes_of_the_primary_mass(case):
     """x_min and x_max enclose every sample and no more than the samples could have missed."""
     case, _ = exact(case)
@@ -82,7 +82,7 @@ def test_extremes_of_the_primary_mass(case):
 
 @pytest.mark.slow
 @given(likely_motions(), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
-@law(250)
+@law(200)
 def test_samples_are_the_flight(case, parts):
     """Positions, velocities, Y and load at any time, over any period."""
     case, _ = exact(case)
@@ -111,7 +111,7 @@ def test_samples_are_the_flight(case, parts):
 
 @pytest.mark.slow
 @given(likely_motions())
-@law(250)
+@law(200)
 def test_samples_at_the_impacts(case):
     """Positions are continuous, Y is at the wall, velocities are those after the impact."""
     case, _ = exact(case)

@@ -52,7 +52,7 @@ def test_reference_impact_in_both_directions(mu, restitution, v, w):
 
 @pytest.mark.slow
 @given(cases())
-@law(900)
+@law(200)
 def test_coefficients_of_26_and_30(case):
     """The rows are the reference's, with their sign: what the impact asks minus the flight."""
     matrix, right = vi.linear_system(*case.arguments())
@@ -68,7 +68,7 @@ def test_coefficients_of_26_and_30(case):
 
 @pytest.mark.slow
 @given(cases())
-@law(500)
+@law(200)
 def test_solution_of_the_linear_problem(case):
     """The unknowns are the least squares ones, all lengths follow from the amplitude A."""
     bound = error_bound(case)
@@ -97,7 +97,7 @@ def unknowns_of_reference(motion):
 
 
 @given(cases())
-@law(400)
+@law(200)
 def test_momentum_restitution_and_energy_at_every_impact(case):
     """Hold whether or not the phases are those of a periodic motion."""
     assume(error_bound(case) < 1e-3)
@@ -117,7 +117,7 @@ def test_momentum_restitution_and_energy_at_every_impact(case):
 
 
 @given(cases())
-@law(400)
+@law(200)
 def test_ball_flies_straight_from_wall_to_wall(case):
     """Z - X is half the clearance on the impact's side, and the ball's velocity is its slope."""
     assume(error_bound(case) < 1e-3)
@@ -146,7 +146,7 @@ def assert_same_motion(one, two, bound, sign=1.0, shift=0):
 
 
 @given(cases())
-@law(300)
+@law(200)
 def test_mirror(case):
     """Right and left exchanged: X and Z change sign, the load is half a turn later."""
     bound = error_bound(case)
@@ -163,7 +163,7 @@ def test_mirror(case):
 
 
 @given(cases(), st.integers(1, 7))
-@law(300)
+@law(200)
 def test_any_impact_can_be_the_first(case, first):
     """The least squares problem is the same with its rows and unknowns permuted, (c, s) turned."""
     n = len(case.phases)
@@ -204,7 +204,7 @@ def away_from_resonance(case):
 
 
 @given(cases(most=2, mu=0.0))
-@law(300)
+@law(200)
 def test_impact_pair_in_closed_form(case):
     """With mu = 0 the oscillator keeps its steady motion, and two impacts have a closed form."""
     bound = error_bound(case)

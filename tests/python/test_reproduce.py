@@ -354,7 +354,6 @@ def whole(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("reproduce")
 def test_everything_is_there(whole):
     """All outputs of all tasks, and no temporary file."""
     for task in tasks.TASKS.values():
@@ -369,7 +368,6 @@ def statements_of(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("reproduce")
 def test_unit_of_the_printed_multiplier(whole):
     """The multiplier by the formulas as transcribed is given with its unit of length, in two units."""
     (row,) = (row for row in statements_of(whole) if row["where"] == "(A6), (A7)")
@@ -383,7 +381,6 @@ def test_unit_of_the_printed_multiplier(whole):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("reproduce")
 @pytest.mark.parametrize(("name", "osc"), [("a", EQUAL), ("b", UNEQUAL)])
 def test_two_readings_of_figure_10(name, osc, whole):
     """Its words are quoted; at r = 0.98 they differ if read as at every load, and agree if as at some loads."""
@@ -400,7 +397,6 @@ def test_two_readings_of_figure_10(name, osc, whole):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("reproduce")
 def test_simulations_are_not_called_measurements(whole):
     """Where only a simulation is compared the verdict says so; nothing calls it an experiment."""
     rows = [row for row in statements_of(whole) if "simulated" in row["found"]]
@@ -417,7 +413,6 @@ def test_simulations_are_not_called_measurements(whole):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("reproduce")
 def test_two_readings_of_section_2(whole):
     """One row is on the verdicts, one on what is accepted; with 1.5 % far fewer motions are accepted."""
     rows = [row for row in statements_of(whole) if "virtually no effect" in row["statement"]]
@@ -465,7 +460,6 @@ def test_thinned_outline_is_the_same_curve():
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("reproduce")
 def test_report_stands_alone(whole):
     """The page refers to nothing outside itself, and holds every figure and statement."""
     text = (whole / "report.html").read_text(encoding="utf-8")

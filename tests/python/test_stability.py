@@ -42,7 +42,7 @@ def assert_impact_maps(case, motion):
 
 
 @given(cases(most=6))
-@law(300)
+@law(200)
 def test_impact_maps_of_any_motion(case):
     """P_i is the derivative of the impact map of its flight, also between inconsistent phases."""
     assume(error_bound(case) < 1e-3)
@@ -50,7 +50,7 @@ def test_impact_maps_of_any_motion(case):
 
 
 @given(cases())
-@law(400)
+@law(200)
 def test_determinant_of_an_exact_motion(case):
     """det[P] = exp(-4 pi xi k/r) prod R_i^2, and P_i as the derivative of the impact map."""
     case, _ = exact(case)
