@@ -332,3 +332,30 @@ def test_interrupt_ends_it():
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=20)
     assert (process.returncode, out, err) == (0, "ended\n", "")
+
+
+OPEN = """
+import vibroimpact as vi
+from vibroimpact.explorer import words
+from vibroimpact.explorer.explorer import Explorer
+from vibroimpact.explorer.state import State
+from vibroimpact.explorer.zones import families
+state = State()
+family = next(iter(families(state.osc, state.patterns)))
+zone = vi.zone(state.osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), max_points=100)
+explorer = Explorer(state)
+explorer.zones = {family: zone}
+explorer.look()
+print(family.name, zone.closed, int(zone.undecided(state.r, state.clearance)), words.open_zones(explorer.zones), sep="|")
+"""
+
+
+def test_an_open_boundary_is_reported_on_the_page_alone():
+    """The page names the zone; the terminal on which the server runs gets no OpenBoundaryWarning."""
+    done = subprocess.run(
+        [sys.executable, "-c", OPEN], capture_output=True, text=True, check=True, timeout=300
+    )
+    name, closed, undecided, text = done.stdout.strip().split("|")
+    assert (closed, undecided) == ("False", "1")
+    assert text == f"{name}: a boundary could not be closed"
+    assert done.stderr == ""

@@ -251,3 +251,32 @@ def test_a_swipe_over_the_chart_scrolls(browser, page):
     assert page.page.evaluate("scrollY") == 0
     assert page.page.locator("#draw").get_attribute("aria-pressed") == "false"
     page.settle()
+
+
+def test_a_swipe_that_begins_on_a_slider_scrolls(browser, page):
+    """The page scrolls and the value stays; along the slider a finger moves it."""
+    page.page.set_viewport_size({"width": 390, "height": 500})
+    page.open("patterns=RL")
+    touch = browser.new_cdp_session(page.page)
+    slider = page.page.locator("[data-slider=mu]")
+
+    def swipe(right, down):
+        """From a place at a third of the slider."""
+        slider.scroll_into_view_if_needed()
+        box = slider.bounding_box()
+        x, y = box["x"] + box["width"] / 3, box["y"] + box["height"] / 2
+        for part in range(11):
+            kind = "touchMove" if part else "touchStart"
+            place = {"x": x + 0.1 * part * right, "y": y + 0.1 * part * down}
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [place]})
+            page.page.wait_for_timeout(20)
+        touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        page.page.wait_for_timeout(500)
+        page.settle()
+
+    before, where = page.field("mu"), page.page.evaluate("scrollY")
+    swipe(0, -200)
+    assert page.page.evaluate("scrollY") != where
+    assert (page.field("mu"), slider.input_value()) == (before, before)
+    swipe(60, 0)
+    assert page.field("mu") != before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +19,7 @@ from .. import (
     same_motion,
     simulate,
 )
-from ..errors import ParameterError, SingularError
+from ..errors import OpenBoundaryWarning, ParameterError, SingularError
 from .definition import Definition, definition_of, start_of
 from .limits import Limit, Progress, TooLong
 from .motions import Shown, ordered, quick
@@ -26,6 +27,9 @@ from .state import Run, State
 from .zones import Family
 
 __all__ = ["Explorer", "settles_on"]
+
+# the page names the zones with an open boundary; on the terminal nobody could tell which page a warning is about
+warnings.filterwarnings("ignore", category=OpenBoundaryWarning, module=r"vibroimpact\.explorer\.")
 
 #: Number of values along the line of a bifurcation diagram.
 VALUES = 161

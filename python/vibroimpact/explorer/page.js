@@ -208,9 +208,17 @@ export function render({ model }) {
     const [y, y_dot] = sketches.portrait.place(event)
     ask("launch", { y, y_dot })
   })
-  all("[data-slider]").forEach((slider) => slider.addEventListener("input", () => {
-    ask("set", { words: { [slider.dataset.slider]: slider.value } })
-  }))
+  all("[data-slider]").forEach((slider) => {
+    const set = () => ask("set", { words: { [slider.dataset.slider]: slider.value } })
+    let before = slider.value
+    slider.addEventListener("input", set)
+    // a finger that scrolls the page has moved the slider under it: the browser cancels it, and the value returns
+    slider.addEventListener("pointerdown", () => { before = slider.value })
+    slider.addEventListener("pointercancel", () => {
+      slider.value = before
+      set()
+    })
+  })
   all("[data-field]").forEach((input) => {
     input.addEventListener("input", () => { input.dirty = true })
     input.addEventListener("change", () => {

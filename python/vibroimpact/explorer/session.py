@@ -266,10 +266,12 @@ class Session:
         self.explorer.zones, self.spaces, self.marked = zones, shapes["spaces"], None
         self.changes |= pictures.zones(shapes, window)
         self.explorer.look()  # the zones may contain motions that were not found
+        unclosed = words.open_zones(zones)
         if not done:
-            status = joined(filter(None, (given_up, "refining …")))
+            status = joined(filter(None, (given_up, unclosed, "refining …")))
         else:
-            status = given_up or ("" if any(zones.values()) else "no motion has one here")
+            none = "" if any(zones.values()) else "no motion has one here"
+            status = joined(filter(None, (given_up, unclosed))) or none
         return {"zones": words.zones_legend(zones), "status": status, **self.summary()}
 
     def show_motions(self, found: list[Shown]) -> None:

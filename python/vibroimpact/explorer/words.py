@@ -13,7 +13,7 @@ from .shapes import color, hatch
 from .state import NUMBERS, WINDOW, number_text, pattern_text
 from .zones import Family
 
-__all__ = ["diagram_text", "fields", "place", "rows", "run_text", "zones_legend"]
+__all__ = ["diagram_text", "fields", "open_zones", "place", "rows", "run_text", "zones_legend"]
 
 
 def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
@@ -73,6 +73,12 @@ def diagram_text(diagram: BifurcationDiagram) -> str:
         for item in diagram.windows if item.low < item.high
     ]  # fmt: skip
     return f"{len(diagram.points)} impacts. " + "; ".join(windows)
+
+
+def open_zones(zones: Any) -> str:
+    """Names the zones of which a boundary could not be closed; empty if there are none."""
+    names = ", ".join(family.name for family, zone in zones.items() if not zone.closed)
+    return f"{names}: a boundary could not be closed" if names else ""
 
 
 def zones_legend(zones: Any) -> list[dict[str, str]]:
