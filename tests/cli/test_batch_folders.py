@@ -160,7 +160,8 @@ def small_disk(tmp_path):
 def test_full_disk(program, small_disk, complete_run, binary):
     """On a disk that fills up: whole results until then, status 2, and nothing empty or half."""
     call = [binary] if program == "program" else find_twin()
-    done = Runner(call, complete_run)("many.nml", "-o", str(small_disk))
+    # in a process of its own: a file that could not be closed would keep the disk busy
+    done = Runner(call, complete_run)("many.nml", "-o", str(small_disk), timeout=300)
     expected = contents(complete_run / "results")
     found = contents(small_disk)
     assert 0 < len(found) < 200
