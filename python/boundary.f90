@@ -268,11 +268,11 @@ subroutine new_result(n, text, study, handle, status)
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n
-   character(kind=c_char), intent(in) :: text(n), study(16)
+   character(kind=c_char), intent(in) :: text(n), study(20)
    integer(c_int64_t), intent(out) :: handle
    integer(c_int), intent(out) :: status
    character(n) :: one_case
-   character(16) :: name
+   character(20) :: name
 
    one_case = transfer(text, one_case)
    name = transfer(study, name)

@@ -15,8 +15,9 @@ from . import _core, door
 from .errors import ParameterError
 from .model import Oscillator
 from .motion import Motion, MotionSet
-from .namelist import keys_of
+from .namelist import keys_of, parts_of
 from .noun import RESULTS, Noun
+from .structure import Load, Structure, from_groups
 from .tables import Handle, language, message_of
 
 __all__ = ["Case", "read_namelist"]
@@ -27,9 +28,9 @@ def kinds() -> tuple[str, ...]:
     """Kinds of cases: the words of the key `kind` of a study, or the name of the study."""
     groups = language()["groups"]
     words = {
-        study: next((key["words"] for key in groups[study] if key["name"] == "kind"), study)
-        for study in language()["results"]
-    }
+        about["group"]: next((key["words"] for key in groups[study] if key["name"] == "kind"), about["group"])
+        for study, about in language()["results"].items()
+    }  # fmt: skip
     return tuple(" ".join(words.values()).split())
 
 
@@ -42,22 +43,29 @@ class Case(NamedTuple):
         Of the result.
     kind : str
         That of a &motion ("periodic", "equispaced", "exact"), else the name of the group.
-    osc : Oscillator
+    osc : Oscillator or None
+        None for a case of a structure.
     r : float or None
         Of a case that has several, None.
     keys : dict
         All other keys of its groups, with the values of those that were missing; of a branch also
-        motion_kind, the kind of its &motion.
+        motion_kind, the kind of its &motion. Of a structure those of the study and of &output.
     text : str
         The complete case as a namelist, as the header of its result has it.
+    structure : Structure or None
+        Of a &structure, with its gaps.
+    load : Load or None
+        Its &load, if it has one.
     """
 
     name: str
     kind: str
-    osc: Oscillator
+    osc: Oscillator | None
     r: Any
     keys: dict[str, Any]
     text: str
+    structure: Structure | None = None
+    load: Load | None = None
 
     @property
     def motion_kind(self) -> str:
@@ -68,7 +76,12 @@ class Case(NamedTuple):
     @property
     def study(self) -> str:
         """Name of the group that asks for the result."""
-        *_, study, _ = groups_of(self.text)
+        *_, group, _ = groups_of(self.text)
+        system = self.structure is not None
+        (study,) = (
+            name for name, about in language()["results"].items()
+            if (about["group"], about["of_structure"]) == (group, system)
+        )  # fmt: skip
         return study
 
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
@@ -140,11 +153,15 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     cases: list[dict[str, Any]] = []
     # the reader returns each case as in the header of its result: one `# key = value` per line
     for line in echo.split("\n"):
-        if line.startswith("# &system"):
+        if line in ("# &system", "# &structure"):
             cases.append({"text": ""})
         if cases and not line.startswith("# !"):
             cases[-1]["text"] += line[2:] + "\n"
-    return [_case(keys_of(item["text"]) | item) for item in cases]
+    return [
+        _structure_case(item["text"].strip("\n") + "\n") if item["text"].startswith("&structure")
+        else _case(keys_of(item["text"]) | item)
+        for item in cases
+    ]  # fmt: skip
 
 
 def _case(keys: dict[str, Any]) -> Case:
@@ -159,6 +176,13 @@ def _case(keys: dict[str, Any]) -> Case:
         keys,
         text.strip("\n") + "\n",
     )
+
+
+def _structure_case(text: str) -> Case:
+    *parts, (kind, keys), (_, output) = parts_of(text)
+    structure, load = from_groups(parts)
+    name = output.pop("name")
+    return Case(name, kind, None, None, keys | output, text, structure, load)
 
 
 def path_bytes(path: str | os.PathLike[str]) -> bytes:

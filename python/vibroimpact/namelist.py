@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -16,10 +18,10 @@ Groups = Mapping[str, Mapping[str, Any]]
 SYMMETRIC = {True: "yes", False: "no", None: "both"}
 
 
-def text(groups: Groups) -> str:
-    """Groups as a namelist; numbers have all their digits."""
+def text(groups: Groups | Iterable[tuple[str, Mapping[str, Any]]]) -> str:
+    """Groups as a namelist; numbers have all their digits. As pairs, groups of one name may stand there repeatedly."""
     lines = []
-    for group, keys in groups.items():
+    for group, keys in groups.items() if isinstance(groups, Mapping) else groups:
         lines += [
             f"&{group}",
             *(f"  {key} = {_value(x)}" for key, x in keys.items() if x is not None),
@@ -44,7 +46,24 @@ def case(osc: Oscillator, r: float | None = None, **groups: Mapping[str, Any]) -
 def _value(value: Any) -> str:
     if isinstance(value, str):
         return "'" + value.replace("'", "''").replace("\n", " ") + "'"
-    return ", ".join(map(repr, value)) if isinstance(value, (list, tuple)) else repr(value)
+    if not isinstance(value, (list, tuple)):
+        return repr(value)
+    runs = [(word, len(list(run))) for word, run in groupby(map(repr, value))]
+    return ", ".join(
+        f"{n}*{word}" if n > 2 and word[0] != "'" else ", ".join([word] * n) for word, n in runs
+    )
+
+
+def digits(value: float) -> str:
+    """A finite number as the core writes it, with three digits of the exponent."""
+    text = f"{value:.16E}"
+    return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"
+
+
+def parts_of(text: str) -> list[tuple[str, dict[str, Any]]]:
+    """The groups of a case with one `key = value` a line, in order."""
+    groups = re.findall(r"(?ms)^&(\w+)$\n(.*?)^/$", text)
+    return [(name, keys_of(body)) for name, body in groups]
 
 
 def keys_of(text: str) -> dict[str, Any]:
@@ -70,8 +89,14 @@ def _read(text: str) -> Any:
     if text.startswith("'"):
         words = text[1:-1].split("', '")
         return words if len(words) > 1 else words[0]
-    numbers = [_number(item) for item in text.split(", ")]
+    numbers = [number for item in text.split(", ") for number in _numbers(item)]
     return numbers if len(numbers) > 1 else numbers[0]
+
+
+def _numbers(text: str) -> list[int | float]:
+    """A number, or a repeated one as 3*0.0."""
+    times, star, number = text.rpartition("*")
+    return [_number(number)] * (int(times) if star else 1)
 
 
 def _number(text: str) -> int | float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ParamSpec, TypeVar
 
@@ -181,7 +181,11 @@ class Structure:
                 raise ParameterError(
                     f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {len(points)}, one a point"
                 )
-            modal.append(Gap(gap.direction @ points, gap.opening, gap.restitution))
+            # point by point, as the core does, so that the digits do not depend on a library
+            direction = np.zeros(n)
+            for factor, shape in zip(gap.direction, points, strict=True):
+                direction = direction + factor * shape
+            modal.append(Gap(direction, gap.opening, gap.restitution))
         return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
 
     @property
@@ -206,6 +210,25 @@ class Structure:
             for j, column in enumerate(columns):
                 values[: len(column), j] = column
         return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
+
+    def _groups(self) -> list[tuple[str, dict[str, Any]]]:
+        """The groups of a namelist that describe it."""
+        if not self.gaps:
+            raise ParameterError(
+                f"{self!r}: has no namelist, since a &structure has at least one &gap"
+            )
+        matrices = {}
+        for name in ("mass", "damping", "stiffness"):
+            matrix = getattr(self, name)
+            diagonal = np.diag(matrix)
+            plain = diagonal if np.array_equal(matrix, np.diag(diagonal)) else matrix.ravel()
+            matrices[name] = plain.tolist()
+        return [("structure", matrices)] + [
+            ("gap", {
+                "direction": gap.direction.tolist(), "opening": gap.opening, "restitution": gap.restitution,
+            })
+            for gap in self.gaps
+        ]  # fmt: skip
 
     def __repr__(self) -> str:
         n, gaps = self.coordinates, len(self.gaps)
@@ -236,8 +259,8 @@ class Load:
 
     Parameters
     ----------
-    frequency : float
-        Omega, > 0.
+    frequency : float, optional
+        Omega, > 0; a constant load needs none.
     sine, cosine : array_like (n,) or (H, n), optional
         Amplitudes of the harmonics 1 to H at each coordinate; a vector is the first harmonic.
     constant : array_like (n,), optional
@@ -261,12 +284,15 @@ class Load:
     constant: _Array
 
     def __init__(
-        self, frequency: float, sine: ArrayLike | None = None, cosine: ArrayLike | None = None,
-        constant: ArrayLike | None = None,
+        self, frequency: float | None = None, sine: ArrayLike | None = None,
+        cosine: ArrayLike | None = None, constant: ArrayLike | None = None,
     ) -> None:  # fmt: skip
-        frequency = checks.to_float(frequency, "frequency", "a number > 0")
-        if not 0 < frequency < np.inf:
-            raise ParameterError(f"frequency = {frequency!r}: must be a finite number > 0")
+        if frequency is not None:
+            frequency = checks.to_float(frequency, "frequency", "a number > 0")
+            if not 0 < frequency < np.inf:
+                raise ParameterError(f"frequency = {frequency!r}: must be a finite number > 0")
+        elif sine is not None or cosine is not None:
+            raise ParameterError("frequency = None: must be given with sine or cosine")
         parts = {}
         for name, values in {"sine": sine, "cosine": cosine}.items():
             if values is not None:
@@ -298,12 +324,19 @@ class Load:
             whole.flags.writeable = False
             object.__setattr__(self, name, whole)
         object.__setattr__(self, "constant", parts.get("constant", np.zeros(n)))
-        object.__setattr__(self, "frequency", frequency)
+        object.__setattr__(self, "frequency", frequency or 0.0)
 
     @property
     def coordinates(self) -> int:
         """Number of coordinates."""
         return self.constant.size
+
+    def _groups(self) -> list[tuple[str, dict[str, Any]]]:
+        """The group of a namelist that describes it."""
+        keys: dict[str, Any] = {"frequency": self.frequency or None}
+        if len(self.sine):
+            keys |= {"cosine": self.cosine.ravel().tolist(), "sine": self.sine.ravel().tolist()}
+        return [("load", keys | {"constant": self.constant.tolist()})]
 
     def _arrays(self) -> tuple[float, _Array, _Array]:
         """Omega (0 without harmonics), harmonics (n, 2, H), and the constant part."""
@@ -316,6 +349,8 @@ class Load:
 
     def __repr__(self) -> str:
         n = len(self.sine)
+        if not self.frequency:
+            return f"<Load, constant, on {self.coordinates} coordinates>"
         kinds = f"{n} harmonic{'s' if n != 1 else ''}"
         return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
 
@@ -339,3 +374,39 @@ def or_structure(
         return either
 
     return decorate
+
+
+def from_groups(
+    groups: Sequence[tuple[str, Mapping[str, Any]]],
+) -> tuple[Structure, Load | None]:
+    """The structure and the load of the groups of a namelist, as the core has completed them."""
+    (_, keys), *parts = groups
+    gaps = [
+        Gap(np.atleast_1d(part["direction"]), part["opening"], part["restitution"])
+        for name, part in parts if name == "gap"
+    ]  # fmt: skip
+    if "frequencies" in keys:
+        omega = np.atleast_1d(keys["frequencies"])
+        shapes = np.reshape(keys["shapes"], (-1, len(omega)))
+        structure = Structure.from_modes(omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps)
+    else:
+        n = len(gaps[0].direction)
+        matrices = [
+            _square(keys.get(name, np.zeros(n)), n) for name in ("mass", "damping", "stiffness")
+        ]
+        structure = Structure(*matrices, gaps)
+    load = None
+    for part in (part for name, part in parts if name == "load"):
+        n = structure.coordinates
+        harmonics = {
+            name: np.reshape(part[name], (-1, n)) for name in ("sine", "cosine") if name in part
+        }
+        constant = np.atleast_1d(part["constant"]) if "constant" in part else None
+        load = Load(part.get("frequency"), **harmonics, constant=constant)
+    return structure, load
+
+
+def _square(numbers: Any, n: int) -> Any:
+    """A matrix, or its diagonal, from a list."""
+    array = np.atleast_1d(numbers)
+    return array if len(array) == n else array.reshape(n, n)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core, checks
-from .errors import ParameterError
+from . import _core, checks, namelist
+from .errors import ParameterError, SingularError
+from .noun import Noun, Savable
 from .status import MORE_EVENTS, raise_status
-from .structure import Load, Structure
+from .structure import Gap, Load, Structure, from_groups
+from .tables import Result, made
 
 __all__ = ["StructureTrajectory", "simulate_structure"]
 
@@ -20,10 +23,14 @@ _Array = NDArray[np.float64]
 KINDS = np.array(["impact", "stick", "release"])
 #: Number of events for which space is allocated at first.
 ROOM = 1024
+#: The note on a trajectory that reached the limit on events.
+FULL = "max_events was reached"
+#: The keys of a &simulate of a &structure.
+REQUEST = ("duration", "cycles", "q", "q_dot", "start", "max_events")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class StructureTrajectory:
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class StructureTrajectory(Savable, study="simulate_structure"):
     """A simulated motion of a structure.
 
     Attributes
@@ -40,7 +47,12 @@ class StructureTrajectory:
     first_state, final_state : (ndarray, ndarray)
         Coordinates and velocities at `start` and `end`.
     complete : bool
-        False if the greatest number of events was reached; `end` is then the time of the last one.
+        False if the greatest number of events was reached, or if it was stopped; `end` is then the time of the
+        last one.
+    request : dict or None
+        The case by the keys of a &simulate; None if it was read from a file without its case.
+    cut : str
+        How far it got, if it was stopped.
     """
 
     structure: Structure
@@ -52,6 +64,8 @@ class StructureTrajectory:
     first_state: tuple[_Array, _Array]
     final_state: tuple[_Array, _Array]
     complete: bool
+    request: dict[str, Any] | None = None
+    cut: str = ""
 
     def sample(self, t: ArrayLike) -> tuple[_Array, _Array]:
         """Coordinates and velocities at given times, exactly.
@@ -93,6 +107,146 @@ class StructureTrajectory:
         found[:, order] = values
         return found[:n], found[n:]
 
+    def to_namelist(self) -> str:
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
+        if self.request is None:
+            raise ParameterError(
+                f"{self!r}: has no namelist, since the file has none from which it was read"
+            )
+        load = [] if self.load is None else self.load._groups()
+        return namelist.text([*self.structure._groups(), *load, ("simulate", self.request)])
+
+    @property
+    def _result(self) -> Result:
+        """Its tables, with the columns that the core declares."""
+        s, load = self.structure, self.load
+        n = s.coordinates
+        nothing = np.zeros((0, n))
+        moments = (self.first_state, self.final_state)
+        names = ("time", "kind", "gap", "speed", "impulse")
+        tables: dict[str, Any] = {
+            "events": (("event",), {name: self.events[name] for name in names} | {
+                "q": self.states[:, 0], "q_dot": self.states[:, 1],
+            }),
+            "moments": (("moment",), {
+                "moment": ("initial", "final"), "time": (self.start, self.end),
+                "q": [q for q, _ in moments], "q_dot": [rate for _, rate in moments],
+            }),
+            "gaps": (("number",), {
+                "opening": [gap.opening for gap in s.gaps], "restitution": [gap.restitution for gap in s.gaps],
+                "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
+            }),
+            "matrices": (("row",), {
+                "mass": s.mass, "damping": s.damping, "stiffness": s.stiffness,
+                "constant": np.zeros(n) if load is None else load.constant,
+            }),
+            "harmonics": (("harmonic",), {
+                "cosine": nothing if load is None else load.cosine, "sine": nothing if load is None else load.sine,
+            }),
+            "run": ((), {
+                "frequency": 0.0 if load is None else load.frequency, "loaded": load is not None,
+                "finished": self.complete,
+            }),
+        }  # fmt: skip
+        cut = "" if self.complete else self.cut or FULL
+        case = self.to_namelist() if self.request is not None and s.gaps else ""
+        return made(
+            "simulate_structure", case, tables, (f"final time: {namelist.digits(self.end)}",), cut
+        )
+
+    @classmethod
+    def of_result(cls, result: Result) -> StructureTrajectory:
+        """The trajectory of the core's tables."""
+
+        def values(table: str, *names: str) -> list[Any]:
+            return [result.column(table, name).decoded() for name in names]
+
+        gaps = [
+            Gap(*numbers)
+            for numbers in zip(*values("gaps", "direction", "opening", "restitution"), strict=True)
+        ]
+        *matrices, constant = values("matrices", "mass", "damping", "stiffness", "constant")
+        structure = Structure(*matrices, gaps)
+        frequency, loaded, finished = (
+            item.item() for item in values("run", "frequency", "loaded", "finished")
+        )
+        sine, cosine = values("harmonics", "sine", "cosine")
+        load = None
+        if loaded:
+            own = {"sine": sine, "cosine": cosine} if len(sine) else {}
+            load = Load(frequency or None, **own, constant=constant)
+        columns = values("events", "time", "kind", "gap", "speed", "impulse")
+        events = _events(len(columns[0]))
+        for name, column in zip(events.dtype.names, columns, strict=True):
+            events[name] = column
+        states = np.stack(values("events", "q", "q_dot"), axis=1)
+        (start, end), q, rate = values("moments", "time", "q", "q_dot")
+        for array in (events, states):
+            array.flags.writeable = False
+        request = None
+        if result.case:
+            *_, (group, keys) = [
+                item for item in namelist.parts_of(result.case) if item[0] != "output"
+            ]
+            if group != "simulate":
+                raise ParameterError("case: must end with a &simulate")
+            request = {name: keys[name] for name in REQUEST if name in keys}
+            for name in {"q", "q_dot"} & set(request):
+                request[name] = np.atleast_1d(request[name]).tolist()
+        return cls(
+            structure, load, float(start), float(end), events, states, (q[0], rate[0]), (q[1], rate[1]),
+            bool(finished), request, "" if result.cut == FULL else result.cut,
+        )  # fmt: skip
+
+    def _draw_small(self, ax: Any) -> None:
+        self.plot(ax=ax, kind="history")
+
+    def plot(self, ax: Any = None, kind: str | None = None, window: ArrayLike | None = None) -> Any:
+        """Draw the structure, the histories of its bodies, its impacts, and the energy of its modes (extra `plot`).
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Without it a new figure is made, with all panels unless `kind` is given.
+        kind : {"sketch", "history", "impacts", "energy"}, optional
+            Which panel; "history" if `ax` is given alone.
+        window : (float, float), optional
+            Times between which it is drawn; all of it by default.
+
+        Returns
+        -------
+        Axes, or an array of Axes if all panels were drawn.
+        """
+        return self._draw(ax, kind, window)
+
+    def animate(
+        self, path: str | os.PathLike[str] | None = None, window: ArrayLike | None = None,
+        seconds: float = 10.0,
+    ) -> Any:  # fmt: skip
+        """Animate the bodies; a gap flashes where it closes, and is green while it rests (extra `plot`).
+
+        Parameters
+        ----------
+        path
+            As in `Motion.animate`.
+        window : (float, float), optional
+            Times between which it is shown; all of it by default.
+        seconds : float
+            How long that lasts on the screen.
+
+        Returns
+        -------
+        Path
+            Without `path` matplotlib's FuncAnimation, as in `Motion.animate`.
+        """
+        from .plot.structure import animate
+
+        return animate(self, path, window, seconds)
+
+    def _facts(self) -> dict[str, str]:
+        n, gaps = self.structure.coordinates, len(self.structure.gaps)
+        return {"coordinates": str(n), "gaps": str(gaps), "events": str(len(self.events))}
+
     def __repr__(self) -> str:
         impacts = int((self.events["kind"] == "impact").sum())
         rests = int((self.events["kind"] == "stick").sum())
@@ -100,6 +254,36 @@ class StructureTrajectory:
             f"<StructureTrajectory t = {self.start:g} to {self.end:g}: {impacts} impacts, {rests} rests"
             f"{'' if self.complete else ', NOT complete'}>"
         )
+
+
+class StructureSimulation(Noun, study="simulate_structure"):
+    """The result of a &simulate case of a &structure: its trajectory, unless the simulation failed."""
+
+    __slots__ = ()
+
+    def parts(self) -> list[StructureTrajectory]:
+        """The trajectory."""
+        return [] if self._result.empty else [StructureTrajectory.of_result(self._result)]
+
+    def require(self) -> None:
+        """SingularError if the simulation failed."""
+        if self._result.empty:
+            raise SingularError(self._result.notes[0][1])
+
+    @property
+    def structure(self) -> Structure:
+        """The structure."""
+        return from_groups(namelist.parts_of(self.case)[:-1])[0]
+
+    def __repr__(self) -> str:
+        return f"<StructureSimulation: {', '.join(map(repr, self.parts())) or 'none'}>"
+
+
+def _events(count: int) -> NDArray[Any]:
+    """An empty table of events."""
+    return np.zeros(count, dtype=[
+        ("time", "f8"), ("kind", "U7"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
+    ])  # fmt: skip
 
 
 def _arrays(
@@ -184,13 +368,13 @@ def simulate_structure(
         )
     wanted = "a number >= 0"
     if duration is None:
-        if load is None:
+        if load is None or not load.frequency:
             raise ParameterError(
-                f"cycles = {cycles!r}: must be given with a load; give duration without"
+                f"cycles = {cycles!r}: must be given with a load that has a frequency; give duration without"
             )
         span = checks.number(cycles, "cycles_simulated", "cycles") * 2 * np.pi / load.frequency
     else:
-        span = checks.to_float(duration, "duration", wanted)
+        span = duration = checks.to_float(duration, "duration", wanted)
     if not 0 <= span <= 1e12:
         raise ParameterError(f"duration = {span!r}: must be a number with 0 <= duration <= 1e+12")
     start = checks.to_float(start, "start", "a number")
@@ -212,17 +396,28 @@ def simulate_structure(
         room = min(8 * room, max_events)
     if status not in (0, MORE_EVENTS):
         raise_status(status)
-    events = np.zeros(count, dtype=[
-        ("time", "f8"), ("kind", "U7"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
-    ])  # fmt: skip
+    events = _events(count)
     events["time"], events["speed"], events["impulse"] = table[:3, :count]
     events["kind"] = KINDS[labels[0, :count] - 1]
     events["gap"] = labels[1, :count] - 1
     states = np.ascontiguousarray(table[3:, :count].T).reshape(count, 2, n)
     for array in (events, states, final):
         array.flags.writeable = False
+    lasting = {"duration": duration} if cycles is None else {"cycles": float(cycles)}
+    request = lasting | {
+        "q": q.tolist(), "q_dot": rate.tolist(), "start": start, "max_events": max_events,
+    }  # fmt: skip
     return StructureTrajectory(
-        structure, load, start, end, events, states, (q, rate), (final[:n], final[n:]), status == 0
+        structure,
+        load,
+        start,
+        end,
+        events,
+        states,
+        (q, rate),
+        (final[:n], final[n:]),
+        status == 0,
+        request,
     )
 
 

@@ -156,7 +156,7 @@ class Trajectory(Savable, study="simulate"):
             "events": (("event",), event_columns(self.events)),
         }  # fmt: skip
         cut = "" if self.complete else self.cut or FULL
-        state = f"final state: t, x, x_dot, z, z_dot = {', '.join(map(digits, final))}"
+        state = f"final state: t, x, x_dot, z, z_dot = {', '.join(map(namelist.digits, final))}"
         case = "" if self.request is None else self.to_namelist()
         return made("simulate", case, tables, (state,), cut)
 
@@ -273,12 +273,6 @@ class Simulation(Noun, study="simulate"):
 
     def __repr__(self) -> str:
         return f"<Simulation: {', '.join(map(repr, self.parts())) or 'none'}>"
-
-
-def digits(value: float) -> str:
-    """A finite number as the core writes it, with three digits of the exponent."""
-    text = f"{value:.16E}"
-    return text if text[-4] != "E" else f"{text[:-2]}0{text[-2:]}"
 
 
 @or_structure(simulate_structure)

@@ -20,8 +20,13 @@ module vi_case
       type(oscillator_type) :: osc
       real(wp) :: r = 0
       type(values_type) :: system, output
-      !> The group that asks for the result; its name is that of the study.
+      !> Of a structure: its number of coordinates, and the groups that belong to it, its gaps and
+      !! then its load, if it has one.
+      integer :: coordinates = 0
+      type(values_type), allocatable :: parts(:)
+      !> The group that asks for the result, and the name of its study.
       type(values_type) :: study
+      character(:), allocatable :: study_name
       !> The group that the study starts from, such as the &motion of a &branch.
       type(values_type) :: start
    end type case_type
@@ -44,9 +49,10 @@ module vi_case
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
 
    !> The start of the first line of a result; the end of that line tells whether the file is an
-   !! input.
+   !! input. A structure has the units of its user.
    character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
-      '; lengths in F0/K, time in 1/omega, angles in radians; '
+      '; lengths in F0/K, time in 1/omega, angles in radians; ', &
+      first_line_of_structure = '# ! vibroimpact '//version//'; units as in the case; '
    !> Largest number of bytes of the name of a result.
    integer, parameter, public :: longest_name = 100
    character(*), parameter :: name_letters = &
@@ -122,11 +128,20 @@ contains
       !> The header of its result.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(values_type) :: system
+      integer :: i
 
-      call append(lines, first_line//'this file is an input too')
-      system = case%system
-      if (case%r <= 0) call system%drop('r')
-      call system%echo(lines)
+      if (allocated(case%parts)) then
+         call append(lines, first_line_of_structure//'this file is an input too')
+         call case%system%echo(lines)
+         do i = 1, size(case%parts)
+            call case%parts(i)%echo(lines)
+         end do
+      else
+         call append(lines, first_line//'this file is an input too')
+         system = case%system
+         if (case%r <= 0) call system%drop('r')
+         call system%echo(lines)
+      end if
       if (allocated(case%start%name)) call case%start%echo(lines)
       call case%study%echo(lines)
       call case%output%echo(lines)

@@ -213,16 +213,19 @@ contains
    end function rows_of
 
    !> Fills a column of numbers.
-   pure subroutine put_reals(result, table, name, values)
+   pure subroutine put_reals(result, table, name, values, inner)
       !> The result.
       class(result_type), intent(inout) :: result
       !> Names of the table and of the column.
       character(*), intent(in) :: table, name
       !> Row by row.
       real(wp), intent(in) :: values(:)
+      !> Number of values in a row, for a table that may have no rows.
+      integer, intent(in), optional :: inner
       integer :: i
 
       call find(result, table, name, size(values), i)
+      if (present(inner)) result%columns(i)%inner = inner
       result%columns(i)%x = values
    end subroutine put_reals
 

@@ -12,25 +12,32 @@ module vi_study
    implicit none (type, external)
    private
 
-   public :: join_groups
+   public :: join_groups, place_of_study
 
    !> What a study needs to declare keys and columns, read a case, and fill a result.
    public :: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, truths, &
       values_type, verdicts, wholes, words
 
    !> Largest number of characters of the name of a study.
-   integer, parameter, public :: name_length = 11
+   integer, parameter, public :: name_length = 20
+   !> Largest number of characters of the name of a group.
+   integer, parameter, public :: group_length = 11
 
    !> The declaration of a study.
    type, public :: study_type
-      !> Name of the group that requests it.
+      !> Its name, which no other study has.
       character(name_length) :: name = ''
+      !> Name of the group that requests it, if that is not its name.
+      character(group_length) :: group = ''
+      !> Whether its system is a &structure, instead of a &system. A study of each kind may have the
+      !! same group.
+      logical :: of_structure = .false.
       !> What it does, as a request: 'find the zones ...'.
       character(72) :: meaning = ''
       !> Whether there is a load; without one there is no frequency ratio.
       logical :: has_load = .true.
       !> The group before it from which it starts; empty if there is none.
-      character(name_length) :: starts_from = ''
+      character(group_length) :: starts_from = ''
       !> Lists the keys of its group and the columns of its result.
       procedure(list_interface), pointer, nopass :: list => null()
       !> The table whose rows are those of the CSV.
@@ -113,18 +120,36 @@ module vi_study
 
 contains
 
+   !> Place of the study that a group requests; 0 if none does.
+   pure integer function place_of_study(studies, group, of_structure) result(place)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
+      !> Name of the group.
+      character(*), intent(in) :: group
+      !> Whether the system is a &structure.
+      logical, intent(in) :: of_structure
+
+      do place = size(studies), 1, -1
+         if (studies(place)%group == group .and. &
+            (studies(place)%of_structure .eqv. of_structure)) return
+      end do
+   end function place_of_study
+
    !> Names of groups for messages: '&motion, &simulate or &find'.
    pure subroutine join_groups(names, text)
-      !> Names of groups.
+      !> Names of groups; one that stands there twice is named once.
       character(*), intent(in) :: names(:)
       !> The names in a sentence; empty if there are none.
       character(:), allocatable, intent(out) :: text
+      integer, allocatable :: places(:)
       integer :: i
 
       text = ''
-      do i = 1, size(names)
-         if (i > 1) text = text//trim(merge(' or', ',  ', i == size(names)))//' '
-         text = text//'&'//trim(names(i))
+      places = pack([(i, i=1, size(names))], [(.not. any(names(:i - 1) == names(i)), &
+         i=1, size(names))])
+      do i = 1, size(places)
+         if (i > 1) text = text//trim(merge(' or', ',  ', i == size(places)))//' '
+         text = text//'&'//trim(names(places(i)))
       end do
    end subroutine join_groups
 

@@ -3,11 +3,12 @@
 !! The first fault is kept, with its line. The reader does not read the text after it. A study may
 !! still run its own checks; their faults do not replace the first one.
 module vi_values
+   use vi_buffer, only: add, buffer_type
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
    use vi_kinds, only: wp
    use vi_namelist, only: assignment_type, group_type
    use vi_parse, only: parse_numbers, parse_subscript, parse_words
-   use vi_text, only: append, exact_list, lengthen, line_type, lower, number_text, whole
+   use vi_text, only: append, exact, lengthen, line_type, lower, number_text, whole
    implicit none (type, external)
    private
 
@@ -606,7 +607,7 @@ contains
             if (.not. value%there) cycle
             text = '#   '//trim(key%name)//' = '
             if (key%kind == a_number) then
-               text = text//exact_list(value%numbers)
+               call add_numbers(value%numbers, text)
             else if (key%kind == a_word) then
                do j = 1, size(value%words)
                   if (j > 1) text = text//', '
@@ -623,5 +624,32 @@ contains
       end do
       call append(lines, '# /')
    end subroutine echo
+
+   !> Adds a list of numbers to a text. Three or more equal numbers in a row are written as a repeat.
+   pure subroutine add_numbers(numbers, text)
+      !> The numbers, at least one.
+      real(wp), intent(in) :: numbers(:)
+      !> The text so far.
+      character(:), allocatable, intent(inout) :: text
+      type(buffer_type) :: buffer
+      integer :: first, last
+
+      call add(buffer, text)
+      first = 1
+      do while (first <= size(numbers))
+         last = first
+         do while (last < size(numbers))
+            ! also the sign of a zero is part of the number
+            if (exact(numbers(last + 1)) /= exact(numbers(first))) exit
+            last = last + 1
+         end do
+         if (last < first + 2) last = first
+         if (first > 1) call add(buffer, ', ')
+         if (last > first) call add(buffer, whole(last - first + 1)//'*')
+         call add(buffer, exact(numbers(first)))
+         first = last + 1
+      end do
+      text = buffer%text(:buffer%n)
+   end subroutine add_numbers
 
 end module vi_values

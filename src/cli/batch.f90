@@ -85,13 +85,13 @@ contains
       printed = ''
       table = ''
       message = ''
-      if (case%study%name == 'motion' .and. .not. case%output%is('format', 'csv')) then
+      if (case%study_name == 'motion' .and. .not. case%output%is('format', 'csv')) then
          printed = path//'.txt'
          call print_motions(case%name, result, lines)
          call write_file(printed, lines, message)
          if (len(message) > 0) message = printed//': '//message
       end if
-      if (len(message) == 0 .and. .not. result%empty .and. .not. (case%study%name == 'motion' &
+      if (len(message) == 0 .and. .not. result%empty .and. .not. (case%study_name == 'motion' &
          .and. case%output%is('format', 'table'))) then
          table = path//'.csv'
          call write_csv(result, table, message)

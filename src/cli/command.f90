@@ -20,7 +20,8 @@ module vi_command
       'Computes what namelist files ask for and writes each case to DIR/NAME.csv and, if it', &
       'asks for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself', &
       'an input that reproduces it.', &
-      'Groups: &system, &output and one for each case; see inputs/README.md.']
+      'Groups: &system, or &structure with each &gap and &load, &output, and one for each case;', &
+      'see inputs/README.md.']
    character(89), parameter :: after(*) = [character(89) :: &
       '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &
       '', &
@@ -116,7 +117,7 @@ contains
       end do
       call list_studies(studies)
       do i = 1, size(studies)
-         call append(lines, '  &'//studies(i)%name//'  '//trim(studies(i)%meaning))
+         call append(lines, '  &'//studies(i)%group//'  '//trim(studies(i)%meaning))
       end do
       do i = 1, size(after)
          call append(lines, trim(after(i)))

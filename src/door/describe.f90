@@ -5,6 +5,7 @@ module vi_describe
    use vi_kinds, only: wp
    use vi_result, only: column_kinds, column_type
    use vi_study, only: name_length, study_type
+   use vi_structure_groups, only: gap_keys, load_keys, structure_keys
    use vi_study_list, only: find_study, list_studies
    use vi_text, only: append, line_type, number_text, whole
    implicit none (type, external)
@@ -21,7 +22,7 @@ contains
       type(study_type), allocatable :: studies(:)
 
       call list_studies(studies)
-      names = [character(name_length) :: 'system', studies%name, 'output']
+      names = [character(name_length) :: 'system', 'structure', 'gap', 'load', studies%name, 'output']
    end subroutine list_groups
 
    !> The keys of a group for users: name, values, default, meaning.
@@ -30,12 +31,34 @@ contains
       character(*), intent(in) :: name
       !> The text.
       type(line_type), allocatable, intent(out) :: lines(:)
+      type(study_type), allocatable :: studies(:)
+      integer :: i, j
+
+      call list_studies(studies)
+      call append(lines, '&'//trim(name))
+      i = findloc(studies%name == name, .true., 1)
+      if (i > 0) lines(1)%text = '&'//trim(studies(i)%group)
+      if (i > 0) lines(1)%text = lines(1)%text//trim(merge(' of a &structure', repeat(' ', 16), &
+         studies(i)%of_structure))
+      call describe_keys(name, lines)
+      do j = 1, size(studies)
+         if (studies(j)%group /= name .or. studies(j)%name == name) cycle
+         call append(lines, '&'//trim(studies(j)%group)//' of a &structure')
+         call describe_keys(trim(studies(j)%name), lines)
+      end do
+   end subroutine describe_group
+
+   !> Adds the keys of a group.
+   subroutine describe_keys(name, lines)
+      !> One of `list_groups`.
+      character(*), intent(in) :: name
+      !> The text so far.
+      type(line_type), allocatable, intent(inout) :: lines(:)
       type(key_type), allocatable :: keys(:)
       character(:), allocatable :: text
       integer :: i
 
       call keys_of(name, keys)
-      call append(lines, '&'//trim(name))
       do i = 1, size(keys)
          call describe_key(keys, i, text)
          call append(lines, '  '//trim(keys(i)%name)//': '//text)
@@ -46,7 +69,7 @@ contains
             &out'
          call append(lines, '      '//text)
       end do
-   end subroutine describe_group
+   end subroutine describe_keys
 
    !> The keys of all groups and the columns of all results for programs, as JSON.
    subroutine describe_all(lines)
@@ -77,7 +100,9 @@ contains
       call list_studies(studies)
       do i = 1, size(studies)
          associate (study => studies(i))
-            call append(lines, quoted(study%name)//': {"meaning": '//quoted(study%meaning)// &
+            call append(lines, quoted(study%name)//': {"group": '//quoted(study%group)// &
+               ', "of_structure": '//truth(study%of_structure)//', "meaning": '//quoted( &
+               study%meaning)// &
                ', "row": '//quoted(study%row)//', "columns": [')
             call study%list(columns=columns)
             do j = 1, size(columns)
@@ -144,6 +169,12 @@ contains
       select case (name)
       case ('system')
          keys = system_keys
+      case ('structure')
+         keys = structure_keys
+      case ('gap')
+         keys = gap_keys
+      case ('load')
+         keys = load_keys
       case ('output')
          keys = output_keys
       case default

@@ -7,7 +7,7 @@ module vi_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int64_t, c_intptr_t, c_loc, &
       c_null_ptr, c_ptr
    use vi_buffer, only: add, add_quoted, buffer_type
-   use vi_case, only: case_type, echo, first_line
+   use vi_case, only: case_type, echo, first_line, first_line_of_structure
    use vi_lines, only: unify_line_ends
    use vi_parse_cases, only: find_name, parse_cases
    use vi_kinds, only: wp
@@ -45,8 +45,9 @@ module vi_door
    !> The columns of `list_cases`.
    type(column_type), parameter :: case_columns(*) = [ &
       column_type('cases', 'name', words, meaning='name of the result'), &
-      column_type('cases', 'study', words, meaning='name of the group that asks for the result'), &
-      column_type('cases', 'line', wholes, meaning='line of its name, or else of that group'), &
+      column_type('cases', 'study', words, meaning='name of the study'), &
+      column_type('cases', 'line', wholes, &
+      meaning='line of its name, or else of the group that asks for the result'), &
       column_type('cases', 'text', words, meaning='the complete case as a namelist of its own', &
       listed=.false.)]
 
@@ -101,7 +102,7 @@ contains
       call start_result(lines, case_columns, 'cases', holder%result)
       do i = 1, size(cases)
          names(i)%text = cases(i)%name
-         studies(i)%text = cases(i)%study%name
+         studies(i)%text = cases(i)%study_name
          places(i) = cases(i)%line
          call echo(cases(i), lines)
          call bare_text(lines, texts(i)%text)
@@ -181,7 +182,7 @@ contains
       if (status == wrong) return
       holder%status = status
       call echo(cases(1), lines)
-      call find_study(cases(1)%study%name, study)
+      call find_study(cases(1)%study_name, study)
       call study%list(columns=columns)
       call start_result(lines, columns, study%row, holder%result)
    end subroutine new_result
@@ -210,6 +211,7 @@ contains
       type(holder_type), pointer :: holder
       type(study_type) :: study
       type(column_type), allocatable :: columns(:)
+      character(:), allocatable :: first
 
       allocate (holder)
       holder%mark = mark
@@ -218,8 +220,10 @@ contains
       handle = address_of(c_loc(holder))
       call find_study(name, study)
       call study%list(columns=columns)
-      call start_result([line_type(first_line//'no namelist tells how it began')], columns, &
-         study%row, holder%result)
+      first = first_line
+      if (study%of_structure) first = first_line_of_structure
+      call start_result([line_type(first//'no namelist tells how it began')], columns, study%row, &
+         holder%result)
    end subroutine new_bare_result
 
    !> Opens a table of a result.

@@ -1,7 +1,7 @@
 !> The cases of a namelist, checked.
 !!
-!! Each group except `&system` and `&output` makes a case. It uses the `&system` before it, and the
-!! `&output` after it, if there is one. A study can start from a group before it, as a `&branch`
+!! Each group that names a study makes a case. It uses the `&system` before it, or the `&structure`
+!! with its gaps and its load, and the `&output` after it, if there is one. A study can start from a group before it, as a `&branch`
 !! does from a `&motion`; a group directly before that study is only its start and not a case of its
 !! own.
 module vi_parse_cases
@@ -10,7 +10,8 @@ module vi_parse_cases
    use vi_key, only: key_type, place_of
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
-   use vi_study, only: join_groups, study_type
+   use vi_structure_groups, only: most_coordinates, read_parts, read_structure
+   use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
    use vi_text, only: brief, lower, whole, whole_width
    use vi_values, only: read_values, values_type
@@ -18,6 +19,20 @@ module vi_parse_cases
    private
 
    public :: find_name, parse_cases
+
+   !> The groups that are not studies.
+   character(9), parameter :: other_groups(*) = [character(9) :: 'system', 'structure', 'gap', &
+      'load', 'output']
+
+   !> The system of the cases that follow.
+   type :: system_type
+      !> &system or &structure; without a name before the first of them.
+      type(values_type) :: values
+      !> Of a structure: its number of coordinates, gaps and load.
+      logical :: of_structure = .false.
+      integer :: coordinates = 0
+      type(values_type), allocatable :: parts(:)
+   end type system_type
 
 contains
 
@@ -35,7 +50,7 @@ contains
       integer, intent(out), optional :: fault_line
       type(group_type), allocatable :: groups(:)
       type(study_type), allocatable :: studies(:)
-      type(values_type) :: system
+      type(system_type) :: system
       character(:), allocatable :: names
       integer :: line, i, n
 
@@ -52,14 +67,25 @@ contains
             select case (groups(i)%name)
             case ('system')
                call take_system(studies, groups(i:), system, line, message)
+            case ('structure')
+               call take_structure(studies, path, groups(i:), system, line, message)
+            case ('gap', 'load')
+               call check_place(groups(:i), message)
             case ('output')
                if (.not. ends_in_case(studies, groups(:i - 1))) then
-                  call join_groups(studies%name, names)
+                  call join_groups(studies%group, names)
                   message = '&output: no '//names//' stands before it'
                end if
             case default
-               if (.not. allocated(system%name)) then
+               if (.not. allocated(system%values%name)) then
                   message = '&'//groups(i)%name//': no &system stands before it'
+                  if (place_of_study(studies, groups(i)%name, .true.) > 0) message = &
+                     '&'//groups(i)%name//': no &system or &structure stands before it'
+               else if (place_of_study(studies, groups(i)%name, system%of_structure) == 0) then
+                  call join_groups(pack(studies%group, studies%of_structure .eqv. &
+                     system%of_structure), names)
+                  message = '&'//groups(i)%name//': is not a study of a &'// &
+                     system%values%name//'; must be '//names
                else if (is_case(studies, groups(i:))) then
                   n = n + 1
                   call take_case(studies, groups, i, system, cases(n), line, message)
@@ -92,10 +118,10 @@ contains
 
       do i = 1, size(groups)
          associate (name => groups(i)%name)
-            if (name == 'system' .or. name == 'output' .or. any(studies%name == name)) cycle
+            if (any(other_groups == name) .or. any(studies%group == name)) cycle
             line = groups(i)%line
-            call join_groups(studies%name, names)
-            message = '&'//name//': is not a group; must be &system, &output, '//names
+            call join_groups(studies%group, names)
+            message = '&'//name//': is not a group; must be &system, &output, '//names//', or &structure, &gap, &load'
             return
          end associate
       end do
@@ -107,8 +133,8 @@ contains
       type(study_type), intent(in) :: studies(:)
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
-      !> The values of the group.
-      type(values_type), intent(out) :: system
+      !> The system.
+      type(system_type), intent(out) :: system
       !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
       !> Out: the fault; empty if there is none.
@@ -117,17 +143,95 @@ contains
       logical :: needed
 
       if (.not. ends_in_case(studies, groups(2:min(2, size(groups))))) then
-         call join_groups(pack(studies%name, studies%starts_from == ''), names)
+         call join_groups(pack(studies%group, studies%starts_from == '' .and. .not. &
+            studies%of_structure), names)
          message = '&system: no '//names//' follows'
          return
       end if
-      call read_values('system', system_keys, groups(1), system)
-      needed = needs_r(studies, groups(2:))
-      names = ''
-      if (.not. needed .and. system%has('r')) call explain_own_r(studies, names)
-      call check_system(system, needed, names)
-      call pass_on(system, line, message)
+      associate (values => system%values)
+         call read_values('system', system_keys, groups(1), values)
+         needed = needs_r(studies, groups(2:))
+         names = ''
+         if (.not. needed .and. values%has('r')) call explain_own_r(studies, names)
+         call check_system(values, needed, names)
+         call pass_on(values, line, message)
+      end associate
    end subroutine take_system
+
+   !> Reads and checks &structure with its gaps and its load, which must be followed by a case.
+   subroutine take_structure(studies, path, groups, system, line, message)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
+      !> The file; empty if there is none.
+      character(*), intent(in) :: path
+      !> The group, and all after it.
+      type(group_type), intent(in) :: groups(:)
+      !> The structure.
+      type(system_type), intent(out) :: system
+      !> Out: line of the fault; not changed if there is none.
+      integer, intent(inout) :: line
+      !> Out: the fault; empty if there is none.
+      character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: names
+      integer :: i, gaps, loads, n
+
+      gaps = 0
+      loads = 0
+      do n = 1, size(groups) - 1
+         select case (groups(n + 1)%name)
+         case ('gap')
+            gaps = gaps + 1
+         case ('load')
+            loads = loads + 1
+         case default
+            exit
+         end select
+         if (gaps <= most_coordinates .and. loads <= 1) cycle
+         line = groups(n + 1)%line
+         message = '&load: is the second of this &structure; must be the only one'
+         if (loads <= 1) message = '&gap: is number '//whole(gaps)//' of this &structure; must &
+            &be at most '//whole(most_coordinates)
+         return
+      end do
+      system%of_structure = .true.
+      if (gaps == 0) then
+         message = '&structure: no &gap follows'
+      else if (.not. ends_in_case(studies, groups(n + 1:min(n + 1, size(groups))))) then
+         call join_groups(pack(studies%group, studies%starts_from == '' .and. &
+            studies%of_structure), names)
+         message = '&structure: no '//names//' follows its gaps and its load'
+      end if
+      if (len(message) > 0) return
+      call read_structure(path, groups(1), system%values)
+      if (len(system%values%fault) == 0) call read_parts(groups(2:n), system%values, &
+         system%parts, system%coordinates)
+      call pass_on(system%values, line, message)
+      if (.not. allocated(system%parts)) return
+      do i = 1, size(system%parts)
+         if (len(message) == 0) call pass_on(system%parts(i), line, message)
+      end do
+   end subroutine take_structure
+
+   !> Checks that a &gap or &load stands directly after its &structure.
+   pure subroutine check_place(groups, message)
+      !> The group, and all before it.
+      type(group_type), intent(in) :: groups(:)
+      !> Out: the fault; not changed if there is none.
+      character(:), allocatable, intent(inout) :: message
+      integer :: i
+
+      do i = size(groups) - 1, 1, -1
+         select case (groups(i)%name)
+         case ('gap', 'load')
+            cycle
+         case ('structure')
+            return
+         case default
+            exit
+         end select
+      end do
+      message = '&'//groups(size(groups))%name//': must stand after a &structure, before its studies'
+   end subroutine check_place
 
    !> Whether a case of this system uses the frequency ratio of &system.
    pure logical function needs_r(studies, groups)
@@ -139,8 +243,8 @@ contains
 
       needs_r = .false.
       do i = 1, size(groups)
-         if (groups(i)%name == 'system') return
-         place = findloc(studies%name == groups(i)%name, .true., 1)
+         if (groups(i)%name == 'system' .or. groups(i)%name == 'structure') return
+         place = place_of_study(studies, groups(i)%name, .false.)
          if (place == 0) cycle
          needs_r = needs_r .or. .not. has_own_r(studies(place), groups(i))
       end do
@@ -155,9 +259,9 @@ contains
       character(:), allocatable :: names
       integer :: i
 
-      call join_groups(pack(studies%name, [(has_window(studies(i)), i=1, size(studies))]), names)
+      call join_groups(pack(studies%group, [(has_window(studies(i)), i=1, size(studies))]), names)
       text = 'it is not for a '//names//', which has r_min and r_max, nor for parameter = ''r'''
-      call join_groups(pack(studies%name, .not. studies%has_load), names)
+      call join_groups(pack(studies%group, .not. studies%has_load), names)
       if (len(names) > 0) text = text//', nor for a '//names//', which has no load'
    end subroutine explain_own_r
 
@@ -200,7 +304,7 @@ contains
       !> Place of the group that requests the result.
       integer, intent(in) :: i
       !> The system before it.
-      type(values_type), intent(in) :: system
+      type(system_type), intent(in) :: system
       !> The case.
       type(case_type), intent(inout) :: case
       !> Out: line of the fault; not changed if there is none.
@@ -210,23 +314,34 @@ contains
       type(key_type), allocatable :: keys(:)
       integer :: j
 
-      associate (study => studies(findloc(studies%name == groups(i)%name, .true., 1)))
-         case%system = system
-         case%osc = oscillator_type(system%number('xi'), system%number('mu'), &
-            system%numbers('restitution'))
-         if (system%has('r') .and. .not. has_own_r(study, groups(i))) case%r = system%number('r')
+      associate (study => studies(place_of_study(studies, groups(i)%name, system%of_structure)))
+         case%system = system%values
+         case%study_name = trim(study%name)
+         if (system%of_structure) then
+            case%coordinates = system%coordinates
+            case%parts = system%parts
+         else
+            associate (values => system%values)
+               case%osc = oscillator_type(values%number('xi'), values%number('mu'), &
+                  values%numbers('restitution'))
+               if (values%has('r') .and. .not. has_own_r(study, groups(i))) case%r = &
+                  values%number('r')
+            end associate
+         end if
          if (study%starts_from /= '') then
             do j = i - 1, 1, -1
-               if (groups(j)%name == study%starts_from .or. groups(j)%name == 'system') exit
+               if (groups(j)%name == study%starts_from .or. groups(j)%name == 'system' .or. &
+                  groups(j)%name == 'structure') exit
             end do
-            if (groups(j)%name == 'system') then
-               message = '&'//trim(study%name)//': no &'//trim(study%starts_from)// &
-                  ' of this &system stands before it'
+            if (groups(j)%name == 'system' .or. groups(j)%name == 'structure') then
+               message = '&'//trim(study%group)//': no &'//trim(study%starts_from)// &
+                  ' of this &'//groups(j)%name//' stands before it'
                return
             end if
-            associate (start => studies(findloc(studies%name == study%starts_from, .true., 1)))
+            associate (start => studies(place_of_study(studies, study%starts_from, &
+               system%of_structure)))
                call start%list(keys)
-               call read_values(trim(start%name), keys, groups(j), case%start)
+               call read_values(trim(start%group), keys, groups(j), case%start)
             end associate
             call study%check_start(case, groups(i)%line)
             call pass_on(case%start, line, message)
@@ -299,7 +414,7 @@ contains
       type(group_type), intent(in) :: groups(:)
 
       ends_in_case = .false.
-      if (size(groups) > 0) ends_in_case = any(studies%name == groups(size(groups))%name)
+      if (size(groups) > 0) ends_in_case = any(studies%group == groups(size(groups))%name)
    end function ends_in_case
 
    !> Whether a group is a case; one that is only the start of the study after it is not.
@@ -309,8 +424,8 @@ contains
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
 
-      is_case = any(studies%name == groups(1)%name)
-      if (is_case .and. size(groups) > 1) is_case = .not. any(studies%name == groups(2)%name &
+      is_case = any(studies%group == groups(1)%name)
+      if (is_case .and. size(groups) > 1) is_case = .not. any(studies%group == groups(2)%name &
          .and. studies%starts_from == groups(1)%name)
    end function is_case
 

@@ -14,6 +14,7 @@ module vi_study_list
    use vi_processor, only: has_memory, stack_left, stack_needed, usable_threads
    use vi_response_study, only: declare_response
    use vi_result, only: column_type, result_type, start_result
+   use vi_simulate_structure_study, only: declare_simulate_structure
    use vi_simulate_study, only: declare_simulate
    use vi_status, only: stat, status_text
    use vi_study, only: declare_type, study_type
@@ -46,7 +47,8 @@ contains
          declare_type(declare_bifurcation), &
          declare_type(declare_response), &
          declare_type(declare_decay), &
-         declare_type(declare_basins)], studies)
+         declare_type(declare_basins), &
+         declare_type(declare_simulate_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.
@@ -60,6 +62,7 @@ contains
       allocate (studies(size(each)))
       do i = 1, size(each)
          call each(i)%declare(studies(i))
+         if (studies(i)%group == '') studies(i)%group = studies(i)%name(:len(studies(i)%group))
       end do
    end subroutine collect
 
@@ -93,7 +96,7 @@ contains
       type(line_type), allocatable :: lines(:)
 
       call echo(case, lines)
-      call find_study(case%study%name, study)
+      call find_study(case%study_name, study)
       call study%list(columns=columns)
       call start_result(lines, columns, study%row, result)
       call check_room(study, case, result)

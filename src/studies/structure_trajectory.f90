@@ -3,6 +3,8 @@ module vi_structure_trajectory
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_modes, only: advance
+   use vi_processor, only: has_memory
+   use vi_progress, only: add_expected_work, is_stopped, report_share
    use vi_status, only: stat
    use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
    use vi_structure_run, only: find_regime, new_run, release_event, run_event_type, &
@@ -10,7 +12,12 @@ module vi_structure_trajectory
    implicit none (type, external)
    private
 
-   public :: sample_structure_arrays, simulate_structure_arrays
+   public :: sample_structure_arrays, simulate_structure_arrays, simulate_structure_case
+
+   !> Events between two looks at the progress counters.
+   integer, parameter :: chunk = 256
+   !> Units of work of a whole simulation in the progress counters.
+   integer, parameter :: simulation_work = 1000
 
 contains
 
@@ -36,7 +43,6 @@ contains
       real(wp), intent(out) :: end_time
       !> `stat%ok`, or as in `start_at` and `simulate_structure`.
       integer, intent(out) :: status
-      integer, parameter :: chunk = 256
       type(run_type) :: run
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
@@ -66,6 +72,102 @@ contains
       end_time = real(state%cycle, wp)*run%period + state%elapsed
       if (status == stat%ok) end_time = last
    end subroutine simulate_structure_arrays
+
+   !> As `simulate_structure_arrays`, with arrays that grow, and until it is stopped.
+   subroutine simulate_structure_case(structure, load, start, q, rate, last, most, table, labels, &
+      n, end_state, end_time, status, progress)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> Time, coordinates (n) and velocities (n) at the start; time at the end.
+      real(wp), intent(in) :: start, q(:), rate(:), last
+      !> Largest number of events.
+      integer, intent(in) :: most
+      !> (3 + 2n, at least events) and (2, at least events), as in `simulate_structure_arrays`.
+      real(wp), allocatable, intent(out) :: table(:, :)
+      !> As in `table`.
+      integer, allocatable, intent(out) :: labels(:, :)
+      !> Number of events.
+      integer, intent(out) :: n
+      !> (2n) Coordinates and velocities at the end, or just after the last event if the end is not
+      !! reached; the time there.
+      real(wp), allocatable, intent(out) :: end_state(:)
+      !> As in `end_state`.
+      real(wp), intent(out) :: end_time
+      !> As of `simulate_structure_arrays`; `stat%no_memory`, or `stat%not_computed` if it was
+      !! stopped.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(run_type) :: run
+      type(run_state_type) :: state
+      type(run_event_type), allocatable :: events(:)
+      integer(int64) :: last_cycle
+      real(wp) :: last_elapsed
+      integer :: i, m, reported
+      logical :: room
+
+      n = 0
+      m = size(q)
+      reported = 0
+      end_state = [q, rate]
+      end_time = start
+      allocate (table(3 + 2*m, min(most, chunk)), labels(2, min(most, chunk)))
+      call add_expected_work(simulation_work, progress)
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      call start_at(run, start, q, rate, state, status)
+      if (status /= stat%ok) return
+      last_cycle = floor(last/run%period, int64)
+      last_elapsed = max(0.0_wp, last - real(last_cycle, wp)*run%period)
+      allocate (events(chunk))
+      do
+         if (n == size(labels, 2)) then
+            call lengthen(min(most, 2*n), table, labels, room)
+            if (.not. room) status = stat%no_memory
+            if (.not. room) return
+         end if
+         call simulate_structure(run, state, last_cycle, last_elapsed, &
+            events(:min(chunk, size(labels, 2) - n)), i, status)
+         call store(run, events(:i), table(:, n + 1:n + i), labels(:, n + 1:n + i))
+         n = n + i
+         if (status /= stat%more_events .or. n == most) exit
+         end_time = real(state%cycle, wp)*run%period + state%elapsed
+         if (last > start) call report_share((end_time - start)/(last - start), simulation_work, &
+            reported, progress)
+         if (is_stopped(progress)) status = stat%not_computed
+         if (status == stat%not_computed) exit
+      end do
+      call report_share(1.0_wp, simulation_work, reported, progress)
+      call state_now(run, state, end_state(:m), end_state(m + 1:))
+      end_time = real(state%cycle, wp)*run%period + state%elapsed
+      if (status == stat%ok) end_time = last
+   end subroutine simulate_structure_case
+
+   !> Makes room for more events.
+   subroutine lengthen(n, table, labels, room)
+      !> New number of columns.
+      integer, intent(in) :: n
+      !> In and out: the arrays.
+      real(wp), allocatable, intent(inout) :: table(:, :)
+      !> As in `table`.
+      integer, allocatable, intent(inout) :: labels(:, :)
+      !> Whether there is room.
+      logical, intent(out) :: room
+      real(wp), allocatable :: longer(:, :)
+      integer, allocatable :: more(:, :)
+      integer :: old
+
+      old = size(labels, 2)
+      room = has_memory((8.0_wp*size(table, 1) + 8)*n)
+      if (.not. room) return
+      allocate (longer(size(table, 1), n), more(2, n))
+      longer(:, :old) = table
+      more(:, :old) = labels
+      call move_alloc(longer, table)
+      call move_alloc(more, labels)
+   end subroutine lengthen
 
    !> Writes events into arrays.
    pure subroutine store(run, events, table, labels)

@@ -23,8 +23,9 @@ from ..tables import language
 
 #: The studies that have a command, and what each does, as the core declares them; motions have none.
 STUDIES: dict[str, str] = {
-    name: study["meaning"] for name, study in language()["results"].items() if name != "motion"
-}
+    name: study["meaning"]
+    for name, study in language()["results"].items() if name != "motion" and not study["of_structure"]
+}  # fmt: skip
 #: In the order of the help text.
 NAMES = (
     "run", *STUDIES, "explore", "plot", "reproduce", "init", "doctor", "bench", "completion",

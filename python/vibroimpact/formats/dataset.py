@@ -60,7 +60,10 @@ def common(noun: Any) -> dict[str, Any]:
     """Attributes of every dataset: its kind, its case, and whether it is complete."""
     from .. import __version__
 
-    osc, result = noun.osc, noun._result
+    result = noun._result
+    if hasattr(noun, "structure"):
+        return structure_attributes(noun)
+    osc = noun.osc
     keys = {
         key: value for key, value in keys_of(result.case).items()
         if key not in ("xi", "mu", "restitution", "name", "format") and np.ndim(value) == 0
@@ -71,4 +74,15 @@ def common(noun: Any) -> dict[str, Any]:
         "Conventions": "CF-1.11", "title": repr(noun), "case": result.case,
         "source": f"vibroimpact {__version__}", "result": type(noun).__name__,
         "comment": "lengths in F0/K, time in 1/omega, angles in radians",
+    }  # fmt: skip
+
+
+def structure_attributes(noun: Any) -> dict[str, Any]:
+    """Attributes of a dataset of a structure."""
+    from .. import __version__
+
+    result = noun._result
+    return {
+        "complete": int(not result.cut), "Conventions": "CF-1.11", "title": repr(noun), "case": result.case,
+        "source": f"vibroimpact {__version__}", "result": type(noun).__name__, "comment": "units as in the case",
     }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
@@ -90,6 +91,7 @@ def from_dict(kind: Any, data: Any) -> Any:
     tables = {}
     for name, table in mapping(data.get("tables"), "tables").items():
         tables[name] = table_of(name, mapping(table, name), declared.get(name, {}))
+    widen_empty(tables)
     check_sizes(tables)
     check_parents(tables)
     if not all(isinstance(note, list) and len(note) == 2 for note in data["notes"]):
@@ -113,6 +115,22 @@ def from_dict(kind: Any, data: Any) -> Any:
             f"tables: must be those of a {kind.__name__}, and fit together; {type(error).__name__}: {error}"
         ) from None
     return noun
+
+
+def widen_empty(tables: dict[str, Table]) -> None:
+    """Gives columns of tables without rows, whose lists tell nothing of their own dimension, its size elsewhere."""
+    sizes = {
+        column.each: column.values.shape[-1]
+        for table in tables.values() if math.prod(table.dims.values())
+        for column in table.columns.values() if column.each
+    }  # fmt: skip
+    for table in tables.values():
+        if math.prod(table.dims.values()):
+            continue
+        for key, column in table.columns.items():
+            if column.each in sizes:
+                shape = (*column.values.shape[:-1], sizes[column.each])
+                table.columns[key] = replace(column, values=np.empty(shape, column.values.dtype))
 
 
 def check_sizes(tables: dict[str, Table]) -> None:

@@ -66,7 +66,7 @@ def check_written(message: Any, path: Path) -> None:
 
 def restored(result: Result) -> Handle:
     """A result that the core does not hold, put into it."""
-    study = characters(f"{result.study:16}")
+    study = characters(f"{result.study:20}")
     number, status = _core.new_result(characters(result.case or " "), study)
     handle = Handle(number)
     if status:

@@ -1,4 +1,4 @@
-!> Reads text files, also one file in several threads.
+!> Reads files, also one file in several threads.
 !!
 !! Fortran connects a file to one unit at a time, and a second thread that opens it is refused; the
 !! streams of the C library are independent.
@@ -8,7 +8,7 @@ module vi_read_file
    implicit none (type, external)
    private
 
-   public :: is_result, read_text
+   public :: is_result, read_bytes, read_text
 
    interface
       type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')

@@ -1,0 +1,346 @@
+"""Pictures of trajectories of structures: sketch, histories, impacts in space and time, and energy of modes."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import checks
+from ..errors import ParameterError
+from .animation import MOST, RATE, _mix, _positive, _write, _writer
+from .structure_sketch import bodies_of, draw_sketch
+from .style import (
+    FREE,
+    IMPACT,
+    ONE_COLUMN,
+    PRIMARY,
+    REST,
+    SETTINGS,
+    TWO_COLUMNS,
+    add_legend,
+    pyplot,
+)
+
+if TYPE_CHECKING:
+    from ..structure_trajectory import StructureTrajectory
+
+__all__ = ["KINDS", "animate", "draw_structure"]
+
+#: Okabe and Ito's colours of lines, without those of impacts and rests.
+COLOURS = (PRIMARY, FREE, "#56B4E9", "#E69F00", "0.15", "0.6")
+#: Most coordinates that are drawn over each other; more are drawn one above the other.
+OVERLAID = 6
+#: Samples of a history, and the number of modes of which shares are shown.
+SAMPLES, MODES = 1500, 6
+TIME = "time $t$"
+
+
+def draw_structure(
+    run: StructureTrajectory, ax: Any = None, kind: str | None = None, window: ArrayLike | None = None
+) -> Any:  # fmt: skip
+    """Draw one panel into `ax`, or all of them into a new figure.
+
+    Parameters
+    ----------
+    run : StructureTrajectory
+    ax : matplotlib Axes, optional
+        Without it a figure with all panels is made (or with one, if `kind` is given).
+    kind : {"sketch", "history", "impacts", "energy"}, optional
+        Which panel; "history" if `ax` is given alone.
+    window : (float, float), optional
+        Times between which it is drawn; all of it by default.
+
+    Returns
+    -------
+    Axes, or an array of Axes if all panels were drawn.
+    """
+    if kind is not None:
+        checks.choice(kind, "kind", tuple(KINDS))
+    begin, end = window_of(run, window)
+    plt = pyplot()
+    with plt.rc_context(SETTINGS):
+        if ax is not None or kind is not None:
+            if ax is None:
+                _, ax = plt.subplots(figsize=(ONE_COLUMN, 2.4), layout="constrained")
+            KINDS[kind or "history"](ax, run, begin, end)
+            return ax
+        tall = run.structure.coordinates > OVERLAID
+        figure = plt.figure(figsize=(TWO_COLUMNS, 6.6 if tall else 5.6), layout="constrained")
+        grid = figure.add_gridspec(3, 2, height_ratios=(1.1, 2.4 if tall else 1.5, 1.5))
+        places = (grid[0, :], grid[1, :], grid[2, 0], grid[2, 1])
+        axes = [figure.add_subplot(place) for place in places]
+        for panel, one in zip(KINDS.values(), axes, strict=True):
+            panel(one, run, begin, end)
+        return np.array(axes, dtype=object)
+
+
+def window_of(run: StructureTrajectory, window: ArrayLike | None) -> tuple[float, float]:
+    """The times between which to draw."""
+    if window is None:
+        return run.start, run.end
+    wanted = f"two increasing times from {run.start!r} to {run.end!r}"
+    times = np.atleast_1d(checks.real_array(window, "window", wanted))
+    if times.shape != (2,) or not run.start <= times[0] < times[1] <= run.end:
+        raise ParameterError(f"window = {window!r}: must be {wanted}")
+    return float(times[0]), float(times[1])
+
+
+def events_in(run: StructureTrajectory, begin: float, end: float) -> NDArray[Any]:
+    """The events of a window."""
+    return run.events[(run.events["time"] >= begin) & (run.events["time"] <= end)]
+
+
+def times_of(run: StructureTrajectory, begin: float, end: float) -> NDArray[np.float64]:
+    """Times dense enough for smooth curves, with the events, at which they have corners."""
+    times = np.linspace(begin, end, SAMPLES)
+    if len(run.events) <= 20 * SAMPLES:
+        times = np.union1d(times, events_in(run, begin, end)["time"])
+    return times
+
+
+def _draw_sketch(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+    draw_sketch(ax, run.structure, run.load)
+
+
+def _mark_events(ax: Any, run: StructureTrajectory, begin: float, end: float, y: Any) -> None:
+    """Marks at the coordinates that an event concerns; `y` gives their ordinates."""
+    events = events_in(run, begin, end)
+    q = run.states[:, 0][(run.events["time"] >= begin) & (run.events["time"] <= end)]
+    directions = np.array([gap.direction for gap in run.structure.gaps])
+    dense = len(events) * len(directions.T) > 3000
+    for kind, marker, colour in (
+        ("impact", "o", IMPACT), ("stick", "v", REST), ("release", "^", REST),
+    ):  # fmt: skip
+        chosen = np.flatnonzero(events["kind"] == kind)
+        rows = [
+            (event, i) for event in chosen for i in np.flatnonzero(directions[events["gap"][event]])
+        ]
+        if rows:
+            which, coordinate = np.array(rows).T
+            ax.plot(
+                events["time"][which], y(q[which, coordinate], coordinate), marker, color=colour, mew=0,
+                ms=1.6 if dense else 2.6, label=kind, zorder=3,
+            )  # fmt: skip
+
+
+def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+    """The coordinates, over each other or, if there are many, one above the other; and the events."""
+    times = times_of(run, begin, end)
+    q = run.sample(times)[0]
+    n = len(q)
+    if n <= OVERLAID:
+        for i, values in enumerate(q):
+            ax.plot(times, values, color=COLOURS[i], label=rf"$q_{{{i + 1}}}$", lw=0.9)
+        if run.structure.gaps and len(run.events):
+            _mark_events(ax, run, begin, end, lambda values, _: values)
+        ax.set_ylabel("coordinates $q_i$")
+        add_legend(
+            ax, loc="lower right", ncols=9, bbox_to_anchor=(1.0, 1.0), handlelength=1.4,
+            columnspacing=1.0, borderaxespad=0.2,
+        )  # fmt: skip
+    else:
+        middle = 0.5 * (q.max(1) + q.min(1))
+        scale = 1.1 * max(float(np.ptp(q, axis=1).max()), 1e-300)
+        alone = {body[0] for body in bodies_of(run.structure) if len(body) == 1}
+        for i, values in enumerate(q):
+            colour = FREE if i in alone else PRIMARY
+            ax.plot(times, i + 1 + (values - middle[i]) / scale, color=colour, lw=0.6)
+        if run.structure.gaps and len(run.events):
+            _mark_events(ax, run, begin, end, lambda v, i: i + 1 + (v - middle[i]) / scale)
+        ax.set_ylabel("number of the coordinate")
+        ax.set_ylim(0.2, n + 0.8)
+        ax.plot([], [], color=PRIMARY, label="coupled")
+        if alone:
+            ax.plot([], [], color=FREE, label="free masses")
+        ax.errorbar([], [], yerr=[], color="k", lw=0, label=f"one division: {scale:.3g}")
+        add_legend(
+            ax, loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), handlelength=1.4,
+            columnspacing=1.0, borderaxespad=0.2,
+        )  # fmt: skip
+    ax.set_xlabel(TIME)
+    ax.set_xlim(begin, end)
+
+
+def _draw_impacts(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+    """Approach speeds over time for few gaps; for many, a raster of gaps and times with the speed as colour."""
+    events = events_in(run, begin, end)
+    events = events[events["kind"] == "impact"]
+    gaps = len(run.structure.gaps)
+    if gaps <= 4:
+        for j in range(gaps):
+            own = events[events["gap"] == j]
+            if len(own):
+                ax.vlines(own["time"], 0, own["speed"], color=COLOURS[j], lw=0.6)
+                ax.plot(
+                    own["time"],
+                    own["speed"],
+                    "os^D"[j],
+                    color=COLOURS[j],
+                    ms=2.6,
+                    mew=0,
+                    label=f"gap {j}",
+                )
+        ax.set_ylabel("approach speed $v$")
+        ax.set_ylim(bottom=0)
+        if len(events):
+            add_legend(ax, loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), handlelength=1.0,
+                       columnspacing=1.0, borderaxespad=0.2)  # fmt: skip
+    else:
+        size = min(14.0, max(1.5, 2.5e4 / max(1, len(events)) / 20))
+        dots = ax.scatter(
+            events["time"], events["gap"], c=events["speed"], s=size, cmap="viridis_r", linewidths=0,
+        )  # fmt: skip
+        ax.set_ylabel("number of the gap")
+        ax.set_ylim(gaps - 0.5, -0.5)
+        if len(events):
+            bar = ax.figure.colorbar(dots, ax=ax, pad=0.02)
+            bar.set_label("approach speed $v$")
+            bar.outline.set_visible(False)
+    ax.set_xlabel(TIME)
+    ax.set_xlim(begin, end)
+
+
+def modes_of(run: StructureTrajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Circular frequencies and mass-normalised shapes (n, modes), body by body, so that modes of equal frequency
+    stay with their body; in the order of frequency."""
+    s = run.structure
+    n = s.coordinates
+    omega, shapes, at = np.zeros(n), np.zeros((n, n)), 0
+    for body in bodies_of(s):
+        place = np.ix_(body, body)
+        inverse = np.linalg.inv(np.linalg.cholesky(s.mass[place]))
+        squares, vectors = np.linalg.eigh(inverse @ s.stiffness[place] @ inverse.T)
+        own = slice(at, at + len(body))
+        omega[own] = np.sqrt(
+            np.where(squares > 1e-13 * np.abs(squares).max(initial=0.0), squares, 0.0)
+        )
+        shapes[body, own] = inverse.T @ vectors
+        at += len(body)
+    order = np.argsort(omega, kind="stable")
+    return omega[order], shapes[:, order]
+
+
+def _draw_energy(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+    """Shares of the modes in the energy, which is kinetic energy alone where the frequency is 0."""
+    times = times_of(run, begin, end)
+    omega, shapes = modes_of(run)
+    projected = shapes.T @ run.structure.mass
+    q, rate = (projected @ values for values in run.sample(times))
+    energy = 0.5 * (rate**2 + (omega[:, None] * q) ** 2)
+    total = energy.sum(0)
+    shares = energy / np.where(total > 0, total, np.nan)
+    means = np.nan_to_num(np.nanmean(shares, axis=1) if np.isfinite(shares).any() else shares[:, 0])
+    chosen = np.sort(np.argsort(-means, kind="stable")[:MODES])
+    rows = [shares[k] for k in chosen]
+    labels = [rf"$\omega$ = {omega[k]:.3g}" for k in chosen]
+    if len(omega) > len(chosen):
+        rows.append(np.clip(1 - np.sum(rows, axis=0), 0, 1))
+        labels.append(f"{len(omega) - len(chosen)} others")
+    colours = [*COLOURS[: len(chosen)], "0.88"][: len(rows)]
+    ax.stackplot(times, np.nan_to_num(rows), labels=labels, colors=colours, lw=0)
+    ax.set_ylabel("share of the energy")
+    ax.set_xlabel(TIME)
+    ax.set_xlim(begin, end)
+    ax.set_ylim(0, 1)
+    add_legend(ax, loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), handlelength=0.9,
+               columnspacing=0.9, borderaxespad=0.2, fontsize=6)  # fmt: skip
+
+
+#: The panels, in the order of the figure.
+KINDS = {
+    "sketch": _draw_sketch, "history": _draw_history, "impacts": _draw_impacts, "energy": _draw_energy,
+}  # fmt: skip
+
+
+def animate(
+    run: StructureTrajectory,
+    path: str | os.PathLike[str] | None = None,
+    window: ArrayLike | None = None,
+    seconds: float = 10.0,
+) -> Any:
+    """Animate the coordinates, and write the animation to a file; see `StructureTrajectory.animate`."""
+    begin, end = window_of(run, window)
+    seconds = _positive(seconds, "seconds")
+    target, writer = (None, "") if path is None else _writer(path)
+    n = round(seconds * RATE)
+    if not 2 <= n <= MOST:
+        raise ParameterError(
+            f"seconds = {seconds:g}: makes {n} pictures at {RATE} a second; must be 2 to {MOST}"
+        )
+    plt = pyplot()
+    with plt.rc_context({**SETTINGS, "savefig.bbox": None}):
+        figure, axes = plt.subplots(
+            2, figsize=(6.0, 4.0), height_ratios=(1, 1.3), dpi=100, layout="constrained"
+        )
+        try:
+            times = np.linspace(begin, end, n)
+            scene = _Scene(run, begin, end, axes)
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")
+            if target is None:
+                from matplotlib.animation import FuncAnimation
+
+                return FuncAnimation(
+                    figure, scene.show, times, interval=1000 / RATE, init_func=lambda: ()
+                )
+            _write(figure, scene, times, target, writer)
+        finally:
+            if target is not None:
+                plt.close(figure)
+    return target
+
+
+class _Scene:
+    """The artists of a frame: a dot at each coordinate, coloured by its last event."""
+
+    def __init__(self, run: StructureTrajectory, begin: float, end: float, axes: Any) -> None:
+        self.run, self.flash = run, 0.02 * (end - begin)
+        ax, below = axes
+        n = run.structure.coordinates
+        q = run.sample(times_of(run, begin, end))[0]
+        alone = {body[0] for body in bodies_of(run.structure) if len(body) == 1}
+        self.base = [FREE if i in alone else PRIMARY for i in range(n)]
+        self.directions = [np.flatnonzero(gap.direction) for gap in run.structure.gaps]
+        x = np.arange(1, n + 1)
+        size = 60.0 if n <= 12 else max(4.0, 700.0 / n)
+        self.stems = ax.vlines(x, 0, np.zeros(n), color="0.8", lw=0.8)
+        self.dots = ax.scatter(x, np.zeros(n), s=size, c=self.base, zorder=3)
+        self.text = ax.text(1.0, 1.0, "", transform=ax.transAxes, ha="right", va="bottom")
+        low, high = min(0.0, float(q.min())), max(0.0, float(q.max()))
+        margin = 0.08 * (high - low or 1.0)
+        ax.set(
+            xlim=(0.3, n + 0.7), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
+            ylabel="$q_i$",
+        )  # fmt: skip
+        ax.xaxis.get_major_locator().set_params(integer=True)
+        ax.axhline(0, color="0.7", lw=0.6)
+        _draw_history(below, run, begin, end)
+        self.cursor = below.axvline(begin, color="0.2", lw=0.8)
+
+    def show(self, time: float) -> list[Any]:
+        """Move all artists to their positions at a time."""
+        q = self.run.sample([time])[0][:, 0]
+        x = np.arange(1, len(q) + 1)
+        self.dots.set_offsets(np.column_stack([x, q]))
+        self.stems.set_segments([[(i, 0), (i, value)] for i, value in zip(x, q, strict=True)])
+        colours: list[Any] = [*self.base]
+        past = self.run.events[self.run.events["time"] <= time]
+        resting: set[int] = set()
+        for event in past[past["kind"] != "impact"]:
+            (resting.add if event["kind"] == "stick" else resting.discard)(int(event["gap"]))
+        for gap in resting:
+            for i in self.directions[gap]:
+                colours[i] = REST
+        for event in past[past["time"] > time - self.flash]:
+            if event["kind"] == "impact":
+                bright = max(0.0, 1 - (time - float(event["time"])) / self.flash)
+                for i in self.directions[int(event["gap"])]:
+                    colours[i] = _mix(self.base[i], IMPACT, math.sqrt(bright))
+        self.dots.set_color(colours)
+        self.cursor.set_xdata([time, time])
+        self.text.set_text(f"$t$ = {time:.4g}   impacts: {int((past['kind'] == 'impact').sum())}")
+        return [self.dots, self.stems, self.cursor, self.text]

@@ -1,0 +1,353 @@
+"""A sketch of a structure: bodies in a row with springs, dashpots, loads, and the stops of their gaps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..structure import Load, Structure
+from .style import FREE, IMPACT, LOAD, PRIMARY
+
+__all__ = ["bodies_of", "draw_sketch"]
+
+#: Most bodies that are drawn; of more, the first ones and the last one.
+MOST, FIRST = 10, 3
+#: Width and height of a body, width of one with a slot, and the distance between bodies.
+WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.5, 1.5, 2.9, 1.9
+
+
+def bodies_of(structure: Structure) -> list[list[int]]:
+    """The connected parts of a structure: coordinates that M, C or K couple."""
+    coupled = (structure.mass != 0) | (structure.damping != 0) | (structure.stiffness != 0)
+    found: list[list[int]] = []
+    left = list(range(structure.coordinates))
+    while left:
+        body, waiting = [], [left.pop(0)]
+        while waiting:
+            here = waiting.pop(0)
+            body.append(here)
+            waiting += [i for i in left if coupled[here, i]]
+            left = [i for i in left if i not in waiting]
+        found.append(body)
+    return found
+
+
+@dataclass
+class Box:
+    """A drawn body: its coordinate and place, and the free masses in its slot with the walls that they have."""
+
+    coordinate: int
+    left: float = 0.0
+    inner: list[tuple[int, set[int]]] = field(default_factory=list)
+
+    @property
+    def width(self) -> float:
+        return max(WIDTH, 0.4 + SLOTTED * len(self.inner)) if self.inner else WIDTH
+
+    @property
+    def right(self) -> float:
+        return self.left + self.width
+
+    @property
+    def middle(self) -> float:
+        return self.left + 0.5 * self.width
+
+
+def draw_sketch(ax: Any, structure: Structure, load: Load | None = None) -> None:
+    """Draw the bodies, or, where coordinates are no displacements of bodies, a block with its gaps."""
+    pairs = [np.flatnonzero(gap.direction) for gap in structure.gaps]
+    off = structure.mass - np.diag(np.diag(structure.mass))
+    if off.any() or any(len(pair) > 2 for pair in pairs):
+        _draw_block(ax, structure)
+    else:
+        _draw_row(ax, structure, load, pairs)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+
+
+def _hosts(structure: Structure, pairs: list[NDArray[Any]]) -> dict[int, tuple[int, set[int]]]:
+    """The free masses that only touch one other body: that body, and the sides of its walls."""
+    found: dict[int, tuple[int, set[int]]] = {}
+    alone = [body[0] for body in bodies_of(structure) if len(body) == 1]
+    for i in alone:
+        if structure.stiffness[i, i] or structure.damping[i, i]:
+            continue
+        own = [j for j, pair in enumerate(pairs) if i in pair]
+        others = {int(k) for j in own for k in pairs[j]} - {i}
+        if len(others) == 1 and all(len(pairs[j]) == 2 for j in own):
+            (host,) = others
+            if host not in found:
+                sides = {1 if structure.gaps[j].direction[i] > 0 else -1 for j in own}
+                found[i] = (host, sides)
+    return found
+
+
+def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDArray[Any]]) -> None:
+    hosts = _hosts(structure, pairs)
+    row = [i for body in bodies_of(structure) for i in sorted(body) if i not in hosts]
+    cut = len(row) > MOST
+    shown = [*row[:FIRST], row[-1]] if cut else row
+    boxes = {i: Box(i) for i in shown}
+    for i, (host, sides) in hosts.items():
+        if host in boxes:
+            boxes[host].inner.append((i, sides))
+    place = 0.0
+    for k, box in enumerate(boxes.values()):
+        if cut and k == FIRST:
+            ax.text(place + 0.3, 0.5 * HEIGHT, r"$\cdots$", ha="center", va="center", fontsize=14)
+            place += 1.5
+        box.left = place
+        place = box.right + DISTANCE
+    first, last = boxes[shown[0]], boxes[shown[-1]]
+    walls = set()
+    free = np.linalg.norm(structure.stiffness) == 0
+    for box in boxes.values():
+        i = box.coordinate
+        for matrix, draw, letter, y in (
+            (structure.stiffness, _spring, "k", 1.1), (structure.damping, _dashpot, "c", 0.4),
+        ):  # fmt: skip
+            ground = float(matrix[i].sum())
+            if abs(ground) > 1e-12 * np.abs(matrix[i]).max(initial=0.0):
+                label = rf"${letter}$ = {ground:.3g}"
+                if box is first:
+                    draw(ax, box.left - DISTANCE, box.left, y, label)
+                    walls.add(-1)
+                else:
+                    _to_ground(ax, box, letter, label)
+            for j, other in boxes.items():
+                if other.left > box.left and matrix[i, j]:
+                    label = rf"${letter}$ = {-matrix[i, j]:.3g}"
+                    if shown.index(j) == shown.index(i) + 1:
+                        draw(ax, box.right, other.left, y, label)
+                    else:
+                        _over(ax, box, other, label)
+    _draw_boxes(ax, structure, boxes)
+    for pair, gap in zip(pairs, structure.gaps, strict=True):
+        if any(int(k) in hosts for k in pair) or any(int(k) not in boxes for k in pair):
+            continue
+        if len(pair) == 1:
+            box, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
+            end = (side > 0 and box is last) or (side < 0 and box is first)
+            _stop(ax, box, side, rf"$e$ = {gap.opening:.3g}", alone=end)
+        else:
+            low, high = sorted((boxes[int(k)] for k in pair), key=lambda box: box.left)
+            _between(
+                ax, low, high, bool(gap.direction[low.coordinate] > 0), rf"$e$ = {gap.opening:.3g}"
+            )
+    if load is not None:
+        acting = np.abs(load.sine).sum(0) + np.abs(load.cosine).sum(0) + np.abs(load.constant)
+        for i, box in boxes.items():
+            if acting[i]:
+                steady = not (np.abs(load.sine[:, i]).any() or np.abs(load.cosine[:, i]).any())
+                name = rf"$f_{{{i + 1}}}$" + (f" = {load.constant[i]:.3g}" if steady else "$(t)$")
+                side = -1 if steady and load.constant[i] < 0 else 1
+                start = box.middle
+                ax.annotate(
+                    "", (start + side * 0.9, HEIGHT + 0.3), (start, HEIGHT + 0.3),
+                    arrowprops={"arrowstyle": "-|>", "color": LOAD, "lw": 1.3, "shrinkA": 0, "shrinkB": 0},
+                )  # fmt: skip
+                ax.text(
+                    start + side * 1.0, HEIGHT + 0.3, name, va="center", ha="left" if side > 0 else "right",
+                    fontsize=7,
+                )  # fmt: skip
+    if -1 in walls:
+        _wall(ax, first.left - DISTANCE, -1, HEIGHT)
+    low = first.left - DISTANCE - 0.6 if -1 in walls or len(boxes) == 1 else first.left - 0.8
+    ax.set_xlim(
+        low, last.right + DISTANCE + 0.6 if not free or len(boxes) == 1 else last.right + 0.8
+    )
+    ax.set_ylim(-1.75, HEIGHT + 1.1)
+    if cut:
+        ax.text(
+            0.5 * (first.left + last.right), HEIGHT + 0.75,
+            f"{len(row)} bodies" + (f", {len(hosts)} free masses in their slots" if hosts else ""),
+            ha="center", va="center", fontsize=7,
+        )  # fmt: skip
+
+
+def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
+    """The bodies with their slots and free masses."""
+    from matplotlib.patches import Rectangle
+
+    small = len(boxes) > 6
+    for i, box in boxes.items():
+        ax.add_patch(Rectangle((box.left, 0), box.width, HEIGHT, fc=PRIMARY, ec="none", alpha=0.3))
+        ax.add_patch(Rectangle((box.left, 0), box.width, HEIGHT, fc="none", ec="k", lw=0.9))
+        name = rf"$m_{{{i + 1}}}$"
+        if not small:
+            name += f" = {structure.mass[i, i]:.3g}"
+        ax.text(
+            box.middle, 0.2 if box.inner else 0.5 * HEIGHT, name, ha="center", va="center",
+            fontsize=6 if box.inner else 7,
+        )  # fmt: skip
+        for k, (j, sides) in enumerate(box.inner):
+            left = box.left + 0.2 + k * SLOTTED + 0.15
+            right = left + SLOTTED - 0.3
+            ax.add_patch(Rectangle((left, 0.45), right - left, 0.9, fc="w", ec="k", lw=0.7))
+            for side, x in ((-1, left), (1, right)):
+                if side in sides:
+                    ax.plot([x, x], [0.45, 1.35], color=IMPACT, lw=2.4, solid_capstyle="butt")
+            middle = 0.5 * (left + right)
+            ax.add_patch(Rectangle((middle - 0.45, 0.48), 0.9, 0.66, fc=FREE, ec="k", lw=0.7))
+            ax.text(
+                middle, 0.81, rf"$m_{{{j + 1}}}$", ha="center", va="center", color="w", fontsize=7
+            )
+            if small:
+                continue
+            for gap in structure.gaps:
+                if gap.direction[j]:
+                    side = int(np.sign(gap.direction[j]))
+                    at = 0.5 * (middle + side * 0.45 + (right if side > 0 else left))
+                    ax.text(at, 1.22, f"{gap.opening:.3g}", ha="center", va="center", fontsize=5.5)
+
+
+def _spring(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
+    turns = np.linspace(0, 1, 12)
+    height = 0.14 * np.r_[0, np.tile([1, -1], 5), 0]
+    x = np.r_[x0, x0 + (x1 - x0) * (0.15 + 0.7 * turns), x1]
+    ax.plot(x, y + np.r_[0, height, 0], color="k", lw=0.9)
+    ax.text(0.5 * (x0 + x1), y + 0.2, label, ha="center", va="bottom", fontsize=6.5)
+
+
+def _dashpot(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
+    cup, end, piston = (x0 + t * (x1 - x0) for t in (0.3, 0.68, 0.5))
+    ax.plot([x0, cup], [y, y], "k", lw=0.9)
+    ax.plot([end, cup, cup, end], [y + 0.15, y + 0.15, y - 0.15, y - 0.15], "k", lw=0.9)
+    ax.plot([piston, piston], [y - 0.1, y + 0.1], "k", lw=1.6)
+    ax.plot([piston, x1], [y, y], "k", lw=0.9)
+    ax.text(0.5 * (x0 + x1), y - 0.2, label, ha="center", va="top", fontsize=6.5)
+
+
+def _to_ground(ax: Any, box: Box, letter: str, label: str) -> None:
+    """A spring or dashpot from a body down to the ground."""
+    x = box.middle + (-0.3 if letter == "k" else 0.3)
+    if letter == "k":
+        turns = np.linspace(-0.15, -0.85, 9)
+        ax.plot(
+            [x, *(x + 0.12 * np.r_[0, np.tile([1, -1], 3), 1, 0]), x], [0, *turns, -1], "k", lw=0.9
+        )
+    else:
+        ax.plot([x, x], [0, -0.45], "k", lw=0.9)
+        ax.plot([x - 0.1, x + 0.1], [-0.45, -0.45], "k", lw=1.6)
+        ax.plot([x - 0.14, x - 0.14, x + 0.14, x + 0.14], [-0.3, -0.65, -0.65, -0.3], "k", lw=0.9)
+        ax.plot([x, x], [-0.65, -1], "k", lw=0.9)
+    side = -1 if letter == "k" else 1
+    ax.text(
+        x + side * 0.25, -0.5, label, ha="right" if side < 0 else "left", va="center", fontsize=6.5
+    )
+    _floor(ax, box.left, box.right)
+
+
+def _over(ax: Any, low: Box, high: Box, label: str) -> None:
+    """A link between bodies that are not neighbours."""
+    y = HEIGHT + 0.35
+    ax.plot(
+        [low.middle, low.middle, high.middle, high.middle], [HEIGHT, y, y, HEIGHT], "0.4", lw=0.8
+    )
+    ax.text(0.5 * (low.middle + high.middle), y + 0.05, label, ha="center", va="bottom", fontsize=6)
+
+
+def _wall(ax: Any, x: float, side: int, height: float) -> None:
+    """A fixed wall that faces the bodies."""
+    from matplotlib.patches import Rectangle
+
+    left = x if side > 0 else x - 0.3
+    ax.add_patch(
+        Rectangle((left, -0.2), 0.3, height + 0.4, fc="none", ec="0.5", lw=0.0, hatch="//////")
+    )
+    ax.plot([x, x], [-0.2, height + 0.2], color="k", lw=1.0)
+
+
+def _floor(ax: Any, x0: float, x1: float) -> None:
+    from matplotlib.patches import Rectangle
+
+    ax.add_patch(Rectangle((x0, -1.25), x1 - x0, 0.25, fc="none", ec="0.5", lw=0.0, hatch="//////"))
+    ax.plot([x0, x1], [-1, -1], color="k", lw=1.0)
+
+
+def _opening(ax: Any, x0: float, x1: float, y: float, label: str, below: bool = True) -> None:
+    """The dimension of a gap."""
+    ax.annotate(
+        "", (x1, y), (x0, y),
+        arrowprops={"arrowstyle": "<|-|>", "mutation_scale": 5, "lw": 0.6, "color": "k", "shrinkA": 0,
+                    "shrinkB": 0},
+    )  # fmt: skip
+    ax.text(
+        0.5 * (x0 + x1), y + (-0.1 if below else 0.08), label, ha="center", va="top" if below else "bottom",
+        fontsize=6.5,
+    )  # fmt: skip
+
+
+def _stop(ax: Any, box: Box, side: int, label: str, alone: bool) -> None:
+    """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body."""
+    if alone:
+        face = box.right if side > 0 else box.left
+        x = face + side * 0.9
+        _wall(ax, x, side, HEIGHT)
+        ax.plot([x, x], [0.0, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        _opening(ax, *sorted((face, x)), 0.75, label)
+        return
+    lug = box.middle
+    x = lug + side * 0.7
+    ax.plot([lug, lug], [0, -0.5], color="k", lw=2.2)
+    ax.plot([x, x], [-1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    _floor(ax, box.left, box.right)
+    _opening(ax, *sorted((lug, x)), -0.42, label)
+
+
+def _between(ax: Any, low: Box, high: Box, facing: bool, label: str) -> None:
+    """A gap between two bodies: facing stops, or an arm of the left one around the right one."""
+    y = 0.75
+    if facing:
+        x0, x1 = low.right, high.left
+        half = 0.5 * (x0 + x1)
+        for face, end in ((x0, half - 0.3), (x1, half + 0.3)):
+            ax.plot([face, end], [y, y], color="k", lw=1.6)
+            ax.plot([end, end], [y - 0.18, y + 0.18], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        ax.text(half, y - 0.24, label, ha="center", va="top", fontsize=6.5)
+        return
+    x = high.right + 0.6
+    top = HEIGHT + 0.25
+    ax.plot([low.middle, low.middle, x, x], [HEIGHT, top, top, y], color="k", lw=1.2)
+    ax.plot([x, x], [y, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    _opening(ax, high.right, x, y + 0.3, label)
+
+
+def _draw_block(ax: Any, structure: Structure) -> None:
+    """A structure whose coordinates are no displacements of bodies, such as one given by its modes."""
+    from matplotlib.patches import Rectangle
+
+    n, gaps = structure.coordinates, structure.gaps
+    shown = gaps[:4]
+    height = max(1.6, 0.8 * len(shown) + 0.3 * (len(gaps) > 4))
+    _wall(ax, -1.2, -1, height)
+    for y in (0.15, height - 0.15):
+        ax.plot([-1.2, 0], [y, y], color="k", lw=1.2)
+    ax.add_patch(Rectangle((0, 0), 6.2, height, fc=PRIMARY, ec="none", alpha=0.3))
+    ax.add_patch(Rectangle((0, 0), 6.2, height, fc="none", ec="k", lw=0.9))
+    inertia, stiffness = structure.mass, structure.stiffness
+    factor = np.linalg.inv(np.linalg.cholesky(inertia))
+    squares = np.linalg.eigvalsh(factor @ stiffness @ factor.T)
+    omega = np.sqrt(np.clip(squares, 0, None))
+    listed = ", ".join(f"{value:.3g}" for value in omega[:4]) + (", …" if n > 4 else "")
+    ax.text(
+        3.1, 0.5 * height, f"linear structure, $n$ = {n}\n" + rf"$\omega$ = {listed}",
+        ha="center", va="center", fontsize=7.5,
+    )  # fmt: skip
+    for k, gap in enumerate(shown):
+        y = height - 0.4 - 0.8 * k if len(gaps) > 1 else 0.5 * height
+        ax.plot([6.2, 6.9], [y, y], color="k", lw=1.6)
+        ax.plot([6.9, 6.9], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        ax.plot([7.8, 7.8], [y - 0.3, y + 0.3], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        ax.add_patch(
+            Rectangle((7.8, y - 0.3), 0.3, 0.6, fc="none", ec="0.5", lw=0.0, hatch="//////")
+        )
+        _opening(ax, 6.93, 7.77, y, "", below=False)
+        ax.text(8.25, y, rf"gap {k}: $e$ = {gap.opening:.3g}", ha="left", va="center", fontsize=6.5)
+    if len(gaps) > 4:
+        ax.text(7.3, 0.0, f"and {len(gaps) - 4} more gaps", ha="center", va="center", fontsize=6.5)
+    ax.set_xlim(-1.7, 10.2)
+    ax.set_ylim(-0.4, height + 0.4)

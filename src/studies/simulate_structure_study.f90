@@ -1,0 +1,294 @@
+!> The study &simulate of a &structure: a simulation from a state.
+module vi_simulate_structure_study
+   use vi_kinds, only: wp
+   use vi_processor, only: has_memory
+   use vi_status, only: stat, status_text
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_groups, only: most_coordinates, structure_of
+   use vi_structure_run, only: impact_event, stick_event
+   use vi_structure_trajectory, only: simulate_structure_case
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
+      values_type, wholes, words
+   use vi_text, only: counted, exact, number_text, whole
+   implicit none (type, external)
+   private
+
+   public :: declare_simulate_structure
+
+   real(wp), parameter :: longest = 1.0e12_wp
+   character(*), parameter :: of_coordinates = 'one number for each coordinate'
+
+   type(key_type), parameter :: simulate_keys(*) = [ &
+      key_type('duration', low=0.0_wp, high=longest, or='cycles', unit='time', &
+      meaning='how long'), &
+      key_type('cycles', low=0.0_wp, high=1.0e9_wp, or='duration', &
+      takes='a number of load cycles with 0 <= cycles <= 1e9', &
+      meaning='how long, in cycles of the load; fractions are allowed'), &
+      key_type('q', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
+      meaning='coordinates at the start; 0 if it is left out'), &
+      key_type('q_dot', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
+      meaning='velocities at the start; 0 if it is left out'), &
+      key_type('start', low=0.0_wp, high=longest, default='0', unit='time', &
+      meaning='time at the start'), &
+      key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
+      meaning='events after which the simulation is cut short')]
+
+   type(column_type), parameter :: simulate_columns(*) = [ &
+      column_type('events', 'time', meaning='time'), &
+      column_type('events', 'kind', words, words='impact,stick,release', meaning='kind'), &
+      column_type('events', 'gap', wholes, meaning='number of the gap, from 0'), &
+      column_type('events', 'speed', meaning='approach speed'), &
+      column_type('events', 'impulse', meaning='impulse'), &
+      column_type('events', 'q', each='coordinate', label='q_#', &
+      meaning='coordinates'), &
+      column_type('events', 'q_dot', each='coordinate', label='q_dot_#', &
+      meaning='velocities just after the event'), &
+      column_type('moments', 'moment', words, words='initial,final', listed=.false., &
+      meaning='the start and the end'), &
+      column_type('moments', 'time', listed=.false., meaning='time'), &
+      column_type('moments', 'q', each='coordinate', listed=.false., meaning='coordinates'), &
+      column_type('moments', 'q_dot', each='coordinate', listed=.false., meaning='velocities'), &
+      column_type('run', 'frequency', listed=.false., &
+      meaning='circular frequency of the load; 0 if there is none'), &
+      column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &
+      column_type('run', 'finished', truths, listed=.false., &
+      meaning='whether the end was reached before max_events events'), &
+      column_type('gaps', 'opening', listed=.false., meaning='opening of the gap at q = 0'), &
+      column_type('gaps', 'restitution', listed=.false., meaning='coefficient of restitution'), &
+      column_type('gaps', 'direction', each='coordinate', listed=.false., &
+      meaning='direction in which the gap closes'), &
+      column_type('matrices', 'mass', each='coordinate', listed=.false., meaning='mass matrix'), &
+      column_type('matrices', 'damping', each='coordinate', listed=.false., &
+      meaning='damping matrix'), &
+      column_type('matrices', 'stiffness', each='coordinate', listed=.false., &
+      meaning='stiffness matrix'), &
+      column_type('matrices', 'constant', listed=.false., meaning='constant forces'), &
+      column_type('harmonics', 'cosine', each='coordinate', listed=.false., &
+      meaning='cosine part of the harmonic of the load'), &
+      column_type('harmonics', 'sine', each='coordinate', listed=.false., &
+      meaning='sine part of the harmonic of the load')]
+
+contains
+
+   !> Declares the study.
+   subroutine declare_simulate_structure(study)
+      !> The declaration of the study.
+      type(study_type), intent(out) :: study
+
+      study%name = 'simulate_structure'
+      study%group = 'simulate'
+      study%of_structure = .true.
+      study%meaning = 'simulate a structure with gaps from an initial state'
+      study%list => list_simulate
+      study%row = 'events'
+      study%check => check_simulate
+      study%memory => simulate_memory
+      study%run => run_simulate
+   end subroutine declare_simulate_structure
+
+   !> Lists the keys and columns.
+   pure subroutine list_simulate(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = simulate_keys
+      if (present(columns)) columns = simulate_columns
+   end subroutine list_simulate
+
+   !> Circular frequency of the load of a case; 0 if it has none.
+   pure real(wp) function frequency_of(case) result(frequency)
+      !> The case.
+      type(case_type), intent(in) :: case
+
+      frequency = 0
+      associate (last => case%parts(size(case%parts)))
+         if (last%has('frequency')) frequency = last%number('frequency')
+      end associate
+   end function frequency_of
+
+   !> Checks the rules that involve several keys.
+   subroutine check_simulate(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+
+      associate (study => case%study)
+         if (len(study%fault) > 0) return
+         call complete(study, 'q', case%coordinates)
+         call complete(study, 'q_dot', case%coordinates)
+         if (.not. study%has('cycles') .or. len(study%fault) > 0) return
+         if (.not. frequency_of(case) > 0) then
+            call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &
+               &duration')
+         else if (.not. span(case) <= longest) then
+            call study%refuse('cycles', 'they must take at most '//trim(number_text(longest, &
+               .false.))//' units of time')
+         end if
+      end associate
+   end subroutine check_simulate
+
+   !> Checks the length of a list of numbers, one for each coordinate; zeros if there is none.
+   subroutine complete(study, name, coordinates)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      !> The key.
+      character(*), intent(in) :: name
+      !> Number of coordinates.
+      integer, intent(in) :: coordinates
+
+      if (.not. study%has(name)) call study%set(name, spread(0.0_wp, 1, coordinates))
+      if (size(study%numbers(name)) /= coordinates) call study%refuse(name, &
+         'it has '//counted(size(study%numbers(name)), 'number')//' for '// &
+         counted(coordinates, 'coordinate'))
+   end subroutine complete
+
+   !> How long a case is simulated.
+   pure real(wp) function span(case)
+      !> The case.
+      type(case_type), intent(in) :: case
+      real(wp), parameter :: pi = acos(-1.0_wp)
+
+      if (case%study%has('cycles')) then
+         span = case%study%number('cycles')*2*pi/frequency_of(case)
+      else
+         span = case%study%number('duration')
+      end if
+   end function span
+
+   !> Bytes for the matrices of the structure and those that follow from them; the events are
+   !! checked while they are found.
+   pure real(wp) function simulate_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+
+      bytes = 400.0_wp*real(case%coordinates, wp)**2
+   end function simulate_memory
+
+   !> Simulates a case.
+   subroutine run_simulate(case, threads, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp), allocatable :: table(:, :)
+      integer, allocatable :: labels(:, :)
+      real(wp), allocatable :: last_state(:)
+      real(wp) :: start, end_time
+      integer :: n, most, status
+      logical :: room
+
+      associate (not_used => threads)    ! one simulation has one thread
+      end associate
+      call structure_of(case, structure, load)
+      start = case%study%number('start')
+      most = case%study%whole_number('max_events')
+      associate (s => case%study)
+         call simulate_structure_case(structure, load, start, s%numbers('q'), s%numbers('q_dot'), &
+            start + span(case), most, table, labels, n, last_state, end_time, status, progress)
+      end associate
+      ! the table, once more in the columns of the result, and room to make them
+      room = has_memory(24.0_wp*size(table, 1)*n)
+      if (.not. room) status = stat%no_memory
+      if (status == stat%no_memory) then
+         result%empty = .true.
+         result%no_memory = .true.
+         call result%fail(status_text(status)//': the events so far, '//whole(n)// &
+            ', leave no room for more; simulate less time, or give a smaller max_events')
+         return
+      else if (status == stat%not_computed) then
+         result%cut = 'the simulation was stopped after '//counted(count(labels(1, :n) == &
+            impact_event), 'impact')
+      else if (status /= stat%ok .and. status /= stat%more_events) then
+         result%empty = .true.
+         call result%fail(status_text(status))
+         return
+      end if
+      call put_events(result, table(:, :n), labels(:, :n))
+      call put_moments(result, case, start, end_time, last_state)
+      call put_structure(result, structure, load)
+      call result%open('run', '', [integer ::])
+      call result%put('run', 'frequency', [frequency_of(case)])
+      call result%put('run', 'loaded', [merge(1, 0, case%parts(size(case%parts))%name == 'load')])
+      call result%put('run', 'finished', [merge(1, 0, status == stat%ok)])
+      if (status == stat%more_events) call result%remark('cut short: max_events was reached')
+      call result%remark('final time: '//exact(end_time))
+      call result%add_note(counted(count(labels(1, :n) == impact_event), 'impact')//', '// &
+         counted(count(labels(1, :n) == stick_event), 'rest'))
+      if (status == stat%more_events) call result%fail('cut short, max_events was reached')
+   end subroutine run_simulate
+
+   !> Fills the table of events.
+   pure subroutine put_events(result, table, labels)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> (3 + 2n, events) and (2, events), as of `simulate_structure_arrays`.
+      real(wp), intent(in) :: table(:, :)
+      !> As in `table`.
+      integer, intent(in) :: labels(:, :)
+      integer :: n
+
+      n = (size(table, 1) - 3)/2
+      call result%open('events', 'event', [size(labels, 2)])
+      call result%put('events', 'time', table(1, :))
+      call result%put('events', 'kind', labels(1, :))
+      call result%put('events', 'gap', labels(2, :) - 1)
+      call result%put('events', 'speed', table(2, :))
+      call result%put('events', 'impulse', table(3, :))
+      call result%put('events', 'q', [table(4:3 + n, :)], n)
+      call result%put('events', 'q_dot', [table(4 + n:, :)], n)
+   end subroutine put_events
+
+   !> Fills the table of the start and the end.
+   pure subroutine put_moments(result, case, start, end_time, last_state)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> Times of the start and of the end.
+      real(wp), intent(in) :: start, end_time
+      !> (2n) Coordinates and velocities at the end.
+      real(wp), intent(in) :: last_state(:)
+
+      associate (n => case%coordinates)
+         call result%open('moments', 'moment', [2])
+         call result%put('moments', 'moment', [1, 2])
+         call result%put('moments', 'time', [start, end_time])
+         call result%put('moments', 'q', [case%study%numbers('q'), last_state(:n)])
+         call result%put('moments', 'q_dot', [case%study%numbers('q_dot'), last_state(n + 1:)])
+      end associate
+   end subroutine put_moments
+
+   !> Fills the tables of the structure, its gaps and its load.
+   pure subroutine put_structure(result, structure, load)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+
+      associate (n => size(structure%mass, 1), gaps => size(structure%openings), &
+         harmonics => size(load%sine, 2))
+         call result%open('gaps', 'number', [gaps])
+         call result%put('gaps', 'opening', structure%openings)
+         call result%put('gaps', 'restitution', structure%restitution)
+         call result%put('gaps', 'direction', [structure%directions], n)
+         call result%open('matrices', 'row', [n])
+         call result%put('matrices', 'mass', [structure%mass])
+         call result%put('matrices', 'damping', [structure%damping])
+         call result%put('matrices', 'stiffness', [structure%stiffness])
+         call result%put('matrices', 'constant', load%constant)
+         call result%open('harmonics', 'harmonic', [harmonics])
+         call result%put('harmonics', 'cosine', [load%cosine], n)
+         call result%put('harmonics', 'sine', [load%sine], n)
+      end associate
+   end subroutine put_structure
+
+end module vi_simulate_structure_study

@@ -1,0 +1,455 @@
+!> The groups of a structure: &structure, its gaps and its load.
+module vi_structure_groups
+   use vi_case, only: case_type
+   use vi_eigen_routines, only: dsygv
+   use vi_key, only: a_word, key_type
+   use vi_kinds, only: wp
+   use vi_matrix_file, only: beside, read_matrix
+   use vi_namelist, only: group_type
+   use vi_structure, only: load_type, structure_type
+   use vi_text, only: brief, number_text, whole
+   use vi_values, only: read_values, values_type
+   implicit none (type, external)
+   private
+
+   public :: read_parts, read_structure, structure_of
+
+   !> Largest number of coordinates of a structure, and of gaps.
+   integer, parameter, public :: most_coordinates = 500
+   integer, parameter :: most_numbers = most_coordinates**2
+   !> Largest number of harmonics times coordinates.
+   integer, parameter :: most_amplitudes = 100*most_coordinates
+
+   character(*), parameter :: matrix_takes = 'n numbers (the diagonal) or n*n numbers (a symmetric &
+      &matrix, row by row), with n at most 500'
+   character(*), parameter :: file_takes = 'a Matrix Market file (real, general or symmetric) or a &
+      &NumPy file (.npy, float64), with a symmetric matrix of at most 500 rows or its diagonal'
+
+   type(key_type), parameter, public :: structure_keys(*) = [ &
+      key_type('mass', most=most_numbers, takes=matrix_takes, or='mass_file', never='frequencies', &
+      meaning='mass matrix M of M q'''' + C q'' + K q = f, positive definite'), &
+      key_type('damping', most=most_numbers, takes=matrix_takes, may_miss=.true., &
+      or='damping_file', never='frequencies', &
+      meaning='damping matrix C, without negative eigenvalues; 0 if it is left out'), &
+      key_type('stiffness', most=most_numbers, takes=matrix_takes, may_miss=.true., &
+      or='stiffness_file', never='frequencies', &
+      meaning='stiffness matrix K, without negative eigenvalues; 0 if it is left out'), &
+      key_type('mass_file', a_word, takes=file_takes, may_miss=.true., or='mass', &
+      never='frequencies', meaning='file with M; its path starts at the folder of the namelist'), &
+      key_type('damping_file', a_word, takes=file_takes, may_miss=.true., or='damping', &
+      never='frequencies', meaning='file with C'), &
+      key_type('stiffness_file', a_word, takes=file_takes, may_miss=.true., or='stiffness', &
+      never='frequencies', meaning='file with K'), &
+      key_type('frequencies', most=most_coordinates, low=0.0_wp, may_miss=.true., &
+      takes='one number >= 0 for each mode, at most 500', &
+      meaning='circular frequencies of modes, in place of matrices; the coordinates are their &
+      &amplitudes'), &
+      key_type('damping_ratios', most=most_coordinates, low=0.0_wp, only='frequencies', &
+      takes='one number >= 0 for each mode', meaning='damping ratio of each mode'), &
+      key_type('shapes', most=most_numbers, only='frequencies', &
+      takes='one number for each mode, point by point', &
+      meaning='mass-normalised shapes of the modes at the points to which gaps refer')]
+
+   type(key_type), parameter, public :: gap_keys(*) = [ &
+      key_type('direction', most=most_coordinates, &
+      takes='one number for each coordinate (with modes for each point), not all 0', &
+      meaning='the gap closes in this direction: opening - direction.q >= 0'), &
+      key_type('opening', meaning='opening of the gap at q = 0; negative if it is closed there'), &
+      key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', &
+      meaning='coefficient of restitution')]
+
+   type(key_type), parameter, public :: load_keys(*) = [ &
+      key_type('frequency', low=0.0_wp, above=.true., may_miss=.true., unit='rad/time', &
+      meaning='circular frequency Omega of the load'), &
+      key_type('cosine', most=most_amplitudes, may_miss=.true., only='frequency', &
+      takes='one number for each coordinate, harmonic by harmonic', &
+      meaning='amplitudes of cos(Omega t), then of cos(2 Omega t), ...; 0 if it is left out'), &
+      key_type('sine', most=most_amplitudes, may_miss=.true., only='frequency', &
+      takes='one number for each coordinate, harmonic by harmonic', &
+      meaning='amplitudes of sin(Omega t), then of sin(2 Omega t), ...; 0 if it is left out'), &
+      key_type('constant', most=most_coordinates, may_miss=.true., &
+      takes='one number for each coordinate', meaning='constant forces, such as gravity')]
+
+   character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
+
+contains
+
+   !> Reads &structure, with the matrices of its files. What needs the number of coordinates is
+   !! checked by `read_parts`.
+   subroutine read_structure(path, group, structure)
+      !> The file of the namelist; empty if there is none.
+      character(*), intent(in) :: path
+      !> The group as read from the file.
+      type(group_type), intent(in) :: group
+      !> Its values, or its first fault.
+      type(values_type), intent(out) :: structure
+      real(wp), allocatable :: numbers(:)
+      character(:), allocatable :: file, full, message, name
+      integer :: i
+
+      call read_values('structure', structure_keys, group, structure)
+      do i = 1, size(matrices)
+         if (len(structure%fault) > 0) return
+         name = trim(matrices(i))
+         if (.not. structure%has(name//'_file')) cycle
+         call structure%text(name//'_file', file)
+         call beside(path, file, full)
+         call read_matrix(full, most_coordinates, numbers, message)
+         if (len(message) > 0) then
+            call structure%refuse(name//'_file', full//': '//brief(message))
+            return
+         end if
+         call structure%set(name, numbers)
+      end do
+   end subroutine read_structure
+
+   !> Reads the gaps and the load of a structure, and checks all of them.
+   subroutine read_parts(groups, structure, parts, coordinates)
+      !> The groups after &structure that belong to it.
+      type(group_type), intent(in) :: groups(:)
+      !> In: as read. Out: complete, or with a fault.
+      type(values_type), intent(inout) :: structure
+      !> Its gaps and then its load, complete, or the first of them with a fault.
+      type(values_type), allocatable, intent(out) :: parts(:)
+      !> Number of coordinates.
+      integer, intent(out) :: coordinates
+      integer, allocatable :: order(:)
+      integer :: i, points
+
+      order = [pack([(i, i=1, size(groups))], is_gap(groups)), &
+         pack([(i, i=1, size(groups))], .not. is_gap(groups))]
+      allocate (parts(size(groups)))
+      do i = 1, size(groups)
+         associate (group => groups(order(i)))
+            if (group%name == 'gap') then
+               call read_values('gap', gap_keys, group, parts(i))
+            else
+               call read_values('load', load_keys, group, parts(i))
+            end if
+         end associate
+      end do
+      do i = 1, size(parts)
+         if (len(parts(i)%fault) > 0) return
+      end do
+      call find_coordinates(structure, parts, coordinates)
+      if (len(structure%fault) == 0) call check_matrices(structure, coordinates)
+      if (len(structure%fault) > 0) return
+      points = coordinates
+      if (structure%has('frequencies')) points = size(structure%numbers('shapes'))/coordinates
+      do i = 1, size(parts)
+         if (parts(i)%name == 'gap') then
+            call check_gap(parts(i), points)
+         else
+            call check_load(parts(i), coordinates)
+         end if
+      end do
+   end subroutine read_parts
+
+   !> Which groups are gaps.
+   pure function is_gap(groups) result(mask)
+      !> Some groups.
+      type(group_type), intent(in) :: groups(:)
+      logical :: mask(size(groups))
+      integer :: i
+
+      mask = [(groups(i)%name == 'gap', i=1, size(groups))]
+   end function is_gap
+
+   !> Finds the number n of coordinates. A list of 4 numbers is the diagonal of 4 coordinates, or the
+   !! matrix of 2; all lists together leave one choice, or the direction of the first gap decides.
+   pure subroutine find_coordinates(structure, parts, n)
+      !> In: as read. Out: with a fault if its lists do not fit together.
+      type(values_type), intent(inout) :: structure
+      !> Its gaps and load.
+      type(values_type), intent(in) :: parts(:)
+      !> The number.
+      integer, intent(out) :: n
+      integer :: allowed(2), i, length, root
+
+      if (structure%has('frequencies')) then
+         n = size(structure%numbers('frequencies'))
+         length = size(structure%numbers('shapes'))
+         if (size(structure%numbers('damping_ratios')) /= n) then
+            call structure%refuse('damping_ratios', 'there are '//whole(n)//' frequencies')
+         else if (modulo(length, n) /= 0) then
+            call structure%refuse('shapes', 'there are '//whole(n)//' frequencies and '// &
+               whole(length)//' numbers')
+         end if
+         return
+      end if
+      n = 0
+      allowed = 0
+      do i = 1, size(matrices)
+         if (.not. structure%has(trim(matrices(i)))) cycle
+         length = size(structure%numbers(trim(matrices(i))))
+         root = nint(sqrt(real(length, wp)))
+         if (root**2 /= length) root = 0
+         if (length > most_coordinates) length = 0
+         if (i == 1) then
+            allowed = [length, root]
+         else
+            where (allowed /= length .and. allowed /= root) allowed = 0
+         end if
+         if (all(allowed == 0)) then
+            if (i == 1) then
+               call structure%refuse(given_as(structure, i), 'it has '//whole(size( &
+                  structure%numbers('mass')))//' numbers')
+            else
+               call structure%refuse(given_as(structure, i), 'it has '//whole(size( &
+                  structure%numbers(trim(matrices(i)))))//' numbers, which does not fit the '// &
+                  whole(size(structure%numbers('mass')))//' of mass')
+            end if
+            return
+         end if
+      end do
+      n = maxval(allowed)
+      if (all(allowed > 0) .and. size(parts) > 0) then
+         if (parts(1)%name == 'gap') then
+            if (any(allowed == size(parts(1)%numbers('direction')))) n = &
+               size(parts(1)%numbers('direction'))
+         end if
+      end if
+   end subroutine find_coordinates
+
+   !> The key with which a matrix was given.
+   pure function given_as(structure, i) result(name)
+      !> &structure.
+      type(values_type), intent(in) :: structure
+      !> Place of the matrix in `matrices`.
+      integer, intent(in) :: i
+      character(len_trim(matrices(i)) + merge(5, 0, structure%has(trim(matrices(i))//'_file'))) :: &
+         name
+
+      name = trim(matrices(i))//'_file'
+   end function given_as
+
+   !> Checks the matrices, and completes them: each is a diagonal, or else the whole symmetric
+   !! matrix, and files are replaced by what they hold.
+   pure subroutine check_matrices(structure, n)
+      !> In and out: &structure.
+      type(values_type), intent(inout) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      real(wp), allocatable :: matrix(:, :)
+      real(wp) :: apart, least, scale
+      character(:), allocatable :: name
+      integer :: i, j, k, at(2)
+
+      if (structure%has('frequencies')) return
+      do i = 1, size(matrices)
+         name = trim(matrices(i))
+         if (.not. structure%has(name)) then
+            call structure%set(name, spread(0.0_wp, 1, n))
+            cycle
+         end if
+         matrix = as_matrix(structure%numbers(name), n)
+         scale = maxval(abs(matrix))
+         at = maxloc(abs(matrix - transpose(matrix)))
+         apart = abs(matrix(at(1), at(2)) - matrix(at(2), at(1)))
+         if (apart > 1.0e-12_wp*scale) then
+            j = minval(at)
+            k = maxval(at)
+            call structure%refuse(given_as(structure, i), 'row '//whole(j)//', column '// &
+               whole(k)//' holds '//trim(number_text(matrix(j, k), .false.))//', and row '// &
+               whole(k)//', column '//whole(j)//' '//trim(number_text(matrix(k, j), .false.)))
+            return
+         end if
+         matrix = 0.5_wp*(matrix + transpose(matrix))
+         call least_eigenvalue(matrix, least)
+         if (i == 1 .and. .not. least > 0) then
+            call structure%refuse(given_as(structure, i), 'it must be positive definite, and &
+               &its least eigenvalue is '//trim(number_text(least, .false., 3)))
+            return
+         else if (least < -1.0e-12_wp*scale*n) then
+            call structure%refuse(given_as(structure, i), 'it must have no negative eigenvalue, &
+               &and the least one is '//trim(number_text(least, .false., 3)))
+            return
+         end if
+         call structure%set(name, shortest(matrix))
+      end do
+      do i = 1, size(matrices)
+         call structure%drop(trim(matrices(i))//'_file')
+      end do
+   end subroutine check_matrices
+
+   !> A matrix from its diagonal or from all its numbers.
+   pure function as_matrix(numbers, n) result(matrix)
+      !> n or n*n numbers.
+      real(wp), intent(in) :: numbers(:)
+      !> Number of rows.
+      integer, intent(in) :: n
+      real(wp) :: matrix(n, n)
+      integer :: i
+
+      if (size(numbers) == n) then
+         matrix = 0
+         do i = 1, n
+            matrix(i, i) = numbers(i)
+         end do
+      else
+         matrix = transpose(reshape(numbers, [n, n]))
+      end if
+   end function as_matrix
+
+   !> The diagonal of a matrix if all else is 0, or else all its numbers.
+   pure function shortest(matrix) result(numbers)
+      !> (n, n) A symmetric matrix.
+      real(wp), intent(in) :: matrix(:, :)
+      real(wp), allocatable :: numbers(:)
+      integer :: i
+
+      if (is_diagonal(matrix)) then
+         numbers = [(matrix(i, i), i=1, size(matrix, 1))]
+      else
+         numbers = [matrix]
+      end if
+   end function shortest
+
+   !> Whether all numbers outside the diagonal are 0.
+   pure logical function is_diagonal(matrix)
+      !> (n, n)
+      real(wp), intent(in) :: matrix(:, :)
+      integer :: i
+
+      is_diagonal = .true.
+      do i = 1, size(matrix, 1)
+         is_diagonal = is_diagonal .and. all(abs(matrix(:i - 1, i)) <= 0) .and. &
+            all(abs(matrix(i + 1:, i)) <= 0)
+      end do
+   end function is_diagonal
+
+   !> The least eigenvalue of a symmetric matrix.
+   pure subroutine least_eigenvalue(matrix, least)
+      !> (n, n)
+      real(wp), intent(in) :: matrix(:, :)
+      !> The eigenvalue; -huge if it cannot be computed.
+      real(wp), intent(out) :: least
+      real(wp), allocatable :: a(:, :), unit(:, :), values(:), work(:)
+      integer :: i, info, n
+
+      n = size(matrix, 1)
+      if (is_diagonal(matrix)) then
+         least = minval([(matrix(i, i), i=1, n)])
+         return
+      end if
+      allocate (a, source=matrix)
+      allocate (unit(n, n), source=0.0_wp)
+      do i = 1, n
+         unit(i, i) = 1
+      end do
+      allocate (values(n), work(64*n))
+      call dsygv(1, 'N', 'U', n, a, n, unit, n, values, work, size(work), info)
+      least = merge(values(1), -huge(least), info == 0)
+   end subroutine least_eigenvalue
+
+   !> Checks a gap.
+   pure subroutine check_gap(gap, points)
+      !> The group.
+      type(values_type), intent(inout) :: gap
+      !> Number of coordinates, or of points.
+      integer, intent(in) :: points
+
+      if (size(gap%numbers('direction')) /= points) then
+         call gap%refuse('direction', 'it has '//whole(size(gap%numbers('direction')))//', not '// &
+            whole(points))
+      else if (all(abs(gap%numbers('direction')) <= 0)) then
+         call gap%refuse('direction')
+      end if
+   end subroutine check_gap
+
+   !> Checks a load.
+   pure subroutine check_load(load, coordinates)
+      !> The group.
+      type(values_type), intent(inout) :: load
+      !> Number of coordinates.
+      integer, intent(in) :: coordinates
+      character(8), parameter :: names(3) = [character(8) :: 'cosine', 'sine', 'constant']
+      logical :: good
+      integer :: i, length
+
+      do i = 1, size(names)
+         if (.not. load%has(trim(names(i)))) cycle
+         length = size(load%numbers(trim(names(i))))
+         good = modulo(length, coordinates) == 0
+         if (i == 3) good = length == coordinates
+         if (.not. good) call load%refuse(trim(names(i)), 'it has '//whole(length)// &
+            ' numbers for '//whole(coordinates)//' coordinates')
+      end do
+      if (.not. any([(load%has(trim(names(i))), i=1, 3)])) call load%refuse('constant', &
+         'or give cosine or sine')
+   end subroutine check_load
+
+   !> The structure and the load of a case.
+   pure subroutine structure_of(case, structure, load)
+      !> A case with a structure.
+      type(case_type), intent(in) :: case
+      !> M, C, K and the gaps.
+      type(structure_type), intent(out) :: structure
+      !> The load; without harmonics its frequency is 0.
+      type(load_type), intent(out) :: load
+      real(wp), allocatable :: shapes(:, :), omega(:), direction(:)
+      integer :: gaps, i, j, n, harmonics
+
+      n = case%coordinates
+      gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
+      associate (s => case%system)
+         if (s%has('frequencies')) then
+            omega = s%numbers('frequencies')
+            structure%mass = as_matrix(spread(1.0_wp, 1, n), n)
+            structure%damping = as_matrix(2*s%numbers('damping_ratios')*omega, n)
+            structure%stiffness = as_matrix(omega**2, n)
+            shapes = reshape(s%numbers('shapes'), [n, size(s%numbers('shapes'))/n])
+         else
+            structure%mass = as_matrix(s%numbers('mass'), n)
+            structure%damping = as_matrix(s%numbers('damping'), n)
+            structure%stiffness = as_matrix(s%numbers('stiffness'), n)
+         end if
+      end associate
+      allocate (structure%directions(n, gaps), source=0.0_wp)
+      allocate (structure%openings(gaps), structure%restitution(gaps))
+      do i = 1, gaps
+         associate (gap => case%parts(i))
+            direction = gap%numbers('direction')
+            if (allocated(shapes)) then
+               ! point by point, so that the digits do not depend on a library
+               do j = 1, size(direction)
+                  structure%directions(:, i) = structure%directions(:, i) + direction(j)*shapes(:, j)
+               end do
+            else
+               structure%directions(:, i) = direction
+            end if
+            structure%openings(i) = gap%number('opening')
+            structure%restitution(i) = gap%number('restitution')
+         end associate
+      end do
+      harmonics = 0
+      allocate (load%constant(n), source=0.0_wp)
+      do i = gaps + 1, size(case%parts)
+         associate (group => case%parts(i))
+            if (group%has('cosine')) harmonics = size(group%numbers('cosine'))/n
+            if (group%has('sine')) harmonics = max(harmonics, size(group%numbers('sine'))/n)
+            if (harmonics > 0) load%frequency = group%number('frequency')
+            if (group%has('constant')) load%constant = group%numbers('constant')
+         end associate
+      end do
+      allocate (load%cosine(n, harmonics), load%sine(n, harmonics), source=0.0_wp)
+      do i = gaps + 1, size(case%parts)
+         associate (group => case%parts(i))
+            if (group%has('cosine')) load%cosine = padded(group%numbers('cosine'), n, harmonics)
+            if (group%has('sine')) load%sine = padded(group%numbers('sine'), n, harmonics)
+         end associate
+      end do
+   end subroutine structure_of
+
+   !> Amplitudes with zeros for further harmonics.
+   pure function padded(numbers, n, harmonics) result(amplitudes)
+      !> Harmonic by harmonic.
+      real(wp), intent(in) :: numbers(:)
+      !> Numbers of coordinates and of harmonics.
+      integer, intent(in) :: n, harmonics
+      real(wp) :: amplitudes(n, harmonics)
+
+      amplitudes = reshape(numbers, [n, harmonics], pad=[0.0_wp])
+   end function padded
+
+end module vi_structure_groups

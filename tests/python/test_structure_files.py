@@ -1,0 +1,288 @@
+"""Structures in namelists, saved files and the interface of the core: the same digits through each of them."""
+
+import csv
+import pickle
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact import door, namelist
+from vibroimpact.noun import RESULTS
+
+FREE = "&structure mass = 1, 0.3, stiffness = 1, 0 /\n"
+WALLS = "&gap direction = -1, 1, opening = 1 /\n&gap direction = 1, -1, opening = 1, restitution = .9 /\n"
+CELL = f"{FREE}{WALLS}&simulate duration = 20, q_dot = 0, -1 /\n"
+
+
+def random_structure(rng):
+    """Any structure with gaps, its load, and a state in which all gaps are open."""
+    n, gaps = int(rng.integers(1, 6)), int(rng.integers(1, 5))
+
+    def definite(rank):
+        root = rng.normal(size=(n, rank))
+        return root @ root.T
+
+    diagonal = rng.random() < 0.4
+    mass = rng.uniform(0.5, 2, n) if diagonal else definite(n) + np.eye(n)
+    stiffness = definite(max(1, n - 1))
+    damping = rng.choice([0, 0.1]) * definite(n)
+    sides = [
+        vi.Gap(rng.normal(size=n), float(rng.uniform(0.5, 1.5)), float(rng.uniform(0.3, 1)))
+        for _ in range(gaps)
+    ]
+    h = int(rng.integers(0, 3))
+    words = {"constant": rng.normal(size=n)} if h == 0 or rng.random() < 0.5 else {}
+    if h:
+        words |= {"sine": rng.normal(size=(h, n)), "cosine": rng.normal(size=(h, n))}
+    frequency = float(rng.uniform(0.5, 2)) if h or rng.random() < 0.5 else None
+    load = None if rng.random() < 0.2 else vi.Load(frequency, **words)
+    return vi.Structure(mass, damping, stiffness, sides), load, (np.zeros(n), rng.normal(size=n))
+
+
+def outcome(compute):
+    """The trajectory, or the kind of the error."""
+    try:
+        return compute()
+    except vi.VibroimpactError as error:
+        return type(error).__name__
+
+
+def assert_same(one, other):
+    """Two trajectories with the same bits, or the same kind of error."""
+    if isinstance(one, str) or isinstance(other, str):
+        assert one == other
+        return
+    for name in ("start", "end", "complete"):
+        assert getattr(one, name) == getattr(other, name), name
+    assert one.events.tobytes() == other.events.tobytes()
+    assert one.states.tobytes() == other.states.tobytes()
+    for first, second in zip(one.final_state, other.final_state, strict=True):
+        assert first.tobytes() == second.tobytes()
+    assert (one.structure.mass == other.structure.mass).all()
+    assert (one.structure.stiffness == other.structure.stiffness).all()
+    assert [gap.direction.tolist() for gap in one.structure.gaps] == [
+        gap.direction.tolist() for gap in other.structure.gaps
+    ]
+    assert (one.load is None) == (other.load is None)
+    if one.load is not None:
+        assert one.load.frequency == other.load.frequency
+        assert (one.load.constant == other.load.constant).all()
+        assert np.array_equal(one.load.sine, other.load.sine)
+
+
+def run_case(text):
+    found = door.run_text(RESULTS["simulate_structure"], text)
+    found.require()
+    return found.parts()[0]
+
+
+def test_same_digits_through_every_door(tmp_path):
+    """Python's call, a namelist text, a namelist file, and the tables of the runner."""
+    rng = np.random.default_rng(11)
+    found = 0
+    for i in range(60):
+        structure, load, state = random_structure(rng)
+        span = {"duration": 12.0}
+        if load is not None and load.frequency and rng.random() < 0.5:
+            span = {"cycles": 2.5}
+        # all that the call is asked for; an error says that the motion cannot be followed
+        words = span | {"state": state, "start": float(rng.choice([0, 3.25]))}
+        direct = outcome(lambda: vi.simulate(structure, load, max_events=400, **words))  # noqa: B023
+        request = span | {
+            "q": state[0].tolist(), "q_dot": state[1].tolist(), "start": words["start"], "max_events": 400,
+        }  # fmt: skip
+        groups = [*structure._groups(), *([] if load is None else load._groups())]
+        text = namelist.text([*groups, ("simulate", request)])
+        assert_same(direct, outcome(lambda: run_case(text)))  # noqa: B023
+        path = tmp_path / f"case{i}.nml"
+        path.write_text(text, encoding="utf-8")
+        (case,) = vi.read_namelist(path)
+        assert (case.structure.damping == structure.damping).all()
+        log = vi.run_namelists([path], tmp_path)
+        if isinstance(direct, str):
+            assert log.status == 1
+            continue
+        assert direct.to_namelist() == text
+        assert log.status == (0 if direct.complete else 1)
+        found += len(direct.events)
+        with log.results[0].open(encoding="utf-8", newline="") as lines:
+            rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+        assert [float(row["time"]) for row in rows] == direct.events["time"].tolist()
+        assert [int(row["gap"]) for row in rows] == direct.events["gap"].tolist()
+        n = structure.coordinates
+        velocities = [[float(row[f"q_dot_{k + 1}"]) for k in range(n)] for row in rows]
+        assert np.array_equal(np.reshape(velocities, (-1, n)), direct.states[:, 1])
+        # the header of the table gives the same table again
+        again = vi.run_namelists([log.results[0]], tmp_path / "again")
+        assert again.results[0].read_bytes() == log.results[0].read_bytes()
+    assert found > 500
+
+
+@pytest.mark.parametrize("suffix", [".json", ".nc", ".mat"])
+@pytest.mark.parametrize("words", [
+    {"duration": 20, "state": ([0, 0], [0, -1])}, {"duration": 20}, {"duration": 0.0},
+    {"duration": 20, "max_events": 3, "state": ([0, 0], [0, -1])},
+    {"cycles": 4, "load": vi.Load(0.7, sine=[[1, 0], [0.25, 0]], constant=[0, 0.1])},
+])  # fmt: skip
+def test_saved_and_read_back(tmp_path, suffix, words):
+    structure = run_case(CELL).structure
+    run = vi.simulate(
+        structure, words.get("load"), **{k: v for k, v in words.items() if k != "load"}
+    )
+    path = tmp_path / f"run{suffix}"
+    run.save(path)
+    again = vi.load(path)
+    assert_same(run, again)
+    assert again.to_json() == run.to_json()
+    assert again.to_namelist() == run.to_namelist()
+    times = np.linspace(run.start, run.end, 20)
+    assert np.array_equal(again.sample(times)[1], run.sample(times)[1])
+    assert_same(run, pickle.loads(pickle.dumps(run)))
+
+
+def test_saved_table_is_that_of_the_runner(tmp_path):
+    path = tmp_path / "cell.nml"
+    path.write_text(CELL, encoding="utf-8")
+    log = vi.run_namelists([path], tmp_path / "by program")
+    run_case(CELL).save(tmp_path / "cell.csv")
+    assert (tmp_path / "cell.csv").read_bytes() == log.results[0].read_bytes()
+
+
+def test_structure_without_gaps_is_saved_without_its_case(tmp_path):
+    run = vi.simulate(vi.Structure([1], [0], [1]), duration=1, state=([1], [0]))
+    with pytest.raises(vi.ParameterError, match="has no namelist"):
+        run.to_namelist()
+    run.save(tmp_path / "free.json")
+    assert_same(run, vi.load(tmp_path / "free.json"))
+
+
+def matrix_market(matrix, symmetric, coordinate):
+    """A matrix as a Matrix Market file."""
+    n = len(matrix)
+    cells = [(i, j) for j in range(n) for i in range(j if symmetric else 0, n)]
+    kind = "coordinate" if coordinate else "array"
+    lines = [
+        f"%%MatrixMarket matrix {kind} real {'symmetric' if symmetric else 'general'}",
+        "% a comment",
+    ]
+    if coordinate:
+        cells = [(i, j) for i, j in cells if matrix[i, j]]
+        lines += [
+            f"{n} {n} {len(cells)}",
+            *(f"{i + 1} {j + 1}\t{matrix[i, j]!r}" for i, j in cells),
+        ]
+    else:
+        lines += [f"{n} {n}", *(repr(float(matrix[i, j])) for i, j in cells)]
+    return "\n".join(lines) + "\n"
+
+
+def test_matrices_of_files(tmp_path):
+    """All forms of a file hold the same matrix, to the bit; paths begin at the folder of the namelist."""
+    rng = np.random.default_rng(3)
+    root = rng.normal(size=(3, 3))
+    matrix = np.array(root @ root.T)
+    matrix[2] = matrix[:, 2] = 0
+    matrix = 0.5 * (matrix + matrix.T)
+    folder = tmp_path / "inner"
+    folder.mkdir()
+    np.save(folder / "c.npy", matrix)
+    np.save(folder / "f.npy", np.asfortranarray(matrix))
+    np.save(folder / "big.npy", matrix.astype(">f8"))
+    with (folder / "second.npy").open("wb") as file:
+        np.lib.format.write_array(file, matrix, version=(2, 0))
+    for symmetric in (True, False):
+        for coordinate in (True, False):
+            text = (
+                matrix_market(matrix, symmetric, coordinate)
+                .replace("np.float64(", "")
+                .replace(")", "")
+            )
+            (folder / f"{symmetric}{coordinate}.mtx").write_text(text, encoding="utf-8")
+    files = [path for path in folder.iterdir() if path.suffix in (".npy", ".mtx")]
+    assert len(files) == 8
+    for path in files:
+        case = tmp_path / f"{path.stem}.nml"
+        case.write_text(
+            f"&structure mass = 3*1, stiffness_file = 'inner/{path.name}', damping_file = '{path}' /\n"
+            "&gap direction = 1, 0, 0, opening = 1 /\n&simulate duration = 1 /\n", encoding="utf-8",
+        )  # fmt: skip
+        (read,) = vi.read_namelist(case)
+        assert np.array_equal(read.structure.stiffness, matrix), path
+        assert np.array_equal(read.structure.damping, matrix), path
+        assert "_file" not in read.text
+
+
+def test_diagonal_of_a_file(tmp_path):
+    np.save(tmp_path / "m.npy", np.array([2.0, 3.0]))
+    path = tmp_path / "case.nml"
+    path.write_text(
+        "&structure mass_file = 'm.npy' /\n&gap direction = 1, 0, opening = 1 /\n"
+        "&simulate duration = 1 /\n", encoding="utf-8",
+    )  # fmt: skip
+    (case,) = vi.read_namelist(path)
+    assert np.array_equal(case.structure.mass, np.diag([2.0, 3.0]))
+    assert not case.structure.stiffness.any()
+
+
+def test_lists_of_four_numbers():
+    """Four numbers are a matrix of 2 coordinates or the diagonal of 4; the first gap decides."""
+    for direction, n in (("1, 0", 2), ("1, 0, 0, 0", 4)):
+        run = run_case(
+            f"&structure mass = 4, 1, 1, 4 /\n&gap direction = {direction}, opening = 1 /\n&simulate duration = 1 /\n"
+        )
+        wanted = [[4, 1], [1, 4]] if n == 2 else np.diag([4, 1, 1, 4])
+        assert np.array_equal(run.structure.mass, wanted)
+
+
+def test_modes():
+    """A structure by its modes is that of `Structure.from_modes`, to the bit."""
+    rng = np.random.default_rng(8)
+    omega, zeta, shapes = rng.uniform(0, 9, 5), rng.uniform(0, 0.1, 5), rng.normal(size=(3, 5))
+    gaps = [vi.Gap(rng.normal(size=3), 0.4, 0.6) for _ in range(2)]
+    direct = vi.Structure.from_modes(omega, zeta, shapes, gaps)
+    groups = [("structure", {
+        "frequencies": omega.tolist(), "damping_ratios": zeta.tolist(), "shapes": shapes.ravel().tolist(),
+    })]  # fmt: skip
+    groups += [("gap", {"direction": gap.direction.tolist(), "opening": 0.4, "restitution": 0.6})
+               for gap in gaps]  # fmt: skip
+    rate = rng.normal(size=5)
+    text = namelist.text([*groups, ("simulate", {"duration": 30, "q_dot": rate.tolist()})])
+    run = run_case(text)
+    for name in ("mass", "damping", "stiffness"):
+        assert np.array_equal(getattr(run.structure, name), getattr(direct, name))
+    again = vi.simulate(direct, duration=30, state=(np.zeros(5), rate))
+    assert len(again.events) > 5
+    assert_same(run, again)
+
+
+def test_repeats_and_messages_of_large_matrices():
+    """A matrix of 500 coordinates is read, and a fault in it is told in a short line."""
+    zeros = "500*1"
+    text = f"&structure mass = {zeros}, stiffness = 249999*0, -1 /\n"
+    text += "&gap direction = 1, 499*0, opening = 1 /\n&simulate duration = 1 /\n"
+    with pytest.raises(vi.ParameterError, match="least one is -1") as fault:
+        run_case(text)
+    assert len(str(fault.value)) < 800
+
+
+def test_case_of_a_structure(tmp_path):
+    path = tmp_path / "cell.nml"
+    path.write_text(CELL, encoding="utf-8")
+    (case,) = vi.read_namelist(path)
+    assert case.kind == "simulate"
+    assert case.study == "simulate_structure"
+    assert case.osc is None
+    assert case.load is None
+    assert case.structure.gaps[1].restitution == 0.9
+    (run,) = case.run()
+    assert_same(run, vi.simulate(case.structure, duration=20, state=([0, 0], [0, -1])))
+
+
+def test_one_file_with_both_kinds_of_systems(tmp_path):
+    """Each study belongs to the system before it."""
+    pair = "&system xi = 0.1, mu = 0.1, restitution = 0.7, r = 0.9 /\n&simulate clearance = 5, cycles = 3 /\n"
+    path = tmp_path / "both.nml"
+    path.write_text(pair + CELL + pair, encoding="utf-8")
+    cases = vi.read_namelist(path)
+    assert [case.study for case in cases] == ["simulate", "simulate_structure", "simulate"]
+    assert cases[0].text.replace("both_1", "") == cases[2].text.replace("both_3", "")
