@@ -45,7 +45,9 @@ def tables():
     """One table for each group."""
     lines = []
     for group, keys in language()["groups"].items():
-        lines += [f"### `&{group}`", "", "| key | what it is | if it is missing |", "|---|---|---|"]
+        about = language()["results"].get(group, {"group": group, "of_structure": False})
+        title = f"### `&{about['group']}`" + " of a `&structure`" * about["of_structure"]
+        lines += [title, "", "| key | what it is | if it is missing |", "|---|---|---|"]
         lines += [*map(row, keys), ""]
     return "\n".join(lines)
 

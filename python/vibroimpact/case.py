@@ -75,14 +75,13 @@ class Case(NamedTuple):
 
     @property
     def study(self) -> str:
-        """Name of the group that asks for the result."""
+        """Name of the study."""
         *_, group, _ = groups_of(self.text)
         system = self.structure is not None
-        (study,) = (
-            name for name, about in language()["results"].items()
+        return next(
+            str(name) for name, about in language()["results"].items()
             if (about["group"], about["of_structure"]) == (group, system)
         )  # fmt: skip
-        return study
 
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
         """The result of the case as one object, with what is not there and what failed; `progress` is as of

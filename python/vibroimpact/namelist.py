@@ -19,7 +19,7 @@ SYMMETRIC = {True: "yes", False: "no", None: "both"}
 
 
 def text(groups: Groups | Iterable[tuple[str, Mapping[str, Any]]]) -> str:
-    """Groups as a namelist; numbers have all their digits. As pairs, groups of one name may stand there repeatedly."""
+    """Groups as a namelist; numbers have all their digits. In pairs a name may stand several times."""
     lines = []
     for group, keys in groups.items() if isinstance(groups, Mapping) else groups:
         lines += [

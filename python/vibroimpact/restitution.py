@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -151,3 +152,28 @@ def numbers_of(restitution: Restitution) -> list[float]:
         kind, numbers = restitution._numbers()
         return [kind, *numbers.tolist()]
     return [0.0, restitution]
+
+
+def keys_of_law(restitution: Restitution) -> dict[str, Any]:
+    """The keys of a &gap for a law."""
+    if isinstance(restitution, PowerLaw):
+        return {
+            "restitution": restitution.R0, "law": "power", "law_speed": restitution.speed,
+            "law_exponent": restitution.exponent, "law_sharpness": restitution.sharpness,
+        }  # fmt: skip
+    if isinstance(restitution, TabulatedRestitution):
+        speeds, values = restitution.speeds.tolist(), restitution.values.tolist()
+        return {"law": "table", "law_speeds": speeds, "law_values": values}
+    return {"restitution": restitution}
+
+
+def law_of_keys(keys: Mapping[str, Any]) -> Restitution:
+    """The law of the keys of a &gap."""
+    law = keys.get("law", "constant")
+    if law == "power":
+        numbers = [keys[f"law_{name}"] for name in ("speed", "exponent", "sharpness")]
+        return PowerLaw(keys["restitution"], *numbers)
+    if law == "table":
+        return TabulatedRestitution(keys["law_speeds"], keys["law_values"])
+    restitution: float = keys["restitution"]
+    return restitution

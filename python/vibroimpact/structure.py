@@ -12,7 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import checks
 from .errors import ParameterError
-from .restitution import PowerLaw, Restitution, TabulatedRestitution, checked, numbers_of
+from .restitution import (
+    PowerLaw,
+    Restitution,
+    TabulatedRestitution,
+    checked,
+    keys_of_law,
+    law_of_keys,
+    numbers_of,
+)
 
 __all__ = ["Gap", "Load", "Structure"]
 
@@ -225,7 +233,7 @@ class Structure:
             matrices[name] = plain.tolist()
         return [("structure", matrices)] + [
             ("gap", {
-                "direction": gap.direction.tolist(), "opening": gap.opening, "restitution": gap.restitution,
+                "direction": gap.direction.tolist(), "opening": gap.opening, **keys_of_law(gap.restitution),
             })
             for gap in self.gaps
         ]  # fmt: skip
@@ -382,7 +390,7 @@ def from_groups(
     """The structure and the load of the groups of a namelist, as the core has completed them."""
     (_, keys), *parts = groups
     gaps = [
-        Gap(np.atleast_1d(part["direction"]), part["opening"], part["restitution"])
+        Gap(np.atleast_1d(part["direction"]), part["opening"], law_of_keys(part))
         for name, part in parts if name == "gap"
     ]  # fmt: skip
     if "frequencies" in keys:
@@ -391,10 +399,10 @@ def from_groups(
         structure = Structure.from_modes(omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps)
     else:
         n = len(gaps[0].direction)
-        matrices = [
-            _square(keys.get(name, np.zeros(n)), n) for name in ("mass", "damping", "stiffness")
-        ]
-        structure = Structure(*matrices, gaps)
+        mass, damping, stiffness = (
+            _square(keys[name], n) for name in ("mass", "damping", "stiffness")
+        )
+        structure = Structure(mass, damping, stiffness, gaps)
     load = None
     for part in (part for name, part in parts if name == "load"):
         n = structure.coordinates

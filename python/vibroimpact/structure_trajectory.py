@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks, namelist
 from .errors import ParameterError, SingularError
 from .noun import Noun, Savable
+from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .status import MORE_EVENTS, raise_status
 from .structure import Gap, Load, Structure, from_groups
 from .tables import Result, made
@@ -124,6 +126,8 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         nothing = np.zeros((0, n))
         moments = (self.first_state, self.final_state)
         names = ("time", "kind", "gap", "speed", "impulse")
+        laws = [gap.restitution for gap in s.gaps]
+        tabulated = [law for law in laws if isinstance(law, TabulatedRestitution)]
         tables: dict[str, Any] = {
             "events": (("event",), {name: self.events[name] for name in names} | {
                 "q": self.states[:, 0], "q_dot": self.states[:, 1],
@@ -133,8 +137,12 @@ class StructureTrajectory(Savable, study="simulate_structure"):
                 "q": [q for q, _ in moments], "q_dot": [rate for _, rate in moments],
             }),
             "gaps": (("number",), {
-                "opening": [gap.opening for gap in s.gaps], "restitution": [gap.restitution for gap in s.gaps],
+                "opening": [gap.opening for gap in s.gaps], **_laws(s.gaps),
                 "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
+            }),
+            "law_points": (("law_point",), {
+                "speed": [v for gap in tabulated for v in gap.speeds],
+                "restitution": [value for gap in tabulated for value in gap.values],
             }),
             "matrices": (("row",), {
                 "mass": s.mass, "damping": s.damping, "stiffness": s.stiffness,
@@ -150,9 +158,13 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         }  # fmt: skip
         cut = "" if self.complete else self.cut or FULL
         case = self.to_namelist() if self.request is not None and s.gaps else ""
-        return made(
+        owners = [i for i, law in enumerate(laws) for _ in getattr(law, "speeds", ())]
+        found = made(
             "simulate_structure", case, tables, (f"final time: {namelist.digits(self.end)}",), cut
         )
+        points = found.tables["law_points"]
+        owned = replace(points, parent="gaps", owners=np.array(owners, np.int32))
+        return replace(found, tables=found.tables | {"law_points": owned})
 
     @classmethod
     def of_result(cls, result: Result) -> StructureTrajectory:
@@ -162,11 +174,15 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             return [result.column(table, name).decoded() for name in names]
 
         gaps = [
-            Gap(*numbers)
-            for numbers in zip(*values("gaps", "direction", "opening", "restitution"), strict=True)
+            Gap(direction, opening, law)
+            for direction, opening, law in zip(
+                *values("gaps", "direction", "opening"), _laws_of(result), strict=True
+            )
         ]
-        *matrices, constant = values("matrices", "mass", "damping", "stiffness", "constant")
-        structure = Structure(*matrices, gaps)
+        mass, damping, stiffness, constant = values(
+            "matrices", "mass", "damping", "stiffness", "constant"
+        )
+        structure = Structure(mass, damping, stiffness, gaps)
         frequency, loaded, finished = (
             item.item() for item in values("run", "frequency", "loaded", "finished")
         )
@@ -177,7 +193,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             load = Load(frequency or None, **own, constant=constant)
         columns = values("events", "time", "kind", "gap", "speed", "impulse")
         events = _events(len(columns[0]))
-        for name, column in zip(events.dtype.names, columns, strict=True):
+        for name, column in zip(events.dtype.names or (), columns, strict=True):
             events[name] = column
         states = np.stack(values("events", "q", "q_dot"), axis=1)
         (start, end), q, rate = values("moments", "time", "q", "q_dot")
@@ -202,11 +218,11 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         self.plot(ax=ax, kind="history")
 
     def plot(self, ax: Any = None, kind: str | None = None, window: ArrayLike | None = None) -> Any:
-        """Draw the structure, the histories of its bodies, its impacts, and the energy of its modes (extra `plot`).
+        """Draw the structure, the histories of its bodies, its impacts, and the energy of its modes.
 
         Parameters
         ----------
-        ax : matplotlib Axes, optional
+        ax : matplotlib Axes (extra `plot`), optional
             Without it a new figure is made, with all panels unless `kind` is given.
         kind : {"sketch", "history", "impacts", "energy"}, optional
             Which panel; "history" if `ax` is given alone.
@@ -277,6 +293,46 @@ class StructureSimulation(Noun, study="simulate_structure"):
 
     def __repr__(self) -> str:
         return f"<StructureSimulation: {', '.join(map(repr, self.parts())) or 'none'}>"
+
+
+def _laws(gaps: Sequence[Gap]) -> dict[str, Any]:
+    """The columns of the laws of restitution of some gaps."""
+    columns: dict[str, Any] = {
+        "restitution": [],
+        "law": [],
+        "law_numbers": np.zeros((len(gaps), 3)),
+    }
+    for i, gap in enumerate(gaps):
+        law = gap.restitution
+        if isinstance(law, PowerLaw):
+            columns["law_numbers"][i] = law.speed, law.exponent, law.sharpness
+            columns["restitution"].append(law.R0)
+        else:
+            first = law.values[0] if isinstance(law, TabulatedRestitution) else law
+            columns["restitution"].append(first)
+        names: dict[type, str] = {PowerLaw: "power", TabulatedRestitution: "table"}
+        columns["law"].append(names.get(type(law), "constant"))
+    return columns
+
+
+def _laws_of(result: Result) -> list[Restitution]:
+    """The laws of restitution of the gaps of a result."""
+    kinds, lowest, numbers = (
+        result.column("gaps", name).decoded() for name in ("law", "restitution", "law_numbers")
+    )
+    speeds, values = (result.column("law_points", name).values for name in ("speed", "restitution"))
+    owners = result.tables["law_points"].owners
+    if owners is None:
+        raise ParameterError("law_points.owners: must be there; they are missing")
+    laws: list[Restitution] = []
+    for i, kind in enumerate(kinds.tolist()):
+        if kind == "power":
+            laws.append(PowerLaw(float(lowest[i]), *map(float, numbers[i])))
+        elif kind == "table":
+            laws.append(TabulatedRestitution(speeds[owners == i], values[owners == i]))
+        else:
+            laws.append(float(lowest[i]))
+    return laws
 
 
 def _events(count: int) -> NDArray[Any]:

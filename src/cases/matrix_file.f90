@@ -330,7 +330,7 @@ contains
       end do
    end function swapped
 
-   !> The value of a name in the header of a NumPy file, up to a character; empty if it is not there.
+   !> The value of a name in the header of a NumPy file, up to a character; empty if there is none.
    pure subroutine find_item(head, name, last, text)
       !> The header.
       character(*), intent(in) :: head

@@ -625,7 +625,7 @@ contains
       call append(lines, '# /')
    end subroutine echo
 
-   !> Adds a list of numbers to a text. Three or more equal numbers in a row are written as a repeat.
+   !> Adds a list of numbers to a text; three or more equal numbers in a row are one repeat.
    pure subroutine add_numbers(numbers, text)
       !> The numbers, at least one.
       real(wp), intent(in) :: numbers(:)

@@ -22,7 +22,8 @@ contains
       type(study_type), allocatable :: studies(:)
 
       call list_studies(studies)
-      names = [character(name_length) :: 'system', 'structure', 'gap', 'load', studies%name, 'output']
+      names = [character(name_length) :: 'system', 'structure', 'gap', 'load', studies%name, &
+         'output']
    end subroutine list_groups
 
    !> The keys of a group for users: name, values, default, meaning.

@@ -1,9 +1,9 @@
 !> The cases of a namelist, checked.
 !!
 !! Each group that names a study makes a case. It uses the `&system` before it, or the `&structure`
-!! with its gaps and its load, and the `&output` after it, if there is one. A study can start from a group before it, as a `&branch`
-!! does from a `&motion`; a group directly before that study is only its start and not a case of its
-!! own.
+!! with its gaps and its load, and the `&output` after it, if there is one. A study can start from a
+!! group before it, as a `&branch` does from a `&motion`; a group directly before that study is only
+!! its start and not a case of its own.
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, system_keys
@@ -121,7 +121,8 @@ contains
             if (any(other_groups == name) .or. any(studies%group == name)) cycle
             line = groups(i)%line
             call join_groups(studies%group, names)
-            message = '&'//name//': is not a group; must be &system, &output, '//names//', or &structure, &gap, &load'
+            message = '&'//name//': is not a group; must be &system, &output, '//names// &
+               ', or &structure, &gap, &load'
             return
          end associate
       end do
@@ -230,7 +231,8 @@ contains
             exit
          end select
       end do
-      message = '&'//groups(size(groups))%name//': must stand after a &structure, before its studies'
+      message = '&'//groups(size(groups))%name// &
+         ': must stand after a &structure, before its studies'
    end subroutine check_place
 
    !> Whether a case of this system uses the frequency ratio of &system.

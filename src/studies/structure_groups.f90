@@ -6,7 +6,8 @@ module vi_structure_groups
    use vi_kinds, only: wp
    use vi_matrix_file, only: beside, read_matrix
    use vi_namelist, only: group_type
-   use vi_structure, only: load_type, structure_type
+   use vi_restitution, only: constant_law, power_law, table_law
+   use vi_structure, only: load_type, new_structure, structure_type
    use vi_text, only: brief, number_text, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
@@ -55,8 +56,21 @@ module vi_structure_groups
       takes='one number for each coordinate (with modes for each point), not all 0', &
       meaning='the gap closes in this direction: opening - direction.q >= 0'), &
       key_type('opening', meaning='opening of the gap at q = 0; negative if it is closed there'), &
-      key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', &
-      meaning='coefficient of restitution')]
+      key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', never='law=table', &
+      meaning='coefficient of restitution; with law = ''power'' that at low approach speeds'), &
+      key_type('law', a_word, default='''constant''', words='constant power table', &
+      meaning='how the coefficient of restitution depends on the approach speed'), &
+      key_type('law_speed', low=0.0_wp, above=.true., only='law=power', &
+      meaning='approach speed v0 of R (1 + (v/v0)^k)^(-p/k)'), &
+      key_type('law_exponent', low=0.0_wp, only='law=power', &
+      meaning='p, the exponent at high approach speeds'), &
+      key_type('law_sharpness', low=0.0_wp, above=.true., default='2', only='law=power', &
+      meaning='k, the sharpness of the corner at v0'), &
+      key_type('law_speeds', most=most_coordinates, least=2, low=0.0_wp, only='law=table', &
+      takes='at least two ascending numbers >= 0', meaning='approach speeds of a table'), &
+      key_type('law_values', most=most_coordinates, least=2, low=0.0_wp, high=1.0_wp, &
+      only='law=table', takes='one number from 0 to 1 for each of law_speeds', &
+      meaning='coefficients of restitution at these speeds')]
 
    type(key_type), parameter, public :: load_keys(*) = [ &
       key_type('frequency', low=0.0_wp, above=.true., may_miss=.true., unit='rad/time', &
@@ -155,8 +169,9 @@ contains
       mask = [(groups(i)%name == 'gap', i=1, size(groups))]
    end function is_gap
 
-   !> Finds the number n of coordinates. A list of 4 numbers is the diagonal of 4 coordinates, or the
-   !! matrix of 2; all lists together leave one choice, or the direction of the first gap decides.
+   !> Finds the number n of coordinates. A list of 4 numbers is the diagonal of 4 coordinates, or
+   !! the matrix of 2. All lists together leave one choice, or else the direction of the first gap
+   !! decides.
    pure subroutine find_coordinates(structure, parts, n)
       !> In: as read. Out: with a fault if its lists do not fit together.
       type(values_type), intent(inout) :: structure
@@ -355,6 +370,12 @@ contains
       else if (all(abs(gap%numbers('direction')) <= 0)) then
          call gap%refuse('direction')
       end if
+      if (.not. gap%has('law_speeds')) return
+      associate (speeds => gap%numbers('law_speeds'))
+         if (any(speeds(2:) <= speeds(:size(speeds) - 1))) call gap%refuse('law_speeds')
+         if (size(gap%numbers('law_values')) /= size(speeds)) call gap%refuse('law_values', &
+            'there are '//whole(size(speeds))//' law_speeds')
+      end associate
    end subroutine check_gap
 
    !> Checks a load.
@@ -387,41 +408,45 @@ contains
       type(structure_type), intent(out) :: structure
       !> The load; without harmonics its frequency is 0.
       type(load_type), intent(out) :: load
-      real(wp), allocatable :: shapes(:, :), omega(:), direction(:)
+      real(wp), allocatable :: matrices(:, :, :), directions(:, :), gap_values(:, :), &
+         shapes(:, :), omega(:), direction(:), law(:)
       integer :: gaps, i, j, n, harmonics
 
       n = case%coordinates
       gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
+      allocate (matrices(n, n, 3))
       associate (s => case%system)
          if (s%has('frequencies')) then
             omega = s%numbers('frequencies')
-            structure%mass = as_matrix(spread(1.0_wp, 1, n), n)
-            structure%damping = as_matrix(2*s%numbers('damping_ratios')*omega, n)
-            structure%stiffness = as_matrix(omega**2, n)
+            matrices(:, :, 1) = as_matrix(spread(1.0_wp, 1, n), n)
+            matrices(:, :, 2) = as_matrix(2*s%numbers('damping_ratios')*omega, n)
+            matrices(:, :, 3) = as_matrix(omega**2, n)
             shapes = reshape(s%numbers('shapes'), [n, size(s%numbers('shapes'))/n])
          else
-            structure%mass = as_matrix(s%numbers('mass'), n)
-            structure%damping = as_matrix(s%numbers('damping'), n)
-            structure%stiffness = as_matrix(s%numbers('stiffness'), n)
+            matrices(:, :, 1) = as_matrix(s%numbers('mass'), n)
+            matrices(:, :, 2) = as_matrix(s%numbers('damping'), n)
+            matrices(:, :, 3) = as_matrix(s%numbers('stiffness'), n)
          end if
       end associate
-      allocate (structure%directions(n, gaps), source=0.0_wp)
-      allocate (structure%openings(gaps), structure%restitution(gaps))
+      allocate (directions(n, gaps), source=0.0_wp)
+      allocate (gap_values(6 + 2*most_points(case%parts(:gaps)), gaps), source=0.0_wp)
       do i = 1, gaps
          associate (gap => case%parts(i))
             direction = gap%numbers('direction')
             if (allocated(shapes)) then
                ! point by point, so that the digits do not depend on a library
                do j = 1, size(direction)
-                  structure%directions(:, i) = structure%directions(:, i) + direction(j)*shapes(:, j)
+                  directions(:, i) = directions(:, i) + direction(j)*shapes(:, j)
                end do
             else
-               structure%directions(:, i) = direction
+               directions(:, i) = direction
             end if
-            structure%openings(i) = gap%number('opening')
-            structure%restitution(i) = gap%number('restitution')
+            call law_of(gap, law)
+            gap_values(1, i) = gap%number('opening')
+            gap_values(2:1 + size(law), i) = law
          end associate
       end do
+      structure = new_structure(matrices, directions, gap_values)
       harmonics = 0
       allocate (load%constant(n), source=0.0_wp)
       do i = gaps + 1, size(case%parts)
@@ -440,6 +465,36 @@ contains
          end associate
       end do
    end subroutine structure_of
+
+   !> The largest number of points of the tables of restitution of some gaps.
+   pure integer function most_points(gaps) result(most)
+      !> The gaps.
+      type(values_type), intent(in) :: gaps(:)
+      integer :: i
+
+      most = 0
+      do i = 1, size(gaps)
+         if (gaps(i)%has('law_speeds')) most = max(most, size(gaps(i)%numbers('law_speeds')))
+      end do
+   end function most_points
+
+   !> The law of restitution of a gap, as `new_structure` takes it.
+   pure subroutine law_of(gap, law)
+      !> The gap.
+      type(values_type), intent(in) :: gap
+      !> Kind and numbers.
+      real(wp), allocatable, intent(out) :: law(:)
+
+      if (gap%is('law', 'power')) then
+         law = [real(power_law, wp), gap%number('restitution'), gap%number('law_speed'), &
+            gap%number('law_exponent'), gap%number('law_sharpness')]
+      else if (gap%is('law', 'table')) then
+         law = [real(table_law, wp), real(size(gap%numbers('law_speeds')), wp), &
+            gap%numbers('law_speeds'), gap%numbers('law_values')]
+      else
+         law = [real(constant_law, wp), gap%number('restitution')]
+      end if
+   end subroutine law_of
 
    !> Amplitudes with zeros for further harmonics.
    pure function padded(numbers, n, harmonics) result(amplitudes)

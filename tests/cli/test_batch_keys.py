@@ -396,8 +396,10 @@ def test_a_study_has_all_its_parts(study):
     assert told["meaning"]
     assert told["row"] in {column["table"] for column in told["columns"]}
     inputs = [path.read_text(encoding="utf-8") for path in (ROOT / "inputs").glob("*.nml")]
-    assert any(re.search(rf"^&{study}\b", text, re.MULTILINE) for text in inputs)
-    assert f"\n| `&{study}` | " in (ROOT / "inputs/README.md").read_text(encoding="utf-8")
+    system = "structure" if told["of_structure"] else "system"
+    assert any(re.search(rf"(?ms)^&{system}\b.*^&{told['group']}\b", text) for text in inputs)
+    row = f"`&{told['group']}`" + " of a `&structure`" * told["of_structure"]
+    assert f"\n| {row} | " in (ROOT / "inputs/README.md").read_text(encoding="utf-8")
 
 
 def test_the_help_says_what_each_study_does():
@@ -406,4 +408,4 @@ def test_the_help_says_what_each_study_does():
         [find_batch(), "--help"], capture_output=True, text=True, check=True
     ).stdout
     found = re.findall(r"^  &(\w+) +(.*)$", text, re.MULTILINE)
-    assert found == [(study, told["meaning"]) for study, told in LANGUAGE["results"].items()]
+    assert found == [(told["group"], told["meaning"]) for told in LANGUAGE["results"].values()]

@@ -9,7 +9,9 @@ GAP = "&gap direction = -1, 1, opening = 0.5 /\n"
 LOAD = "&load frequency = 0.9, sine = 0.1, 0 /\n"
 RUN = "&simulate duration = 20 /\n"
 CASE = STRUCTURE + GAP + LOAD + RUN
-MODES = "&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1 /\n&gap direction = 1, opening = 1 /\n"
+MODES = """&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1 /
+&gap direction = 1, opening = 1 /
+"""
 
 FAULTS = [
     (GAP + CASE, "gap", "must stand after a &structure", 1),
@@ -33,7 +35,7 @@ FAULTS = [
         ("stiffness = 1, 2, 2, 1", "no negative eigenvalue, and the least one is -1"),
         ("damping = -1, 0", "no negative eigenvalue, and the least one is -1"),
         ("stiffness = 1, 2, 3", "it has 3 numbers, which does not fit the 2 of mass"),
-        ("stifness = 1, 0", "is not a key of &structure; must be one of mass, damping"),
+        ("stif = 1, 0", "is not a key of &structure; must be one of mass, damping"),
         ("frequencies = 1", "must be left out beside frequencies"), ("shapes = 1", "goes with frequencies"),
     )],
     *[(CASE.replace("stiffness = 1, 0", f"stiffness_file = '{v}'"), "structure", wanted, 1) for v, wanted in (
@@ -82,7 +84,8 @@ FILES = {
     "complex.mtx": f"{MARKET}coordinate complex general\n2 2 1\n1 1 1 0\n",
     "outside.mtx": f"{MARKET}coordinate real symmetric\n2 2 2\n1 1 1\n3 1 1\n",
     "twice.mtx": f"{MARKET}coordinate real general\n2 2 2\n1 1 1\n1 1 2\n",
-    "long.mtx": f"{MARKET}array real general\n2 2\n1\n0\n0\n1\n7\n", "large.mtx": f"{MARKET}array real general\n99999999 2\n",
+    "long.mtx": f"{MARKET}array real general\n2 2\n1\n0\n0\n1\n7\n",
+    "large.mtx": f"{MARKET}array real general\n99999999 2\n",
     "nan.mtx": f"{MARKET}array real general\n2 2\n1\nnan\n0\n1\n",
 }  # fmt: skip
 

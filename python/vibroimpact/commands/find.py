@@ -152,6 +152,8 @@ def _points(options: argparse.Namespace) -> tuple[dict[Point, str], int]:
 def point_of(case: Case) -> Point:
     """The point of a case, with the limits of a &find."""
     keys = case.keys
+    if case.osc is None:
+        raise ParameterError(f"{case.name}: must be a case of a &system, not of a &structure")
     limits = tuple((key, keys[key]) for key in LIMITS) if case.kind == "find" else ()
     return Point(case.osc, case.r, keys.get("clearance", 0.0), keys.get("load", 1.0), limits)
 

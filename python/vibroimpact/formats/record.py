@@ -118,7 +118,7 @@ def from_dict(kind: Any, data: Any) -> Any:
 
 
 def widen_empty(tables: dict[str, Table]) -> None:
-    """Gives columns of tables without rows, whose lists tell nothing of their own dimension, its size elsewhere."""
+    """Gives columns of tables without rows, whose lists do not tell their own dimension, its size elsewhere."""
     sizes = {
         column.each: column.values.shape[-1]
         for table in tables.values() if math.prod(table.dims.values())

@@ -86,7 +86,7 @@ def animate(
     return target
 
 
-def _write(figure: Any, scene: _Scene, times: NDArray[Any], target: Path, writer: str) -> None:
+def _write(figure: Any, scene: Any, times: NDArray[Any], target: Path, writer: str) -> None:
     """Write the frames, drawing each one once (FuncAnimation.save draws three times)."""
     from matplotlib.animation import writers
 

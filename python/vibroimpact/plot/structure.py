@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks
 from ..errors import ParameterError
 from .animation import MOST, RATE, _mix, _positive, _write, _writer
-from .structure_sketch import bodies_of, draw_sketch
+from .structure_sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
     FREE,
     IMPACT,
@@ -32,6 +32,8 @@ __all__ = ["KINDS", "animate", "draw_structure"]
 
 #: Okabe and Ito's colours of lines, without those of impacts and rests.
 COLOURS = (PRIMARY, FREE, "#56B4E9", "#E69F00", "0.15", "0.6")
+#: Colours of the modes in the picture of energies; that of free masses is their own.
+BANDS = (PRIMARY, "#56B4E9", "#E69F00", "#F0E442", "0.15", "0.55")
 #: Most coordinates that are drawn over each other; more are drawn one above the other.
 OVERLAID = 6
 #: Samples of a history, and the number of modes of which shares are shown.
@@ -132,7 +134,9 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
     times = times_of(run, begin, end)
     q = run.sample(times)[0]
     n = len(q)
-    if n <= OVERLAID:
+    if not has_bodies(run.structure):
+        _draw_openings(ax, run, times, q)
+    elif n <= OVERLAID:
         for i, values in enumerate(q):
             ax.plot(times, values, color=COLOURS[i], label=rf"$q_{{{i + 1}}}$", lw=0.9)
         if run.structure.gaps and len(run.events):
@@ -144,7 +148,7 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
         )  # fmt: skip
     else:
         middle = 0.5 * (q.max(1) + q.min(1))
-        scale = 1.1 * max(float(np.ptp(q, axis=1).max()), 1e-300)
+        scale = max(float(np.ptp(q, axis=1).max()) / 3, 1e-300)
         alone = {body[0] for body in bodies_of(run.structure) if len(body) == 1}
         for i, values in enumerate(q):
             colour = FREE if i in alone else PRIMARY
@@ -152,7 +156,9 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
         if run.structure.gaps and len(run.events):
             _mark_events(ax, run, begin, end, lambda v, i: i + 1 + (v - middle[i]) / scale)
         ax.set_ylabel("number of the coordinate")
-        ax.set_ylim(0.2, n + 0.8)
+        low = min(1 + i + float((values - middle[i]).min()) / scale for i, values in enumerate(q))
+        high = max(1 + i + float((values - middle[i]).max()) / scale for i, values in enumerate(q))
+        ax.set_ylim(min(0.2, low - 0.3), max(n + 0.8, high + 0.3))
         ax.plot([], [], color=PRIMARY, label="coupled")
         if alone:
             ax.plot([], [], color=FREE, label="free masses")
@@ -163,6 +169,30 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
         )  # fmt: skip
     ax.set_xlabel(TIME)
     ax.set_xlim(begin, end)
+
+
+def _draw_openings(ax: Any, run: StructureTrajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
+    """The openings of the gaps, where coordinates are no displacements of bodies."""
+    begin, end = float(times[0]), float(times[-1])
+    for j, gap in enumerate(run.structure.gaps[:OVERLAID]):
+        ax.plot(times, gap.opening - gap.direction @ q, color=COLOURS[j], lw=0.9, label=f"gap {j}")
+    events = events_in(run, begin, end)
+    for kind, marker, colour in (
+        ("impact", "o", IMPACT),
+        ("stick", "v", REST),
+        ("release", "^", REST),
+    ):
+        own = events[(events["kind"] == kind) & (events["gap"] < OVERLAID)]["time"]
+        if len(own):
+            ax.plot(
+                own, np.zeros(len(own)), marker, color=colour, ms=2.6, mew=0, label=kind, zorder=3
+            )
+    ax.axhline(0, color="0.5", lw=0.6)
+    ax.set_ylabel("opening $e_j - G_j q$")
+    add_legend(
+        ax, loc="lower right", ncols=9, bbox_to_anchor=(1.0, 1.0), handlelength=1.4, columnspacing=1.0,
+        borderaxespad=0.2,
+    )  # fmt: skip
 
 
 def _draw_impacts(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
@@ -231,17 +261,37 @@ def _draw_energy(ax: Any, run: StructureTrajectory, begin: float, end: float) ->
     projected = shapes.T @ run.structure.mass
     q, rate = (projected @ values for values in run.sample(times))
     energy = 0.5 * (rate**2 + (omega[:, None] * q) ** 2)
+    if len(energy) == 1:
+        ax.plot(times, energy[0], color=PRIMARY, lw=0.9)
+        ax.set_ylabel("energy")
+        ax.set_xlabel(TIME)
+        ax.set_xlim(begin, end)
+        ax.set_ylim(bottom=0)
+        return
     total = energy.sum(0)
-    shares = energy / np.where(total > 0, total, np.nan)
-    means = np.nan_to_num(np.nanmean(shares, axis=1) if np.isfinite(shares).any() else shares[:, 0])
-    chosen = np.sort(np.argsort(-means, kind="stable")[:MODES])
+    shares = energy / np.where(total > 0, total, np.inf)
+    # a body of one coordinate without stiffness, or without any coupling to others
+    sizes = {i: len(body) for body in bodies_of(run.structure) for i in body}
+    alone = np.array([
+        omega[k] == 0 and sizes[int(np.argmax(np.abs(shapes[:, k])))] == 1 for k in range(len(omega))
+    ])  # fmt: skip
+    means = np.where(alone, -1.0, shares.mean(1))
+    chosen = np.sort(np.argsort(-means, kind="stable")[: min(MODES, int((~alone).sum()))])
     rows = [shares[k] for k in chosen]
     labels = [rf"$\omega$ = {omega[k]:.3g}" for k in chosen]
-    if len(omega) > len(chosen):
-        rows.append(np.clip(1 - np.sum(rows, axis=0), 0, 1))
-        labels.append(f"{len(omega) - len(chosen)} others")
-    colours = [*COLOURS[: len(chosen)], "0.88"][: len(rows)]
-    ax.stackplot(times, np.nan_to_num(rows), labels=labels, colors=colours, lw=0)
+    colours = [*BANDS[: len(chosen)]]
+    others = int((~alone).sum()) - len(chosen)
+    if others:
+        rest = ~alone
+        rest[chosen] = False
+        rows.append(shares[rest].sum(0))
+        labels.append(f"{others} other{'s' if others > 1 else ''}")
+        colours.append("0.85")
+    if alone.any():
+        rows.append(shares[alone].sum(0))
+        labels.append("free masses" if alone.sum() > 1 else "free mass")
+        colours.append(FREE)
+    ax.stackplot(times, rows, labels=labels, colors=colours, lw=0)
     ax.set_ylabel("share of the energy")
     ax.set_xlabel(TIME)
     ax.set_xlim(begin, end)

@@ -16,7 +16,9 @@ __all__ = ["bodies_of", "draw_sketch"]
 #: Most bodies that are drawn; of more, the first ones and the last one.
 MOST, FIRST = 10, 3
 #: Width and height of a body, width of one with a slot, and the distance between bodies.
-WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.5, 1.5, 2.9, 1.9
+WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.7, 1.5, 2.9, 1.9
+#: Width of a gap beside a body.
+GAP = 1.4
 
 
 def bodies_of(structure: Structure) -> list[list[int]]:
@@ -56,14 +58,18 @@ class Box:
         return self.left + 0.5 * self.width
 
 
+def has_bodies(structure: Structure) -> bool:
+    """Whether the coordinates are displacements of bodies; those of modes are not."""
+    off = structure.mass - np.diag(np.diag(structure.mass))
+    return not (off.any() or any(np.count_nonzero(gap.direction) > 2 for gap in structure.gaps))
+
+
 def draw_sketch(ax: Any, structure: Structure, load: Load | None = None) -> None:
     """Draw the bodies, or, where coordinates are no displacements of bodies, a block with its gaps."""
-    pairs = [np.flatnonzero(gap.direction) for gap in structure.gaps]
-    off = structure.mass - np.diag(np.diag(structure.mass))
-    if off.any() or any(len(pair) > 2 for pair in pairs):
-        _draw_block(ax, structure)
+    if has_bodies(structure):
+        _draw_row(ax, structure, load, [np.flatnonzero(gap.direction) for gap in structure.gaps])
     else:
-        _draw_row(ax, structure, load, pairs)
+        _draw_block(ax, structure)
     ax.set_aspect("equal")
     ax.set_axis_off()
 
@@ -95,15 +101,15 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
         if host in boxes:
             boxes[host].inner.append((i, sides))
     place = 0.0
-    for k, box in enumerate(boxes.values()):
+    for k, each in enumerate(boxes.values()):
         if cut and k == FIRST:
             ax.text(place + 0.3, 0.5 * HEIGHT, r"$\cdots$", ha="center", va="center", fontsize=14)
             place += 1.5
-        box.left = place
-        place = box.right + DISTANCE
+        each.left = place
+        place = each.right + DISTANCE
     first, last = boxes[shown[0]], boxes[shown[-1]]
     walls = set()
-    free = np.linalg.norm(structure.stiffness) == 0
+    reach, depth = [first.left, last.right], -0.3
     for box in boxes.values():
         i = box.coordinate
         for matrix, draw, letter, y in (
@@ -117,6 +123,7 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
                     walls.add(-1)
                 else:
                     _to_ground(ax, box, letter, label)
+                    depth = -1.3
             for j, other in boxes.items():
                 if other.left > box.left and matrix[i, j]:
                     label = rf"${letter}$ = {-matrix[i, j]:.3g}"
@@ -129,37 +136,34 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
         if any(int(k) in hosts for k in pair) or any(int(k) not in boxes for k in pair):
             continue
         if len(pair) == 1:
-            box, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
-            end = (side > 0 and box is last) or (side < 0 and box is first)
-            _stop(ax, box, side, rf"$e$ = {gap.opening:.3g}", alone=end)
+            own, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
+            beside = (own is last and side > 0) or (own is first and side < 0 and -1 not in walls)
+            _stop(ax, own, side, rf"$e$ = {gap.opening:.3g}", beside)
+            reach[0] = min(reach[0], own.left - GAP * beside * (side < 0))
+            reach[1] = max(reach[1], own.right + GAP * beside * (side > 0))
+            depth = depth if beside else -1.3
         else:
             low, high = sorted((boxes[int(k)] for k in pair), key=lambda box: box.left)
-            _between(
-                ax, low, high, bool(gap.direction[low.coordinate] > 0), rf"$e$ = {gap.opening:.3g}"
-            )
+            facing = bool(gap.direction[low.coordinate] > 0)
+            _between(ax, low, high, facing, rf"$e$ = {gap.opening:.3g}")
+            reach[1] = max(reach[1], high.right + 0.8 * (not facing))
     if load is not None:
         acting = np.abs(load.sine).sum(0) + np.abs(load.cosine).sum(0) + np.abs(load.constant)
         for i, box in boxes.items():
             if acting[i]:
                 steady = not (np.abs(load.sine[:, i]).any() or np.abs(load.cosine[:, i]).any())
                 name = rf"$f_{{{i + 1}}}$" + (f" = {load.constant[i]:.3g}" if steady else "$(t)$")
-                side = -1 if steady and load.constant[i] < 0 else 1
-                start = box.middle
+                half = -0.55 if steady and load.constant[i] < 0 else 0.55
                 ax.annotate(
-                    "", (start + side * 0.9, HEIGHT + 0.3), (start, HEIGHT + 0.3),
+                    "", (box.middle + half, HEIGHT + 0.25), (box.middle - half, HEIGHT + 0.25),
                     arrowprops={"arrowstyle": "-|>", "color": LOAD, "lw": 1.3, "shrinkA": 0, "shrinkB": 0},
                 )  # fmt: skip
-                ax.text(
-                    start + side * 1.0, HEIGHT + 0.3, name, va="center", ha="left" if side > 0 else "right",
-                    fontsize=7,
-                )  # fmt: skip
+                ax.text(box.middle, HEIGHT + 0.42, name, va="bottom", ha="center", fontsize=7)
     if -1 in walls:
         _wall(ax, first.left - DISTANCE, -1, HEIGHT)
-    low = first.left - DISTANCE - 0.6 if -1 in walls or len(boxes) == 1 else first.left - 0.8
-    ax.set_xlim(
-        low, last.right + DISTANCE + 0.6 if not free or len(boxes) == 1 else last.right + 0.8
-    )
-    ax.set_ylim(-1.75, HEIGHT + 1.1)
+        reach[0] = min(reach[0], first.left - DISTANCE)
+    ax.set_xlim(reach[0] - 0.5, reach[1] + 0.5)
+    ax.set_ylim(depth, HEIGHT + 1.0)
     if cut:
         ax.text(
             0.5 * (first.left + last.right), HEIGHT + 0.75,
@@ -201,7 +205,7 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
                 if gap.direction[j]:
                     side = int(np.sign(gap.direction[j]))
                     at = 0.5 * (middle + side * 0.45 + (right if side > 0 else left))
-                    ax.text(at, 1.22, f"{gap.opening:.3g}", ha="center", va="center", fontsize=5.5)
+                    ax.text(at, 0.8, f"{gap.opening:.3g}", ha="center", va="center", fontsize=6)
 
 
 def _spring(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
@@ -285,17 +289,17 @@ def _stop(ax: Any, box: Box, side: int, label: str, alone: bool) -> None:
     """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body."""
     if alone:
         face = box.right if side > 0 else box.left
-        x = face + side * 0.9
+        x = face + side * GAP
         _wall(ax, x, side, HEIGHT)
         ax.plot([x, x], [0.0, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
-        _opening(ax, *sorted((face, x)), 0.75, label)
+        _opening(ax, min(face, x), max(face, x), 0.75, label)
         return
     lug = box.middle
     x = lug + side * 0.7
     ax.plot([lug, lug], [0, -0.5], color="k", lw=2.2)
     ax.plot([x, x], [-1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
     _floor(ax, box.left, box.right)
-    _opening(ax, *sorted((lug, x)), -0.42, label)
+    _opening(ax, min(lug, x), max(lug, x), -0.42, label)
 
 
 def _between(ax: Any, low: Box, high: Box, facing: bool, label: str) -> None:
@@ -323,9 +327,6 @@ def _draw_block(ax: Any, structure: Structure) -> None:
     n, gaps = structure.coordinates, structure.gaps
     shown = gaps[:4]
     height = max(1.6, 0.8 * len(shown) + 0.3 * (len(gaps) > 4))
-    _wall(ax, -1.2, -1, height)
-    for y in (0.15, height - 0.15):
-        ax.plot([-1.2, 0], [y, y], color="k", lw=1.2)
     ax.add_patch(Rectangle((0, 0), 6.2, height, fc=PRIMARY, ec="none", alpha=0.3))
     ax.add_patch(Rectangle((0, 0), 6.2, height, fc="none", ec="k", lw=0.9))
     inertia, stiffness = structure.mass, structure.stiffness
@@ -341,13 +342,10 @@ def _draw_block(ax: Any, structure: Structure) -> None:
         y = height - 0.4 - 0.8 * k if len(gaps) > 1 else 0.5 * height
         ax.plot([6.2, 6.9], [y, y], color="k", lw=1.6)
         ax.plot([6.9, 6.9], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
-        ax.plot([7.8, 7.8], [y - 0.3, y + 0.3], color=IMPACT, lw=2.6, solid_capstyle="butt")
-        ax.add_patch(
-            Rectangle((7.8, y - 0.3), 0.3, 0.6, fc="none", ec="0.5", lw=0.0, hatch="//////")
-        )
+        ax.plot([7.8, 7.8], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
         _opening(ax, 6.93, 7.77, y, "", below=False)
-        ax.text(8.25, y, rf"gap {k}: $e$ = {gap.opening:.3g}", ha="left", va="center", fontsize=6.5)
+        ax.text(8.0, y, rf"gap {k}: $e$ = {gap.opening:.3g}", ha="left", va="center", fontsize=6.5)
     if len(gaps) > 4:
         ax.text(7.3, 0.0, f"and {len(gaps) - 4} more gaps", ha="center", va="center", fontsize=6.5)
-    ax.set_xlim(-1.7, 10.2)
+    ax.set_xlim(-0.3, 10.2)
     ax.set_ylim(-0.4, height + 0.4)
