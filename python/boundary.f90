@@ -548,6 +548,32 @@ subroutine periodic_structure(n, gaps, width, harmonics, m, matrices, directions
       multipliers, scalars, verdicts, status)
 end subroutine periodic_structure
 
+!> The periodic motion of a structure on which a simulation from a state settles, with rest too.
+!!
+!! `counts` are its impacts, load cycles, and rests; impacts and states as in `periodic_structure`.
+!! `labels` holds the gaps of the impacts and of the rests, a column of `rests` the load phases at
+!! which one begins and ends.
+subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap_values, frequency, &
+   loads, constant, start, state, settling, most_cycles, capacity, counts, labels, impacts, &
+   states, rests, p, multipliers, scalars, verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_return, only: settle_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, settling, most_cycles, capacity
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), start, state(2*n)
+   integer(c_int), intent(out) :: counts(3), labels(2, capacity), verdicts(3), status
+   real(c_double), intent(out) :: impacts(capacity, 3), states(2*n, capacity), rests(2, capacity), &
+      p(2*n, 2*n), scalars(3)
+   complex(c_double_complex), intent(out) :: multipliers(2*n)
+
+   call settle_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), start, state, settling, most_cycles, counts, labels, &
+      impacts, states, rests, p, multipliers, scalars, verdicts, status)
+end subroutine settle_structure
+
 !> R(v) and its slope at m speeds, for a law given as in `new_restitution`.
 subroutine restitution_values(width, m, kind, numbers, speeds, values, slopes)
    use, intrinsic :: iso_c_binding, only: c_double, c_int

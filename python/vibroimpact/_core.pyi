@@ -423,6 +423,28 @@ class _SampleTrajectory(Protocol):
     ) -> _Real: ...
 
 @type_check_only
+class _SettleStructure(Protocol):
+    # counts, labels, impacts, states, rests, p, multipliers, scalars, verdicts, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        start: float,
+        state: ArrayLike,
+        settling: int,
+        most_cycles: int,
+        capacity: int,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+    ) -> tuple[_Integer, _Integer, _Real, _Real, _Real, _Real, _Complex, _Real, _Integer, int]: ...
+
+@type_check_only
 class _SidePatterns(Protocol):
     # n, impacts, cycles, sides
     def __call__(
@@ -633,6 +655,7 @@ same_motion: _SameMotion
 sample: _Sample
 sample_structure: _SampleStructure
 sample_trajectory: _SampleTrajectory
+settle_structure: _SettleStructure
 side_patterns: _SidePatterns
 simulate: _Simulate
 simulate_bundle: _SimulateBundle

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks
 from .errors import ParameterError
 from .restitution import PowerLaw, TabulatedRestitution
-from .status import VERDICT, raise_status
+from .status import MORE_EVENTS, VERDICT, raise_status
 from .structure import Load, Structure
+from .structure_trajectory import StructureTrajectory, simulate_structure
 from .structure_trajectory import _arrays as core_arrays
 
 __all__ = ["StructureMotion", "exact_structure", "periodic_structure"]
@@ -25,7 +26,7 @@ ELIMINATED, FULL, EXACT = 0, 1, 2
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StructureMotion:
-    """A periodic motion of a structure without rest.
+    """A periodic motion of a structure.
 
     Attributes
     ----------
@@ -44,14 +45,19 @@ class StructureMotion:
     residual : float
         The largest residual of the equations, each relative to the sum of the absolute terms in it.
     matrix : ndarray (2n, 2n)
-        [P], the derivative of the period of (q, q') from just after the first impact; NaN if there is none.
+        [P], the derivative of the period of (q, q') from just after the first impact, or, with rests, from the
+        middle of the longest flight; NaN if there is none.
     multipliers : ndarray (2n,)
         Its eigenvalues, in order of decreasing modulus.
     determinant, law : float
-        det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal.
+        det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal;
+        0 with rests.
     consistent, admissible, stable : bool or None
         Whether the residual is one of rounding; whether every gap stays open between the impacts; whether all
         multipliers lie inside the unit circle. None: not decided.
+    rests : structured array
+        ``gap, begin, end``: gaps that rest, and the load phases (rad) at which each rest begins and ends. The
+        impacts of the accumulation before it are listed down to those whose effect is below rounding.
     """
 
     structure: Structure
@@ -70,6 +76,7 @@ class StructureMotion:
     consistent: bool | None
     admissible: bool | None
     stable: bool | None
+    rests: NDArray[Any]
 
     @property
     def q(self) -> _Array:
@@ -110,6 +117,8 @@ class StructureMotion:
         starts[1:] = self.states.reshape(m, 2 * n).T
         labels = np.ones((2, m), dtype=np.int32, order="F")
         labels[1] = self.gaps + 1
+        if len(self.rests):
+            return self._run().sample(inside)
         values, status = _core.sample_structure(
             *core_arrays(self.structure, self.load), starts, labels, inside[order]
         )
@@ -118,15 +127,26 @@ class StructureMotion:
         found[:, order] = values
         return found[:n], found[n:]
 
+    def _run(self) -> StructureTrajectory:
+        """The simulated period from just after the first impact."""
+        return simulate_structure(
+            self.structure,
+            self.load,
+            duration=self.period,
+            start=self.phases[0] / self.load.frequency,
+            state=(self.q, self.q_dot),
+        )
+
     def __repr__(self) -> str:
         verdicts = [] if self.consistent else [f"residual {self.residual:.2g}"]
         for value, name in ((self.admissible, "admissible"), (self.stable, "stable")):
             if value is not None:
                 verdicts.append(name if value else f"not {name}")
         largest = np.abs(self.multipliers).max(initial=0.0)
-        n = len(self.phases)
+        n, rests = len(self.phases), len(self.rests)
+        resting = f" and {rests} rest{'s' if rests != 1 else ''}" if rests else ""
         return (
-            f"<StructureMotion of {n} impact{'s' if n != 1 else ''} in {self.cycles} "
+            f"<StructureMotion of {n} impact{'s' if n != 1 else ''}{resting} in {self.cycles} "
             f"cycle{'s' if self.cycles != 1 else ''}: {', '.join(verdicts)} (max|lambda| = {largest:.4g})>"
         )
 
@@ -202,19 +222,21 @@ def periodic_structure(
 def exact_structure(
     structure: Structure,
     load: Load,
-    guess: StructureMotion | tuple[Any, ...],
+    guess: StructureMotion | StructureTrajectory | tuple[Any, ...],
 ) -> StructureMotion:
     """The exact periodic motion of a structure near a guess, by Newton's method.
 
-    Unknown are the impact times, the approach speeds and the mean positions of modes of frequency 0; all
-    derivatives are in closed form. `vibroimpact.exact` calls this for a `Structure`.
+    Unknown are the impact times, the approach speeds and the mean positions of modes of frequency 0; with
+    accumulation and rest, the state in the middle of the longest flight, a fixed point of the simulated period.
+    All derivatives are in closed form. `vibroimpact.exact` calls this for a `Structure`.
 
     Parameters
     ----------
     structure : Structure
     load : Load
-    guess : StructureMotion or (phases, gaps) or (phases, gaps, cycles)
-        A motion at other parameters, or impacts as in `periodic_structure`.
+    guess : StructureMotion, StructureTrajectory, (phases, gaps) or (phases, gaps, cycles)
+        A motion at other parameters; a simulation that ends near the motion; or impacts as in
+        `periodic_structure`. From a simulation, the period of up to 16 load cycles that repeats best is taken.
 
     Returns
     -------
@@ -239,22 +261,28 @@ def exact_structure(
     >>> round(float(motion.phases[0]), 8), round(float(motion.speeds[0]), 8), motion.stable
     (0.07595216, 1.69573294, True)
     """
+    if isinstance(guess, StructureTrajectory):
+        _check_pair(structure, load)
+        return settled(structure, load, guess.end, guess.final_state, 0, 16)
+    if isinstance(guess, StructureMotion) and len(guess.rests):
+        _check_pair(structure, load)
+        start = guess.phases[0] / guess.load.frequency * (guess.load.frequency / load.frequency)
+        return settled(structure, load, start, (guess.q, guess.q_dot), 0, max(16, guess.cycles))
     if isinstance(guess, StructureMotion):
         phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
     elif isinstance(guess, tuple) and len(guess) in (2, 3):
         phases, gaps, cycles = guess if len(guess) == 3 else (*guess, 1)
     else:
         raise ParameterError(
-            f"guess = {guess!r}: must be a StructureMotion, or (phases, gaps) or (phases, gaps, cycles)"
+            f"guess = {guess!r}: must be a StructureMotion, a StructureTrajectory, (phases, gaps) or "
+            "(phases, gaps, cycles)"
         )
     numbers, phases, cycles = _pattern(structure, load, phases, gaps, cycles)
     return _motion(structure, load, numbers, phases, cycles, EXACT)
 
 
-def _pattern(
-    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any
-) -> tuple[NDArray[np.int32], _Array, int]:
-    """Checks the arguments that describe a motion."""
+def _check_pair(structure: Any, load: Any) -> None:
+    """Checks that a load is one for a structure."""
     checks.instance(structure, "structure", Structure)
     checks.instance(load, "load", Load)
     n = structure.coordinates
@@ -262,6 +290,13 @@ def _pattern(
         raise ParameterError(
             f"load for {load.coordinates} coordinates: must be for {n} as the structure is"
         )
+
+
+def _pattern(
+    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any
+) -> tuple[NDArray[np.int32], _Array, int]:
+    """Checks the arguments that describe a motion."""
+    _check_pair(structure, load)
     cycles = checks.integer(cycles, "cycles", 1, 10_000)
     wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
     array = np.array(checks.real_array(gaps, "gaps", wanted))
@@ -302,14 +337,70 @@ def _motion(
         gaps + 1, phases, cycles, wanted,
     )  # fmt: skip
     raise_status(status)
-    n = structure.coordinates
+    return _assembled(
+        structure,
+        load,
+        gaps,
+        cycles,
+        impacts,
+        states,
+        matrix,
+        multipliers,
+        scalars,
+        verdicts,
+        _rests(),
+    )
+
+
+def _rests(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
+    """The table of rests."""
+    table = np.zeros(len(gaps), dtype=[("gap", "i4"), ("begin", "f8"), ("end", "f8")])
+    table["gap"], table["begin"], table["end"] = gaps, phases[0], phases[1]
+    return table
+
+
+def _assembled(
+    structure: Structure, load: Load, gaps: NDArray[np.int32], cycles: int, impacts: _Array,
+    states: _Array, matrix: _Array, multipliers: NDArray[np.complex128], scalars: _Array,
+    verdicts: NDArray[np.int32], rests: NDArray[Any],
+) -> StructureMotion:  # fmt: skip
+    """A motion from the arrays of the core, read-only."""
     columns = [np.ascontiguousarray(impacts[:, i]) for i in range(3)]
-    states = np.ascontiguousarray(states.T).reshape(len(gaps), 2, n)
-    for array in (gaps, states, matrix, multipliers, *columns):
+    states = np.ascontiguousarray(states.T).reshape(len(gaps), 2, structure.coordinates)
+    for array in (gaps, states, matrix, multipliers, rests, *columns):
         array.flags.writeable = False
     consistent, admissible, stable = (VERDICT[int(v)] for v in verdicts)
     residual, determinant, law = scalars.tolist()
     return StructureMotion(
         structure, load, gaps, cycles, *columns, states, residual, matrix, multipliers,
-        determinant, law, consistent, admissible, stable,
+        determinant, law, consistent, admissible, stable, rests,
+    )  # fmt: skip
+
+
+def settled(
+    structure: Structure,
+    load: Load,
+    start: float,
+    state: tuple[ArrayLike, ArrayLike],
+    settling: int,
+    most_cycles: int,
+) -> StructureMotion:
+    """The motion on which a simulation from a state settles."""
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)
+    capacity = 500
+    while True:
+        counts, labels, impacts, states, rests, matrix, multipliers, scalars, verdicts, status = (
+            _core.settle_structure(
+                matrices, directions, values, load.frequency, harmonics, constant, start,
+                np.concatenate(state), settling, most_cycles, capacity,
+            )
+        )  # fmt: skip
+        if status != MORE_EVENTS:
+            break
+        capacity = int(max(counts[0], counts[2]))
+    raise_status(status)
+    n, cycles, m = counts.tolist()
+    return _assembled(
+        structure, load, labels[0, :n] - 1, cycles, impacts[:n], states[:, :n], matrix, multipliers,
+        scalars, verdicts, _rests(labels[1, :m] - 1, rests[:, :m]),
     )  # fmt: skip

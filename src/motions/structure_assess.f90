@@ -11,7 +11,7 @@ module vi_structure_assess
    use vi_motion, only: no, unknown, yes
    use vi_status, only: stat
    use vi_structure, only: regime_type, structure_type
-   use vi_structure_map, only: apply_flight, apply_impact, in_coordinates
+   use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
    use vi_structure_motion, only: equations_type, impulse_of, since, state_after
    implicit none (type, external)
    private
@@ -50,7 +50,8 @@ contains
       !> The verdicts.
       type(structure_verdicts_type), intent(out) :: verdicts
       real(wp), dimension(size(regime%modes%stiffness)) :: x, v, x_after, v_after, x_here, v_here
-      real(wp) :: d(2*size(x), 2*size(x)), flight, rounding, impulse, slope
+      real(wp), dimension(2*size(x), 2*size(x)) :: d, unit
+      real(wp) :: flight, rounding, impulse, slope
       type(reached_type) :: reached
       logical :: first, complete
       integer :: i, j, n, next, status
@@ -60,10 +61,11 @@ contains
          0.0_wp, wp))
       allocate (verdicts%p(2*size(x), 2*size(x)), source=ieee_value(1.0_wp, ieee_quiet_nan))
       verdicts%consistent = consistency(residual, exact_acceptance)
-      d = 0
+      unit = 0
       do i = 1, size(d, 1)
-         d(i, i) = 1
+         unit(i, i) = 1
       end do
+      call from_coordinates(regime, unit, d)
       first = .true.
       complete = .true.
       rounding = 0
@@ -92,7 +94,7 @@ contains
          end associate
          rounding = max(rounding, maxval(speeds)/speeds(next))
       end do
-      call in_coordinates(regime, regime, d, verdicts%p)
+      call to_coordinates(regime, d, verdicts%p)
       call assess_multipliers(rounding*epsilon(1.0_wp), verdicts)
       if (verdicts%consistent == yes) then
          verdicts%admissible = admission(all(speeds > 0) .and. first, complete)

@@ -13,7 +13,7 @@ module vi_structure_map
    implicit none (type, external)
    private
 
-   public :: accelerations, apply_flight, apply_impact, in_coordinates
+   public :: apply_flight, apply_impact, from_coordinates, to_coordinates
 
 contains
 
@@ -113,25 +113,36 @@ contains
       end associate
    end subroutine apply_impact
 
-   !> A derivative of pairs by pairs as one of coordinates and velocities.
-   pure subroutine in_coordinates(from, to, d, p)
-      !> The regimes at the beginning and at the end.
-      type(regime_type), intent(in) :: from, to
-      !> (2m, 2m) Derivatives of the pairs by the pairs.
+   !> Derivatives of coordinates and velocities from those of the pairs.
+   pure subroutine to_coordinates(regime, d, p)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (2m, columns) Derivatives of x, then of v.
       real(wp), intent(in) :: d(:, :)
-      !> (2n, 2n) Derivatives of (q, q') by (q, q').
+      !> (2n, columns) Derivatives of q, then of q'.
       real(wp), intent(out) :: p(:, :)
-      real(wp), allocatable :: half(:, :)
-      integer :: k, n
+      integer :: m, n
 
+      m = size(d, 1)/2
       n = size(p, 1)/2
-      k = size(from%xq, 1)
-      allocate (half(size(d, 1), 2*n))
-      half(:, :n) = matmul(d(:, :k), from%xq) + matmul(d(:, k + 1:), from%vq)
-      half(:, n + 1:) = matmul(d(:, :k), from%xd) + matmul(d(:, k + 1:), from%vd)
-      k = size(to%xq, 1)
-      p(:n, :) = matmul(to%qx, half(:k, :)) + matmul(to%qv, half(k + 1:, :))
-      p(n + 1:, :) = matmul(to%dx, half(:k, :)) + matmul(to%dv, half(k + 1:, :))
-   end subroutine in_coordinates
+      p(:n, :) = matmul(regime%qx, d(:m, :)) + matmul(regime%qv, d(m + 1:, :))
+      p(n + 1:, :) = matmul(regime%dx, d(:m, :)) + matmul(regime%dv, d(m + 1:, :))
+   end subroutine to_coordinates
+
+   !> Derivatives of the pairs from those of coordinates and velocities.
+   pure subroutine from_coordinates(regime, p, d)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (2n, columns) Derivatives of q, then of q'.
+      real(wp), intent(in) :: p(:, :)
+      !> (2m, columns) Derivatives of x, then of v.
+      real(wp), intent(out) :: d(:, :)
+      integer :: m, n
+
+      m = size(d, 1)/2
+      n = size(p, 1)/2
+      d(:m, :) = matmul(regime%xq, p(:n, :)) + matmul(regime%xd, p(n + 1:, :))
+      d(m + 1:, :) = matmul(regime%vq, p(:n, :)) + matmul(regime%vd, p(n + 1:, :))
+   end subroutine from_coordinates
 
 end module vi_structure_map

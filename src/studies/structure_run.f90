@@ -99,7 +99,10 @@ contains
             scale = abs(run%structure%openings(j)) + dot_product(abs(direction), abs(q))
             if (gap < -8*epsilon(1.0_wp)*scale) status = stat%gap_closed
             if (abs(gap) > 8*epsilon(1.0_wp)*scale) cycle
-            if (.not. abs(speed) > 0) closed = [closed, j]
+            ! a state at the end of a simulation that rests has a speed of rounding
+            if (abs(speed) <= 8*epsilon(1.0_wp)*dot_product(abs(direction), abs(rate))) then
+               closed = [closed, j]
+            end if
          end associate
       end do
       if (status /= stat%ok) return

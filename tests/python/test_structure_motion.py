@@ -144,7 +144,9 @@ def test_table_1_by_the_general_path():
     linear = vi.periodic(structure, load, phases, [0, 1])
     assert linear.residual < 1e-11
     motion = vi.exact(structure, load, linear)
-    assert motion.consistent and motion.admissible and motion.stable
+    assert motion.consistent
+    assert motion.admissible
+    assert motion.stable
     np.testing.assert_allclose(np.diff(motion.phases), reference.phases[1:], atol=1e-12)
     np.testing.assert_allclose(motion.phases, phases, atol=5e-12)
     np.testing.assert_allclose(motion.q[0], reference.X[0], rtol=1e-12)
@@ -213,7 +215,8 @@ def test_bouncing_ball_on_a_shaken_plate():
     np.testing.assert_allclose(motion.speeds, gravity * period / (1 + restitution), rtol=1e-13)
     np.testing.assert_allclose(motion.impulses, mass * gravity * period, rtol=1e-13)
     np.testing.assert_allclose(np.prod(motion.multipliers).real, restitution**2, rtol=1e-13)
-    assert motion.admissible and motion.stable
+    assert motion.admissible
+    assert motion.stable
 
 
 @pytest.mark.slow
@@ -228,7 +231,8 @@ def test_laws_of_random_structures():
 def check_laws(count, seed):
     for motion, _ in samples(count, seed):
         structure, load = motion.structure, motion.load
-        assert motion.consistent and motion.residual < 1e-13
+        assert motion.consistent
+        assert motion.residual < 1e-13
         assert motion.admissible
         # det[P] in closed form
         trace = np.trace(np.linalg.solve(structure.mass, structure.damping))
@@ -329,23 +333,23 @@ def test_a_motion_through_a_wall_is_not_admissible():
 
 
 REFUSED = [
-    (dict(phases=[0.5]), "phases"),
-    (dict(phases=[4.0, 0.5]), "phases"),
-    (dict(phases=[0.5, 7.0]), "phases"),
-    (dict(phases=[0.5, math.nan]), "phases"),
-    (dict(phases=[1e9, 1e9 + 1]), "phases"),
-    (dict(phases=[], gaps=[]), "gaps"),
-    (dict(gaps=[0, 2]), "gaps"),
-    (dict(gaps=[0, -1]), "gaps"),
-    (dict(gaps=[0, 0.5]), "gaps"),
-    (dict(cycles=0), "cycles"),
-    (dict(cycles=1.5), "cycles"),
+    ({"phases": [0.5]}, "phases"),
+    ({"phases": [4.0, 0.5]}, "phases"),
+    ({"phases": [0.5, 7.0]}, "phases"),
+    ({"phases": [0.5, math.nan]}, "phases"),
+    ({"phases": [1e9, 1e9 + 1]}, "phases"),
+    ({"phases": [], "gaps": []}, "gaps"),
+    ({"gaps": [0, 2]}, "gaps"),
+    ({"gaps": [0, -1]}, "gaps"),
+    ({"gaps": [0, 0.5]}, "gaps"),
+    ({"cycles": 0}, "cycles"),
+    ({"cycles": 1.5}, "cycles"),
 ]
 
 
 @pytest.mark.parametrize(("change", "name"), REFUSED)
 def test_refused_arguments(change, name):
-    values = dict(phases=[1.6, 5.9], gaps=[0, 1], cycles=1) | change
+    values = {"phases": [1.6, 5.9], "gaps": [0, 1], "cycles": 1} | change
     with pytest.raises((ParameterError, ParameterTypeError), match=name):
         vi.periodic(damper(), vi.Load(0.94, sine=[1, 0]), **values)
     with pytest.raises((ParameterError, ParameterTypeError), match=name):

@@ -1,0 +1,396 @@
+!> The periodic motion on which a simulation of a structure settles, with accumulation and rest as
+!! well.
+!!
+!! A motion with rest is a fixed point of the map of one period, started in the middle of its longest
+!! flight without rest; Newton's method uses the derivative of the simulation in closed form.
+module vi_structure_return
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_assess, only: consistency
+   use vi_exact, only: exact_acceptance
+   use vi_kinds, only: wp
+   use vi_lapack, only: solve
+   use vi_motion, only: unknown, yes
+   use vi_status, only: stat
+   use vi_structure, only: load_type, state_of, structure_type
+   use vi_structure_assess, only: assess_multipliers
+   use vi_structure_period, only: exact, periodic_structure, structure_motion_type
+   use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, run_state_type, &
+      run_type, simulate_structure, start_at, state_now, stick_event
+   use vi_structure_variation, only: derivative_of_run
+   implicit none (type, external)
+   private
+
+   public :: settle, settle_arrays
+
+   !> Largest number of events of a period.
+   integer, parameter, public :: most_events = 2000
+
+   !> A motion as it was found.
+   type, public :: settled_type
+      type(structure_motion_type) :: motion
+      !> (N) The gaps of its impacts, and load cycles in a period.
+      integer, allocatable :: gaps(:)
+      integer :: cycles = 0
+      !> (m) Gaps that rest, and the load phases (rad) at which each rest begins and ends.
+      integer, allocatable :: resting(:)
+      real(wp), allocatable :: rests(:, :)
+   end type settled_type
+
+contains
+
+   !> Simulates from a state, and finds the periodic motion on which it settles.
+   pure subroutine settle(structure, load, start, q, rate, settling, most_cycles, found, status)
+      !> The structure and its load, with a frequency > 0.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> Time, coordinates (n) and velocities (n) at the start.
+      real(wp), intent(in) :: start, q(:), rate(:)
+      !> Load cycles simulated first, and most load cycles in a period.
+      integer, intent(in) :: settling, most_cycles
+      !> The motion.
+      type(settled_type), intent(out) :: found
+      !> `stat%ok`; `stat%no_motion` where the motion does not repeat within `most_cycles`, has more
+      !! than `most_events` events in a period, or no flight without rest; or a status of the
+      !! simulation or of Newton's method.
+      integer, intent(out) :: status
+      type(run_type) :: run
+      type(run_state_type) :: state
+      type(run_event_type), allocatable :: events(:)
+      type(structure_type) :: own
+      real(wp), allocatable :: strobes(:, :)
+      real(wp) :: elapsed
+      integer :: i, n
+
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      call start_at(run, start, q, rate, state, status)
+      if (status /= stat%ok) return
+      allocate (events(most_events), strobes(2*size(q), 0:2*most_cycles))
+      elapsed = state%elapsed
+      strobes(:, 0) = [q, rate]
+      do i = 1 - settling, 2*most_cycles
+         call one_cycle(run, state, 1, elapsed, events, n, status)
+         if (status /= stat%ok) return
+         if (i >= 0) call state_now(run, state, strobes(:size(q), i), strobes(size(q) + 1:, i))
+      end do
+      call repetition(strobes, most_cycles, found%cycles)
+      if (found%cycles == 0) then
+         status = stat%no_motion
+         return
+      end if
+      call one_cycle(run, state, found%cycles, elapsed, events, n, status)
+      if (status /= stat%ok) return
+      if (any(events(:n)%kind /= impact_event)) then
+         call by_return(run, state, elapsed, events, n, found, status)
+      else if (n == 0) then
+         status = stat%no_motion
+      else
+         found%gaps = events(:n)%gap
+         allocate (found%resting(0), found%rests(2, 0))
+         own = structure
+         call periodic_structure(own, load, found%gaps, phases_of(run, events(:n)), found%cycles, &
+            exact, found%motion, status)
+      end if
+   end subroutine settle
+
+   !> Load phases of events, from the beginning of the cycle of the first one.
+   pure function phases_of(run, events) result(phases)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> Events.
+      type(run_event_type), intent(in) :: events(:)
+      real(wp) :: phases(size(events))
+      integer :: i
+
+      do i = 1, size(events)
+         phases(i) = (real(events(i)%cycle - events(1)%cycle, wp)*run%period + events(i)%elapsed)* &
+            (2*acos(-1.0_wp)/run%period)
+      end do
+   end function phases_of
+
+   !> Simulates some cycles.
+   pure subroutine one_cycle(run, state, cycles, elapsed, events, n, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> How many; time within the cycle at the end.
+      integer, intent(in) :: cycles
+      !> As in `cycles`.
+      real(wp), intent(in) :: elapsed
+      !> The events, and their number.
+      type(run_event_type), intent(inout) :: events(:)
+      integer, intent(out) :: n
+      !> `stat%ok`, `stat%no_motion` for too many events, or a status of the simulation.
+      integer, intent(out) :: status
+      integer(int64) :: last
+
+      ! rounding may leave the state just before or after the section
+      last = nint((real(state%cycle, wp)*run%period + state%elapsed - elapsed)/run%period, int64) &
+         + cycles
+      call simulate_structure(run, state, last, elapsed, events, n, status)
+      if (status == stat%more_events) status = stat%no_motion
+   end subroutine one_cycle
+
+   !> The period in cycles that repeats best; 0 if none does.
+   !!
+   !! Just past a period doubling the shorter period repeats approximately, too. Of the periods that
+   !! repeat about as well as the best one, the shortest is taken.
+   pure subroutine repetition(strobes, most, cycles)
+      !> (2n, 0:2 most) States once a cycle.
+      real(wp), intent(in) :: strobes(:, 0:)
+      !> Most cycles.
+      integer, intent(in) :: most
+      !> The period.
+      integer, intent(out) :: cycles
+      real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
+      real(wp) :: apart(most), scale(2)
+      integer :: k, n
+
+      n = size(strobes, 1)/2
+      scale = [maxval(abs(strobes(:n, :))), maxval(abs(strobes(n + 1:, :)))]
+      scale = max(scale, tiny(1.0_wp))
+      do k = 1, most
+         apart(k) = max(maxval(abs(strobes(:n, k:2*most) - strobes(:n, :2*most - k)))/scale(1), &
+            maxval(abs(strobes(n + 1:, k:2*most) - strobes(n + 1:, :2*most - k)))/scale(2))
+      end do
+      cycles = findloc(apart <= min(near, max(at_rounding, 10*minval(apart))), .true., 1)
+   end subroutine repetition
+
+   !> The motion with rest near a simulated period.
+   pure subroutine by_return(run, first, section, events, n, found, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The state at the end of the simulated period.
+      type(run_state_type), intent(in) :: first
+      !> Time within the cycle at which the simulated period began and ended.
+      real(wp), intent(in) :: section
+      !> In: the events of the period. Out: those of the motion.
+      type(run_event_type), intent(inout) :: events(:)
+      !> Their number.
+      integer, intent(inout) :: n
+      !> In: with its cycles. Out: the motion.
+      type(settled_type), intent(inout) :: found
+      !> As in `settle`.
+      integer, intent(out) :: status
+      integer, parameter :: most_steps = 30
+      type(run_state_type) :: state, begun, at
+      real(wp), allocatable :: p(:, :), a(:, :), step(:), s(:), image(:), q(:), rate(:)
+      real(wp) :: wait, elapsed, change, before, scale(2), largest
+      integer :: i, m, steps
+
+      call middle_of_flight(run, first, section, events(:n), found%cycles, wait)
+      if (.not. wait >= 0) then
+         status = stat%no_motion
+         return
+      end if
+      at = first
+      elapsed = at%elapsed + wait
+      call simulate_structure(run, at, at%cycle + int(elapsed/run%period, int64), &
+         modulo(elapsed, run%period), events, n, status)
+      if (status /= stat%ok) return
+      m = size(run%structure%mass, 1)
+      allocate (p(2*m, 2*m), a(2*m, 2*m), step(2*m), s(2*m), image(2*m), q(m), rate(m))
+      elapsed = at%elapsed
+      call state_now(run, at, s(:m), s(m + 1:))
+      before = huge(1.0_wp)
+      do steps = 0, most_steps
+         call start_at(run, elapsed, s(:m), s(m + 1:), state, status)
+         if (status /= stat%ok) return
+         begun = state
+         call one_cycle(run, state, found%cycles, elapsed, events, n, status)
+         if (status /= stat%ok) return
+         if (state%regime /= 1 .or. begun%regime /= 1) then
+            status = stat%no_convergence
+            return
+         end if
+         call derivative_of_run(run, begun, events(:n), state, p, largest, status)
+         if (status /= stat%ok) return
+         call state_now(run, state, image(:m), image(m + 1:))
+         scale = [maxval(abs(s(:m))), maxval(abs(s(m + 1:)))]
+         scale = max(scale, tiny(1.0_wp))
+         step = s - image
+         found%motion%residual = max(maxval(abs(step(:m)))/scale(1), maxval(abs(step(m + 1:)))/ &
+            scale(2))
+         if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
+         ! positions and velocities are compared by their scales
+         a = p
+         do i = 1, 2*m
+            a(i, i) = a(i, i) - 1
+         end do
+         a(:m, m + 1:) = a(:m, m + 1:)*(scale(2)/scale(1))
+         a(m + 1:, :m) = a(m + 1:, :m)*(scale(1)/scale(2))
+         step(:m) = step(:m)/scale(1)
+         step(m + 1:) = step(m + 1:)/scale(2)
+         call solve(a, step, status)
+         if (status /= stat%ok) return
+         change = maxval(abs(step))
+         if (change <= 1.0e-7_wp .and. change >= before) exit
+         before = change
+         s(:m) = s(:m) + scale(1)*step(:m)
+         s(m + 1:) = s(m + 1:) + scale(2)*step(m + 1:)
+      end do
+      if (steps > most_steps) then
+         status = stat%no_convergence
+         return
+      end if
+      call store_period(run, events(:n), found)
+      found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
+      found%motion%verdicts%admissible = merge(yes, unknown, found%motion%verdicts%consistent == yes)
+      found%motion%verdicts%p = p
+      allocate (found%motion%verdicts%multipliers(2*m))
+      found%motion%verdicts%multipliers = 0
+      found%motion%verdicts%law = 0
+      ! an accumulation of many impacts costs digits: entries are accurate to about 1e-10
+      call assess_multipliers(1.0e-12_wp*largest, found%motion%verdicts)
+   end subroutine by_return
+
+   !> How long after the end of a simulated period the middle of its longest flight without rest
+   !! comes; negative if there is none.
+   pure subroutine middle_of_flight(run, first, section, events, cycles, wait)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state at its end.
+      type(run_state_type), intent(in) :: first
+      !> Time within the cycle at its beginning and its end.
+      real(wp), intent(in) :: section
+      !> Its events.
+      type(run_event_type), intent(in) :: events(:)
+      !> Its length in cycles.
+      integer, intent(in) :: cycles
+      !> The result.
+      real(wp), intent(out) :: wait
+      real(wp) :: times(size(events)), flight, longest
+      integer :: i, n, next
+
+      n = size(events)
+      do i = 1, n
+         ! since the beginning of the period
+         times(i) = real(events(i)%cycle - first%cycle + cycles, wp)*run%period &
+            + (events(i)%elapsed - section)
+      end do
+      wait = -1
+      longest = 0
+      do i = 1, n
+         if (events(i)%regime /= 1) cycle
+         next = modulo(i, n) + 1
+         flight = times(next) - times(i)
+         if (next <= i) flight = flight + cycles*run%period
+         if (flight <= longest) cycle
+         longest = flight
+         wait = times(i) + 0.5_wp*flight
+      end do
+   end subroutine middle_of_flight
+
+   !> Keeps the impacts and rests of a period.
+   pure subroutine store_period(run, events, found)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The events.
+      type(run_event_type), intent(in) :: events(:)
+      !> In and out: filled in.
+      type(settled_type), intent(inout) :: found
+      integer, allocatable :: impacts(:), sticks(:)
+      real(wp) :: phases(size(events)), whole
+      integer :: i, j, n
+
+      phases = phases_of(run, events)
+      whole = 2*acos(-1.0_wp)*found%cycles
+      impacts = pack([(i, i=1, size(events))], events%kind == impact_event)
+      sticks = pack([(i, i=1, size(events))], events%kind == stick_event)
+      n = size(run%structure%mass, 1)
+      found%gaps = events(impacts)%gap
+      found%motion%phases = phases(impacts)
+      found%motion%speeds = events(impacts)%speed
+      found%motion%impulses = events(impacts)%impulse
+      allocate (found%motion%states(2*n, size(impacts)))
+      do i = 1, size(impacts)
+         associate (event => events(impacts(i)))
+            call state_of(run%regimes(event%regime), run%load%frequency*event%elapsed, event%x, &
+               event%v, found%motion%states(:n, i), found%motion%states(n + 1:, i))
+         end associate
+      end do
+      found%resting = events(sticks)%gap
+      allocate (found%rests(2, size(sticks)))
+      do i = 1, size(sticks)
+         found%rests(:, i) = phases(sticks(i))
+         do j = 1, size(events)
+            ! the first release of this gap after it
+            associate (at => modulo(sticks(i) + j - 1, size(events)) + 1)
+               if (events(at)%kind /= release_event .or. events(at)%gap /= found%resting(i)) cycle
+               found%rests(2, i) = phases(at) + merge(whole, 0.0_wp, at < sticks(i))
+            end associate
+            exit
+         end do
+      end do
+   end subroutine store_period
+
+   !> The motion as arrays.
+   pure subroutine settle_arrays(structure, load, start, state, settling, most_cycles, counts, &
+      labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> Time, coordinates and velocities (2n) at the start.
+      real(wp), intent(in) :: start, state(:)
+      !> As in `settle`.
+      integer, intent(in) :: settling, most_cycles
+      !> Numbers of impacts, load cycles, and rests.
+      integer, intent(out) :: counts(3)
+      !> (2, capacity) Gaps of the impacts, and of the rests.
+      integer, intent(out) :: labels(:, :)
+      !> (capacity, 3) Load phases, approach speeds, impulses.
+      real(wp), intent(out) :: impacts(:, :)
+      !> (2n, capacity) Coordinates and velocities just after each impact.
+      real(wp), intent(out) :: states(:, :)
+      !> (2, capacity) Load phases at which each rest begins and ends.
+      real(wp), intent(out) :: rests(:, :)
+      !> (2n, 2n) The derivative of the period.
+      real(wp), intent(out) :: p(:, :)
+      !> (2n) Its eigenvalues.
+      complex(wp), intent(out) :: multipliers(:)
+      !> The residual, det[P], and the value that it must have.
+      real(wp), intent(out) :: scalars(3)
+      !> Consistent, admissible, stable.
+      integer, intent(out) :: verdicts(3)
+      !> As in `settle`; `stat%more_events` if the capacity is too small.
+      integer, intent(out) :: status
+      type(settled_type) :: found
+      integer :: m, n
+
+      counts = 0
+      labels = 0
+      impacts = 0
+      states = 0
+      rests = 0
+      p = 0
+      multipliers = 0
+      scalars = 0
+      verdicts = unknown
+      n = size(state)/2
+      call settle(structure, load, start, state(:n), state(n + 1:), settling, most_cycles, found, &
+         status)
+      if (status /= stat%ok) return
+      n = size(found%gaps)
+      m = size(found%resting)
+      counts = [n, found%cycles, m]
+      if (max(n, m) > size(labels, 2)) status = stat%more_events
+      if (status /= stat%ok) return
+      labels(1, :n) = found%gaps
+      labels(2, :m) = found%resting
+      impacts(:n, 1) = found%motion%phases
+      impacts(:n, 2) = found%motion%speeds
+      impacts(:n, 3) = found%motion%impulses
+      states(:, :n) = found%motion%states
+      rests(:, :m) = found%rests
+      p = found%motion%verdicts%p
+      multipliers = found%motion%verdicts%multipliers
+      scalars = [found%motion%residual, found%motion%verdicts%determinant, &
+         found%motion%verdicts%law]
+      verdicts = [found%motion%verdicts%consistent, found%motion%verdicts%admissible, &
+         found%motion%verdicts%stable]
+   end subroutine settle_arrays
+
+end module vi_structure_return
