@@ -554,14 +554,15 @@ end subroutine periodic_structure
 !! `labels` holds the gaps of the impacts and of the rests, a column of `rests` the load phases at
 !! which one begins and ends.
 subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap_values, frequency, &
-   loads, constant, start, state, settling, most_cycles, capacity, counts, labels, impacts, &
-   states, rests, p, multipliers, scalars, verdicts, status)
+   loads, constant, start, state, settling, most_cycles, cycles, capacity, counts, labels, &
+   impacts, states, rests, p, multipliers, scalars, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_return, only: settle_arrays
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, gaps, width, harmonics, settling, most_cycles, capacity
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, settling, most_cycles, cycles, &
+      capacity
    real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
       frequency, loads(n, 2, harmonics), constant(n), start, state(2*n)
    integer(c_int), intent(out) :: counts(3), labels(2, capacity), verdicts(3), status
@@ -570,8 +571,8 @@ subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap
    complex(c_double_complex), intent(out) :: multipliers(2*n)
 
    call settle_arrays(new_structure(matrices, directions, gap_values), &
-      new_load(frequency, loads, constant), start, state, settling, most_cycles, counts, labels, &
-      impacts, states, rests, p, multipliers, scalars, verdicts, status)
+      new_load(frequency, loads, constant), start, state, settling, most_cycles, cycles, counts, &
+      labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
 end subroutine settle_structure
 
 !> R(v) and its slope at m speeds, for a law given as in `new_restitution`.

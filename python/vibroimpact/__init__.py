@@ -29,6 +29,7 @@ from .solve import equispaced, equispaced_batch, linear_system, periodic, period
 from .spacing import spaced
 from .status import status_text
 from .structure import Gap, Load, Structure
+from .structure_find import StructureMotions, find_structure, same_structure_motion
 from .structure_motion import StructureMotion, exact_structure, periodic_structure
 from .structure_trajectory import StructureTrajectory, simulate_structure
 from .studies.atlas import Atlas, Attractor, atlas
@@ -84,6 +85,7 @@ __all__ = [
     "StabilityFlags",
     "Structure",
     "StructureMotion",
+    "StructureMotions",
     "StructureTrajectory",
     "StudyInterrupted",
     "TabulatedRestitution",
@@ -104,6 +106,7 @@ __all__ = [
     "exact",
     "exact_structure",
     "find",
+    "find_structure",
     "is_symmetric",
     "linear_system",
     "load",
@@ -116,6 +119,7 @@ __all__ = [
     "response",
     "run_namelists",
     "same_motion",
+    "same_structure_motion",
     "simulate",
     "simulate_bundle",
     "simulate_structure",

@@ -262,12 +262,12 @@ def exact_structure(
     (0.07595216, 1.69573294, True)
     """
     if isinstance(guess, StructureTrajectory):
-        _check_pair(structure, load)
-        return settled(structure, load, guess.end, guess.final_state, 0, 16)
+        check_pair(structure, load)
+        return settled(structure, load, guess.end, guess.final_state)
     if isinstance(guess, StructureMotion) and len(guess.rests):
-        _check_pair(structure, load)
+        check_pair(structure, load)
         start = guess.phases[0] / guess.load.frequency * (guess.load.frequency / load.frequency)
-        return settled(structure, load, start, (guess.q, guess.q_dot), 0, max(16, guess.cycles))
+        return settled(structure, load, start, (guess.q, guess.q_dot), cycles=guess.cycles)
     if isinstance(guess, StructureMotion):
         phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
     elif isinstance(guess, tuple) and len(guess) in (2, 3):
@@ -281,7 +281,7 @@ def exact_structure(
     return _motion(structure, load, numbers, phases, cycles, EXACT)
 
 
-def _check_pair(structure: Any, load: Any) -> None:
+def check_pair(structure: Any, load: Any) -> None:
     """Checks that a load is one for a structure."""
     checks.instance(structure, "structure", Structure)
     checks.instance(load, "load", Load)
@@ -296,7 +296,7 @@ def _pattern(
     structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any
 ) -> tuple[NDArray[np.int32], _Array, int]:
     """Checks the arguments that describe a motion."""
-    _check_pair(structure, load)
+    check_pair(structure, load)
     cycles = checks.integer(cycles, "cycles", 1, 10_000)
     wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
     array = np.array(checks.real_array(gaps, "gaps", wanted))
@@ -365,14 +365,14 @@ def _assembled(
     verdicts: NDArray[np.int32], rests: NDArray[Any],
 ) -> StructureMotion:  # fmt: skip
     """A motion from the arrays of the core, read-only."""
-    columns = [np.ascontiguousarray(impacts[:, i]) for i in range(3)]
+    phases, speeds, impulses = (np.ascontiguousarray(impacts[:, i]) for i in range(3))
     states = np.ascontiguousarray(states.T).reshape(len(gaps), 2, structure.coordinates)
-    for array in (gaps, states, matrix, multipliers, rests, *columns):
+    for array in (gaps, phases, speeds, impulses, states, matrix, multipliers, rests):
         array.flags.writeable = False
     consistent, admissible, stable = (VERDICT[int(v)] for v in verdicts)
     residual, determinant, law = scalars.tolist()
     return StructureMotion(
-        structure, load, gaps, cycles, *columns, states, residual, matrix, multipliers,
+        structure, load, gaps, cycles, phases, speeds, impulses, states, residual, matrix, multipliers,
         determinant, law, consistent, admissible, stable, rests,
     )  # fmt: skip
 
@@ -382,8 +382,9 @@ def settled(
     load: Load,
     start: float,
     state: tuple[ArrayLike, ArrayLike],
-    settling: int,
-    most_cycles: int,
+    settling: int = 0,
+    most_cycles: int = 16,
+    cycles: int = 0,
 ) -> StructureMotion:
     """The motion on which a simulation from a state settles."""
     matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)
@@ -392,7 +393,7 @@ def settled(
         counts, labels, impacts, states, rests, matrix, multipliers, scalars, verdicts, status = (
             _core.settle_structure(
                 matrices, directions, values, load.frequency, harmonics, constant, start,
-                np.concatenate(state), settling, most_cycles, capacity,
+                np.concatenate(state), settling, most_cycles, cycles, capacity,
             )
         )  # fmt: skip
         if status != MORE_EVENTS:

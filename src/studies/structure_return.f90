@@ -39,7 +39,8 @@ module vi_structure_return
 contains
 
    !> Simulates from a state, and finds the periodic motion on which it settles.
-   pure subroutine settle(structure, load, start, q, rate, settling, most_cycles, found, status)
+   pure subroutine settle(structure, load, start, q, rate, settling, most_cycles, cycles, found, &
+      status)
       !> The structure and its load, with a frequency > 0.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -48,6 +49,9 @@ contains
       real(wp), intent(in) :: start, q(:), rate(:)
       !> Load cycles simulated first, and most load cycles in a period.
       integer, intent(in) :: settling, most_cycles
+      !> Load cycles in a period if they are known: then the state need not be on the motion; 0 if
+      !! they are not.
+      integer, intent(in) :: cycles
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_motion` where the motion does not repeat within `most_cycles`, has more
@@ -69,12 +73,13 @@ contains
       allocate (events(most_events), strobes(2*size(q), 0:2*most_cycles))
       elapsed = state%elapsed
       strobes(:, 0) = [q, rate]
-      do i = 1 - settling, 2*most_cycles
+      do i = 1 - settling, merge(0, 2*most_cycles, cycles > 0)
          call one_cycle(run, state, 1, elapsed, events, n, status)
          if (status /= stat%ok) return
          if (i >= 0) call state_now(run, state, strobes(:size(q), i), strobes(size(q) + 1:, i))
       end do
-      call repetition(strobes, most_cycles, found%cycles)
+      found%cycles = cycles
+      if (cycles == 0) call repetition(strobes, most_cycles, found%cycles)
       if (found%cycles == 0) then
          status = stat%no_motion
          return
@@ -327,7 +332,7 @@ contains
    end subroutine store_period
 
    !> The motion as arrays.
-   pure subroutine settle_arrays(structure, load, start, state, settling, most_cycles, counts, &
+   pure subroutine settle_arrays(structure, load, start, state, settling, most_cycles, cycles, counts, &
       labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
@@ -336,7 +341,7 @@ contains
       !> Time, coordinates and velocities (2n) at the start.
       real(wp), intent(in) :: start, state(:)
       !> As in `settle`.
-      integer, intent(in) :: settling, most_cycles
+      integer, intent(in) :: settling, most_cycles, cycles
       !> Numbers of impacts, load cycles, and rests.
       integer, intent(out) :: counts(3)
       !> (2, capacity) Gaps of the impacts, and of the rests.
@@ -370,8 +375,8 @@ contains
       scalars = 0
       verdicts = unknown
       n = size(state)/2
-      call settle(structure, load, start, state(:n), state(n + 1:), settling, most_cycles, found, &
-         status)
+      call settle(structure, load, start, state(:n), state(n + 1:), settling, most_cycles, cycles, &
+         found, status)
       if (status /= stat%ok) return
       n = size(found%gaps)
       m = size(found%resting)

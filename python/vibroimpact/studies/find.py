@@ -15,6 +15,8 @@ from ..jupyter import rows_html
 from ..model import Oscillator
 from ..motion import Motion, motions_of
 from ..noun import Noun
+from ..structure import or_structure
+from ..structure_find import find_structure
 
 __all__ = ["Findings", "FoundMotions", "Search", "find"]
 
@@ -217,6 +219,7 @@ class FoundMotions(list[Motion]):
         )
 
 
+@or_structure(find_structure)
 def find(
     osc: Oscillator,
     r: float,

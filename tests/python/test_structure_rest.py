@@ -1,0 +1,181 @@
+"""Periodic motions of structures with accumulation and rest, and the search for periodic motions."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.errors import ParameterError, SingularError
+
+
+def unequal_walls():
+    """An oscillator with a motion that rests on its left wall, as a structure."""
+    gaps = [vi.Gap([-1, 1], 3, 0.75), vi.Gap([1, -1], 3, 0.61)]
+    return vi.Structure([1, 0.028], [0.0228, 0], [1, 0], gaps), vi.Load(0.9, sine=[1, 0])
+
+
+def host_with_dashpot():
+    """A host of two masses that carries a particle by a dashpot and a spring, between two walls."""
+    mass = np.diag([1.0, 0.6, 0.2])
+    stiffness = np.array([[3.0, -1.0, 0.0], [-1.0, 1.15, -0.15], [0.0, -0.15, 0.15]])
+    damping = np.array([[0.06, -0.02, 0.0], [-0.02, 0.12, -0.1], [0.0, -0.1, 0.1]])
+    gaps = [vi.Gap([0, -1, 1], 0.25, 0.4), vi.Gap([0, 1, -1], 0.6, 0.5)]
+    return vi.Structure(mass, damping, stiffness, gaps), vi.Load(0.9, cosine=[0.7, 0, 0.1])
+
+
+def settled_with_rest(structure, load, cycles=300):
+    run = vi.simulate(structure, load, cycles=cycles)
+    return vi.exact(structure, load, run)
+
+
+def test_rest_of_the_oscillator_by_the_general_path():
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    reference = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
+    motion = settled_with_rest(*unequal_walls())
+    assert motion.rests["gap"].tolist() == [1]
+    assert motion.consistent
+    assert motion.admissible
+    assert motion.stable
+    # the release, and the two multipliers that do not vanish
+    largest = np.sort(np.abs(reference.multipliers))[-2:]
+    np.testing.assert_allclose(np.sort(np.abs(motion.multipliers))[-2:], largest, rtol=1e-8)
+    np.testing.assert_allclose(
+        motion.multipliers[:2].sum().real, reference.multipliers.sum().real, rtol=1e-8
+    )
+    wall = motion.phases[motion.gaps == 0][0]
+    side = reference.phases[0]
+    release = reference.phases[1] - side
+    assert (motion.rests["end"][0] - wall - release) % (2 * np.pi) == pytest.approx(
+        0, abs=2 * np.pi
+    )
+    assert motion.speeds[motion.gaps == 0][0] == pytest.approx(
+        abs(reference.X_dot_before[0] - reference.Z_dot_before[0]), rel=1e-10
+    )
+
+
+@pytest.mark.parametrize("system", [unequal_walls, host_with_dashpot])
+def test_two_multipliers_vanish_for_each_rest(system):
+    motion = settled_with_rest(*system())
+    assert len(motion.rests) >= 1
+    moduli = np.sort(np.abs(motion.multipliers))
+    assert moduli[1] < 1e-9 * max(1, moduli[-1])
+    assert np.linalg.matrix_rank(motion.matrix, tol=1e-8 * np.abs(motion.matrix).max()) <= (
+        len(moduli) - 2
+    )
+
+
+@pytest.mark.parametrize("system", [unequal_walls, host_with_dashpot])
+def test_multipliers_with_rest_against_differences(system):
+    # the stroboscopic map by simulation, at a load phase without rest; its eigenvalues are the multipliers
+    structure, load = system()
+    motion = settled_with_rest(structure, load)
+    n = structure.coordinates
+    busy = [(p, p) for p in motion.phases] + [(r["begin"], r["end"]) for r in motion.rests]
+    busy = sorted((np.mod(a, 2 * np.pi * motion.cycles), b - a) for a, b in busy)
+    ends = [a + length for a, length in busy]
+    begins = [a for a, _ in busy[1:]] + [busy[0][0] + 2 * np.pi * motion.cycles]
+    free = np.array(begins) - np.array(ends)
+    at = int(np.argmax(free))
+    start = (ends[at] + 0.5 * free[at]) / load.frequency
+    q, rate = motion.sample([start])
+    state = np.concatenate([q[:, 0], rate[:, 0]])
+
+    def image(s):
+        run = vi.simulate(structure, load, cycles=motion.cycles, start=start, state=(s[:n], s[n:]))
+        return np.concatenate(run.final_state)
+
+    assert np.abs(image(state) - state).max() < 1e-9
+    step = 1e-5
+    jacobian = np.empty((2 * n, 2 * n))
+    for i in range(2 * n):
+        e = np.zeros(2 * n)
+        e[i] = step
+        jacobian[:, i] = (image(state + e) - image(state - e)) / (2 * step)
+    expected = np.linalg.eigvals(jacobian)
+    np.testing.assert_allclose(
+        np.sort(np.abs(motion.multipliers))[-2:], np.sort(np.abs(expected))[-2:], atol=2e-5
+    )
+
+
+def test_exact_follows_a_motion_with_rest():
+    structure, load = unequal_walls()
+    motion = settled_with_rest(structure, load)
+    near = vi.exact(structure, vi.Load(0.9005, sine=[1, 0]), motion)
+    assert near.rests["gap"].tolist() == [1]
+    again = settled_with_rest(structure, vi.Load(0.9005, sine=[1, 0]))
+    assert vi.same_structure_motion(near, again)
+    assert not vi.same_structure_motion(near, motion)
+
+
+def test_sample_holds_the_gap_closed_during_rest():
+    structure, load = unequal_walls()
+    motion = settled_with_rest(structure, load)
+    rest = motion.rests[0]
+    t = np.linspace(rest["begin"], rest["end"], 7)[1:-1] / load.frequency
+    q, q_dot = motion.sample(t)
+    np.testing.assert_allclose(q[0] - q[1], 3, rtol=1e-12)
+    np.testing.assert_allclose(q_dot[0], q_dot[1], atol=1e-11)
+
+
+def test_a_trajectory_without_repetition_is_refused():
+    wall = vi.Structure([1], [0.02], [1], [vi.Gap([1], 0, 0.95)])
+    load = vi.Load(2.76, cosine=[1.0])
+    run = vi.simulate(wall, load, cycles=3.3, state=([-0.4], [1.0]))
+    with pytest.raises(SingularError, match="no such motion"):
+        vi.exact(wall, load, run)
+
+
+def test_find_gives_both_images_and_the_unstable_motions():
+    gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    damper = vi.Structure([1, 0.042], [0.01, 0], [1, 0], gaps)
+    motions = vi.find(damper, vi.Load(0.94, sine=[1, 0]), max_cycles=1, states=12, guesses=96)
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    reference = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
+    wanted = sorted(abs(m.multipliers[0]) for m in reference if len(m.phases) == 2)
+    found = sorted(abs(m.multipliers[0]) for m in motions if len(m.phases) == 2)
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+    stable = [m for m in motions if m.stable]
+    assert len(stable) == 2
+    # mirror images: the gaps exchanged half a cycle later
+    phases, gaps = stable[0].phases + np.pi, 1 - stable[0].gaps
+    mirrored = vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, gaps))
+    assert vi.same_structure_motion(mirrored, stable[1])
+    assert not vi.same_structure_motion(stable[0], stable[1])
+
+
+def test_find_depends_on_its_seed_alone():
+    structure, load = unequal_walls()
+    one = vi.find(structure, load, states=6, max_cycles=2, guesses=4, threads=1)
+    two = vi.find(structure, load, states=6, max_cycles=2, guesses=4, threads=2)
+    assert [m.phases.tolist() for m in one] == [m.phases.tolist() for m in two]
+    assert one.settled == two.settled
+
+
+def test_find_reduces_a_motion_to_its_shortest_period():
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    motions = vi.find(wall, vi.Load(1.0, cosine=[1]), max_impacts=2, max_cycles=2, states=3)
+    assert [(len(m.phases), m.cycles) for m in motions if m.stable] == [(1, 1)]
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        ({"max_impacts": 9}, "max_impacts"), ({"max_cycles": 0}, "max_cycles"), ({"guesses": 0}, "guesses"),
+        ({"states": -1}, "states"), ({"settling": -1}, "settling"), ({"seed": -1}, "seed"),
+        ({"threads": 0}, "threads"), ({"max_impacts": 8, "guesses": 10000}, "max_impacts"),
+    ],
+)  # fmt: skip
+def test_refused_arguments_of_find(change, name):
+    with pytest.raises(ParameterError, match=name):
+        vi.find(*unequal_walls(), **change)
+
+
+def test_progress_of_find_may_end_it():
+    shares = []
+
+    def stop(share, task):
+        shares.append((share, task))
+        if len(shares) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vi.find(*unequal_walls(), progress=stop)
+    assert shares[0][0] < shares[1][0] <= 1
