@@ -20,16 +20,16 @@ module vi_simulate_structure_study
    character(*), parameter :: of_coordinates = 'one number for each coordinate'
 
    type(key_type), parameter :: simulate_keys(*) = [ &
-      key_type('duration', low=0.0_wp, high=longest, or='cycles', unit='time', &
-      meaning='how long'), &
+      key_type('duration', low=0.0_wp, high=longest, or='cycles', &
+      meaning='how long to simulate'), &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, or='duration', &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
-      meaning='how long, in cycles of the load; fractions are allowed'), &
+      meaning='how long, as a number of cycles of the load; fractions are allowed'), &
       key_type('q', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
       meaning='coordinates at the start; 0 if it is left out'), &
       key_type('q_dot', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
       meaning='velocities at the start; 0 if it is left out'), &
-      key_type('start', low=0.0_wp, high=longest, default='0', unit='time', &
+      key_type('start', low=0.0_wp, high=longest, default='0', &
       meaning='time at the start'), &
       key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
       meaning='events after which the simulation is cut short')]

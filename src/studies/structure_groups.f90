@@ -73,7 +73,7 @@ module vi_structure_groups
       meaning='coefficients of restitution at these speeds')]
 
    type(key_type), parameter, public :: load_keys(*) = [ &
-      key_type('frequency', low=0.0_wp, above=.true., may_miss=.true., unit='rad/time', &
+      key_type('frequency', low=0.0_wp, above=.true., may_miss=.true., &
       meaning='circular frequency Omega of the load'), &
       key_type('cosine', most=most_amplitudes, may_miss=.true., only='frequency', &
       takes='one number for each coordinate, harmonic by harmonic', &

@@ -1,10 +1,12 @@
 """The library for C: the digits of the program, the laws of its tables, threads, and misuse."""
 
+import csv
 import json
 import re
 import subprocess
 
 import pytest
+import vibroimpact as vi
 from installed_library import ROOT, call
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import template
@@ -31,6 +33,12 @@ CASES = {
     "bifurcation": SYSTEM + "&bifurcation parameter = 'clearance', low = 60, high = 70,\n"
     "  values = 3, points = 5 /\n",
 }
+CASES["structure"] = (
+    "&structure mass = 1, 0.3, stiffness = 1.5, -.5, -.5, 0.5 /\n"
+    "&gap direction = -1, 1, opening = .4, law = 'table', law_speeds = 0, 1, 3, law_values = .9, .8, .5 /\n"
+    "&gap direction = 1, -1, opening = .4, restitution = .9, law = 'power', law_speed = .5, law_exponent = .25 /\n"
+    "&load frequency = 0.8, cosine = 1, 0, 0, 0.2 /\n&simulate cycles = 5, q_dot = 0, -1 /\n"
+)
 # of other studies, but for two that take long, the case that `vibroimpact init` writes
 CASES |= {
     name: template(name, "case.nml") for name in STUDIES if name not in (*CASES, "chart", "atlas")
@@ -89,6 +97,23 @@ def test_digits_of_the_program(run, name):
     assert run("show", CASES[name]) == wanted
 
 
+def test_digits_of_python(run):
+    """A structure by C, and by the call in Python that takes arrays."""
+    rows = [line for line in run("show", CASES["structure"]).splitlines() if line[0] != "#"]
+    table = list(csv.DictReader(rows))
+    gaps = [
+        vi.Gap([-1, 1], 0.4, vi.TabulatedRestitution([0, 1, 3], [0.9, 0.8, 0.5])),
+        vi.Gap([1, -1], 0.4, vi.PowerLaw(0.9, speed=0.5, exponent=0.25)),
+    ]
+    pair = vi.Structure([1, 0.3], [0, 0], [[1.5, -0.5], [-0.5, 0.5]], gaps)
+    load = vi.Load(0.8, cosine=[[1, 0], [0, 0.2]])
+    events = vi.simulate(pair, load, cycles=5, state=([0, 0], [0, -1])).events
+    assert len(events) > 5
+    for name in ("time", "speed", "impulse"):
+        assert [float(row[name]) for row in table] == events[name].tolist()
+    assert [int(row["gap"]) for row in table] == events["gap"].tolist()
+
+
 @pytest.mark.parametrize("end", ["\r\n", "\r"])
 def test_ends_of_lines(run, end):
     """A text may come from a file of another system, with a byte order mark."""
@@ -105,7 +130,7 @@ def test_laws_of_tables(run, name):
     assert any(line.startswith("column") for line in told)
 
 
-@pytest.mark.parametrize("name", ["response", "zone", "several", "basins", "branch"])
+@pytest.mark.parametrize("name", ["response", "zone", "several", "basins", "branch", "structure"])
 def test_filled_from_outside(run, name):
     """A result that is filled with the values of another gives the same CSV."""
     assert run("refill", CASES[name]) == run("show", CASES[name])

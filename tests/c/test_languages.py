@@ -5,6 +5,7 @@ import shutil
 import subprocess
 
 import pytest
+import vibroimpact as vi
 from installed_library import ROOT, call
 
 EXAMPLES = ROOT / "docs/languages"
@@ -40,6 +41,19 @@ def test_c(installed, rows, tmp_path):
     )
     assert call(program) == rows
     assert rows in (ROOT / "docs/howto/languages.md").read_text(encoding="utf-8")
+
+
+def test_structure(installed, tmp_path):
+    """The impacts that C prints are those of the call in Python."""
+    source = EXAMPLES / "structure.c"
+    program = installed.compile(source, tmp_path / "s", "-std=c99", "-Wall", "-Wextra", "-Werror")
+    printed = call(program)
+    gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
+    host = vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps)
+    events = vi.simulate(host, vi.Load(1.04, sine=[0.1, 0]), cycles=4).events
+    wanted = [f"{row['time']:.10f} {row['gap']} {row['speed']:.10f}" for row in events]
+    assert printed.splitlines() == wanted
+    assert printed in (ROOT / "docs/howto/structures.md").read_text(encoding="utf-8")
 
 
 def test_c_plus_plus(installed, rows, tmp_path):

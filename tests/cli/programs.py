@@ -66,10 +66,9 @@ BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG"
 
 def kinds():
     """The kinds of cases, each with the namelist to start from."""
-    from vibroimpact import case
-    from vibroimpact.commands.init import template
+    from vibroimpact.commands import init
 
-    return {kind: template(kind, f"{kind}.nml") for kind in case.kinds()}
+    return {kind: init.template(kind, f"{kind}.nml") for kind in init.kinds()}
 
 
 #: A line that names a file that was written.

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import shlex
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..case import kinds
+from .. import case
 from ..errors import ParameterError
 from ..files import write_text
 from ..namelist import Groups
@@ -36,13 +36,28 @@ MOTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
         {"clearance": 37, **PHASES},
     ),
 }
+#: The groups of a structure to start from, and what its template does.
+STRUCTURE: Sequence[tuple[str, Mapping[str, Any]]] = (
+    ("structure", {"mass": [1, 0.1], "damping": [0.02, 0], "stiffness": [1, 0]}),
+    ("gap", {"direction": [-1, 1], "opening": 0.5, "restitution": 0.8}),
+    ("gap", {"direction": [1, -1], "opening": 0.5, "restitution": 0.8}),
+    ("load", {"frequency": 1.04, "sine": [0.1, 0]}),
+    ("simulate", {"cycles": 50}),
+)
 #: How a file begins, and how it ends.
 HEAD = """! {title}.
 ! Run it:   vibroimpact run {file} -o results     (or, without Python, vibroimpact-batch)
 ! Draw it:  vibroimpact plot {file} -o results
-! Lengths are in F0/K, time in 1/omega, angles in radians. What is commented out shows its default,
+! {units}. What is commented out shows its default,
 ! or has a colon where it is not given by default or does not go with the other keys.
 """
+UNITS = "Lengths are in F0/K, time in 1/omega, angles in radians"
+OWN_UNITS = "Units are your own, consistent ones"
+
+
+def kinds() -> tuple[str, ...]:
+    """The kinds of cases, and a structure."""
+    return (*case.kinds(), "structure")
 
 
 def example(kind: str) -> tuple[str, Groups]:
@@ -59,12 +74,27 @@ def example(kind: str) -> tuple[str, Groups]:
 
 def template(kind: str, file: str) -> str:
     """The namelist to start from."""
-    title, groups = example(kind)
-    lines = [HEAD.format(title=title[0].upper() + title[1:], file=file)]
-    for group, values in {**groups, "output": {}}.items():
+    if kind == "structure":
+        title, groups, units = title_of(kind), STRUCTURE, OWN_UNITS
+    else:
+        title, groups, units = title_of(kind), [*example(kind)[1].items()], UNITS
+    lines = [HEAD.format(title=title[0].upper() + title[1:], file=file, units=units)]
+    explained: set[str] = set()
+    for group, values in [*groups, ("output", {})]:
         given = {name: value for name, value in values.items() if value is not None}
-        lines += [f"&{group}", *key_lines(group, given), "/\n"]
+        study = "simulate_structure" if (kind, group) == ("structure", "simulate") else group
+        keys = [f"  {name} = {shown(value)}" for name, value in given.items()]
+        lines += [f"&{group}", *(keys if group in explained else key_lines(study, given)), "/\n"]
+        explained.add(group)
     return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def title_of(kind: str) -> str:
+    """What a template does."""
+    if kind == "structure":
+        meaning: str = language()["results"]["simulate_structure"]["meaning"]
+        return meaning
+    return example(kind)[0]
 
 
 def key_lines(group: str, given: Mapping[str, Any]) -> Iterator[str]:
@@ -128,7 +158,7 @@ def run(options: argparse.Namespace) -> int:
     """Write it, or list what there is."""
     if options.list:
         for name in kinds():
-            title = example(name)[0]
+            title = title_of(name)
             print(f"{name:<12} {title}")
             options.record.add(name, title)
         return 0

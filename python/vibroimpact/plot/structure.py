@@ -263,7 +263,7 @@ def _draw_energy(ax: Any, run: StructureTrajectory, begin: float, end: float) ->
     energy = 0.5 * (rate**2 + (omega[:, None] * q) ** 2)
     if len(energy) == 1:
         ax.plot(times, energy[0], color=PRIMARY, lw=0.9)
-        ax.set_ylabel("energy")
+        ax.set_ylabel("kinetic + elastic energy")
         ax.set_xlabel(TIME)
         ax.set_xlim(begin, end)
         ax.set_ylim(bottom=0)
@@ -348,6 +348,8 @@ class _Scene:
     """The artists of a frame: a dot at each coordinate, coloured by its last event."""
 
     def __init__(self, run: StructureTrajectory, begin: float, end: float, axes: Any) -> None:
+        from matplotlib.ticker import MaxNLocator
+
         self.run, self.flash = run, 0.02 * (end - begin)
         ax, below = axes
         n = run.structure.coordinates
@@ -359,14 +361,15 @@ class _Scene:
         size = 60.0 if n <= 12 else max(4.0, 700.0 / n)
         self.stems = ax.vlines(x, 0, np.zeros(n), color="0.8", lw=0.8)
         self.dots = ax.scatter(x, np.zeros(n), s=size, c=self.base, zorder=3)
-        self.text = ax.text(1.0, 1.0, "", transform=ax.transAxes, ha="right", va="bottom")
+        # not empty, so that the layout leaves room for it
+        self.text = ax.text(1.0, 1.0, "$t$", transform=ax.transAxes, ha="right", va="bottom")
         low, high = min(0.0, float(q.min())), max(0.0, float(q.max()))
         margin = 0.08 * (high - low or 1.0)
         ax.set(
             xlim=(0.3, n + 0.7), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
             ylabel="$q_i$",
         )  # fmt: skip
-        ax.xaxis.get_major_locator().set_params(integer=True)
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.axhline(0, color="0.7", lw=0.6)
         _draw_history(below, run, begin, end)
         self.cursor = below.axvline(begin, color="0.2", lw=0.8)

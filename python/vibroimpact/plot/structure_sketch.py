@@ -16,7 +16,9 @@ __all__ = ["bodies_of", "draw_sketch"]
 #: Most bodies that are drawn; of more, the first ones and the last one.
 MOST, FIRST = 10, 3
 #: Width and height of a body, width of one with a slot, and the distance between bodies.
-WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.7, 1.5, 2.9, 1.9
+WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.7, 1.8, 2.9, 1.9
+#: Heights of springs, gaps and dashpots between bodies.
+UPPER, MIDDLE, LOWER = 1.5, 0.92, 0.34
 #: Width of a gap beside a body.
 GAP = 1.4
 
@@ -110,10 +112,14 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
     first, last = boxes[shown[0]], boxes[shown[-1]]
     walls = set()
     reach, depth = [first.left, last.right], -0.3
+    stopped = any(
+        len(pair) == 1 and pair[0] == last.coordinate and gap.direction[pair[0]] > 0
+        for pair, gap in zip(pairs, structure.gaps, strict=True)
+    )
     for box in boxes.values():
         i = box.coordinate
         for matrix, draw, letter, y in (
-            (structure.stiffness, _spring, "k", 1.1), (structure.damping, _dashpot, "c", 0.4),
+            (structure.stiffness, _spring, "k", UPPER), (structure.damping, _dashpot, "c", LOWER),
         ):  # fmt: skip
             ground = float(matrix[i].sum())
             if abs(ground) > 1e-12 * np.abs(matrix[i]).max(initial=0.0):
@@ -121,9 +127,12 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
                 if box is first:
                     draw(ax, box.left - DISTANCE, box.left, y, label)
                     walls.add(-1)
+                elif box is last and not stopped:
+                    draw(ax, box.right, box.right + DISTANCE, y, label)
+                    walls.add(1)
                 else:
                     _to_ground(ax, box, letter, label)
-                    depth = -1.3
+                    depth = -1.7
             for j, other in boxes.items():
                 if other.left > box.left and matrix[i, j]:
                     label = rf"${letter}$ = {-matrix[i, j]:.3g}"
@@ -132,6 +141,7 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
                     else:
                         _over(ax, box, other, label)
     _draw_boxes(ax, structure, boxes)
+    far = 0
     for pair, gap in zip(pairs, structure.gaps, strict=True):
         if any(int(k) in hosts for k in pair) or any(int(k) not in boxes for k in pair):
             continue
@@ -141,12 +151,21 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
             _stop(ax, own, side, rf"$e$ = {gap.opening:.3g}", beside)
             reach[0] = min(reach[0], own.left - GAP * beside * (side < 0))
             reach[1] = max(reach[1], own.right + GAP * beside * (side > 0))
-            depth = depth if beside else -1.3
+            depth = depth if beside else min(depth, -1.3)
+            reach[0] = min(reach[0], own.left - 0.7 * (side < 0))
+            reach[1] = max(reach[1], own.right + 0.7 * (side > 0))
         else:
             low, high = sorted((boxes[int(k)] for k in pair), key=lambda box: box.left)
             facing = bool(gap.direction[low.coordinate] > 0)
-            _between(ax, low, high, facing, rf"$e$ = {gap.opening:.3g}")
-            reach[1] = max(reach[1], high.right + 0.8 * (not facing))
+            label = rf"$e$ = {gap.opening:.3g}"
+            if shown.index(high.coordinate) == shown.index(low.coordinate) + 1:
+                crowded = bool(structure.damping[low.coordinate, high.coordinate])
+                _between(ax, low, high, facing, label, crowded)
+                reach[1] = max(reach[1], high.right + 0.8 * (not facing))
+            else:
+                far += 1
+                _far(ax, low, high, -0.45 * far, label + ("" if facing else " (apart)"))
+                depth = min(depth, -0.45 * far - 0.4)
     if load is not None:
         acting = np.abs(load.sine).sum(0) + np.abs(load.cosine).sum(0) + np.abs(load.constant)
         for i, box in boxes.items():
@@ -162,6 +181,9 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
     if -1 in walls:
         _wall(ax, first.left - DISTANCE, -1, HEIGHT)
         reach[0] = min(reach[0], first.left - DISTANCE)
+    if 1 in walls:
+        _wall(ax, last.right + DISTANCE, 1, HEIGHT)
+        reach[1] = max(reach[1], last.right + DISTANCE)
     ax.set_xlim(reach[0] - 0.5, reach[1] + 0.5)
     ax.set_ylim(depth, HEIGHT + 1.0)
     if cut:
@@ -184,20 +206,20 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
         if not small:
             name += f" = {structure.mass[i, i]:.3g}"
         ax.text(
-            box.middle, 0.2 if box.inner else 0.5 * HEIGHT, name, ha="center", va="center",
+            box.middle, 0.27 if box.inner else 0.5 * HEIGHT, name, ha="center", va="center",
             fontsize=6 if box.inner else 7,
         )  # fmt: skip
         for k, (j, sides) in enumerate(box.inner):
             left = box.left + 0.2 + k * SLOTTED + 0.15
             right = left + SLOTTED - 0.3
-            ax.add_patch(Rectangle((left, 0.45), right - left, 0.9, fc="w", ec="k", lw=0.7))
+            ax.add_patch(Rectangle((left, 0.55), right - left, 1.05, fc="w", ec="k", lw=0.7))
             for side, x in ((-1, left), (1, right)):
                 if side in sides:
-                    ax.plot([x, x], [0.45, 1.35], color=IMPACT, lw=2.4, solid_capstyle="butt")
+                    ax.plot([x, x], [0.55, 1.6], color=IMPACT, lw=2.4, solid_capstyle="butt")
             middle = 0.5 * (left + right)
-            ax.add_patch(Rectangle((middle - 0.45, 0.48), 0.9, 0.66, fc=FREE, ec="k", lw=0.7))
+            ax.add_patch(Rectangle((middle - 0.45, 0.58), 0.9, 0.76, fc=FREE, ec="k", lw=0.7))
             ax.text(
-                middle, 0.81, rf"$m_{{{j + 1}}}$", ha="center", va="center", color="w", fontsize=7
+                middle, 0.96, rf"$m_{{{j + 1}}}$", ha="center", va="center", color="w", fontsize=7
             )
             if small:
                 continue
@@ -205,7 +227,7 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
                 if gap.direction[j]:
                     side = int(np.sign(gap.direction[j]))
                     at = 0.5 * (middle + side * 0.45 + (right if side > 0 else left))
-                    ax.text(at, 0.8, f"{gap.opening:.3g}", ha="center", va="center", fontsize=6)
+                    ax.text(at, 0.96, f"{gap.opening:.3g}", ha="center", va="center", fontsize=6)
 
 
 def _spring(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
@@ -238,10 +260,8 @@ def _to_ground(ax: Any, box: Box, letter: str, label: str) -> None:
         ax.plot([x - 0.1, x + 0.1], [-0.45, -0.45], "k", lw=1.6)
         ax.plot([x - 0.14, x - 0.14, x + 0.14, x + 0.14], [-0.3, -0.65, -0.65, -0.3], "k", lw=0.9)
         ax.plot([x, x], [-0.65, -1], "k", lw=0.9)
-    side = -1 if letter == "k" else 1
-    ax.text(
-        x + side * 0.25, -0.5, label, ha="right" if side < 0 else "left", va="center", fontsize=6.5
-    )
+    side = -0.45 if letter == "k" else 0.45
+    ax.text(box.middle + side, -1.33, label, ha="center", va="top", fontsize=6)
     _floor(ax, box.left, box.right)
 
 
@@ -292,32 +312,46 @@ def _stop(ax: Any, box: Box, side: int, label: str, alone: bool) -> None:
         x = face + side * GAP
         _wall(ax, x, side, HEIGHT)
         ax.plot([x, x], [0.0, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
-        _opening(ax, min(face, x), max(face, x), 0.75, label)
+        _opening(ax, min(face, x), max(face, x), MIDDLE, label)
         return
-    lug = box.middle
+    lug = box.right - 0.2 if side > 0 else box.left + 0.2
     x = lug + side * 0.7
     ax.plot([lug, lug], [0, -0.5], color="k", lw=2.2)
     ax.plot([x, x], [-1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
-    _floor(ax, box.left, box.right)
-    _opening(ax, min(lug, x), max(lug, x), -0.42, label)
+    _floor(ax, min(box.left, x - 0.3), max(box.right, x + 0.3))
+    _opening(ax, min(lug, x), max(lug, x), -0.35, "")
+    ax.text(
+        x + side * 0.12, -0.6, label, ha="left" if side > 0 else "right", va="center", fontsize=6.5
+    )
 
 
-def _between(ax: Any, low: Box, high: Box, facing: bool, label: str) -> None:
+def _between(ax: Any, low: Box, high: Box, facing: bool, label: str, crowded: bool) -> None:
     """A gap between two bodies: facing stops, or an arm of the left one around the right one."""
-    y = 0.75
+    y = MIDDLE
     if facing:
         x0, x1 = low.right, high.left
         half = 0.5 * (x0 + x1)
         for face, end in ((x0, half - 0.3), (x1, half + 0.3)):
             ax.plot([face, end], [y, y], color="k", lw=1.6)
             ax.plot([end, end], [y - 0.18, y + 0.18], color=IMPACT, lw=2.6, solid_capstyle="butt")
-        ax.text(half, y - 0.24, label, ha="center", va="top", fontsize=6.5)
+        # above the gap where a dashpot is below it
+        shift, va = (0.2, "bottom") if crowded else (-0.24, "top")
+        ax.text(half, y + shift, label, ha="center", va=va, fontsize=6)
         return
     x = high.right + 0.6
     top = HEIGHT + 0.25
     ax.plot([low.middle, low.middle, x, x], [HEIGHT, top, top, y], color="k", lw=1.2)
     ax.plot([x, x], [y, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
     _opening(ax, high.right, x, y + 0.3, label)
+
+
+def _far(ax: Any, low: Box, high: Box, y: float, label: str) -> None:
+    """A gap between bodies that are not neighbours: a line below those between them."""
+    half = 0.5 * (low.middle + high.middle)
+    for box, end in ((low, half - 0.3), (high, half + 0.3)):
+        ax.plot([box.middle, box.middle, end], [0, y, y], color="k", lw=1.0)
+        ax.plot([end, end], [y - 0.14, y + 0.14], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    ax.text(half + 0.45, y - 0.06, label, ha="left", va="top", fontsize=6.5)
 
 
 def _draw_block(ax: Any, structure: Structure) -> None:
