@@ -87,7 +87,10 @@ contains
          call apply_flight(regime, flight, d)
          call apply_impact(structure, regime, equations%gaps(next), &
             regime%frequency*equations%times(next), speeds(next), x, v, x_after, v_after, d, status)
-         if (status /= stat%ok) return
+         if (status /= stat%ok) then
+            if (verdicts%consistent == yes) verdicts%admissible = no
+            return
+         end if
          call impulse_of(structure, equations%gaps(next), speeds(next), impulse, slope)
          associate (effective => structure%effective(equations%gaps(next)))
             verdicts%law = verdicts%law*(impulse/(effective*speeds(next)) - 1)*(slope/effective - 1)

@@ -168,10 +168,11 @@ def test_oscillator_and_structure_have_the_same_motions(pattern, r, clearance):
             [0, 1],
         )
         motion = vi.exact(damper(0.0114, 0.028, 0.75, clearance), vi.Load(r, sine=[1, 0]), guess)
-        # rounding is relative to the largest entries of [P]: one motion has a multiplier of 2e4
+        # rounding is relative to the largest entries of [P], and an error of the phases counts 1/v times: one
+        # motion has a multiplier of 2e4 and an approach speed of 0.4
         sums = np.poly(reference.multipliers)
         np.testing.assert_allclose(
-            np.poly(motion.multipliers), sums, rtol=0, atol=1e-12 * np.abs(sums).max()
+            np.poly(motion.multipliers), sums, rtol=0, atol=1e-11 * np.abs(sums).max()
         )
         np.testing.assert_allclose(motion.q[0], reference.X[0], rtol=1e-10)
         assert motion.stable == reference.stable
