@@ -2,11 +2,11 @@
 module vi_simulate_structure_study
    use vi_kinds, only: wp
    use vi_processor, only: has_memory
-   use vi_restitution, only: power_law, restitution_type, table_law
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: most_coordinates, structure_of
    use vi_structure_run, only: impact_event, stick_event
+   use vi_structure_tables, only: put_structure, structure_columns
    use vi_structure_trajectory, only: simulate_structure_case
    use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
       values_type, wholes, words
@@ -53,29 +53,7 @@ module vi_simulate_structure_study
       meaning='circular frequency of the load; 0 if there is none'), &
       column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &
       column_type('run', 'finished', truths, listed=.false., &
-      meaning='whether the end was reached before max_events events'), &
-      column_type('gaps', 'opening', listed=.false., meaning='opening of the gap at q = 0'), &
-      column_type('gaps', 'restitution', listed=.false., &
-      meaning='coefficient of restitution, with a law that at approach speed 0'), &
-      column_type('gaps', 'law', words, words='constant,power,table', listed=.false., &
-      meaning='how it depends on the approach speed'), &
-      column_type('gaps', 'law_numbers', each='law_number', listed=.false., &
-      meaning='speed, exponent and sharpness of a power law; 0 without'), &
-      column_type('law_points', 'speed', listed=.false., meaning='approach speed of a table'), &
-      column_type('law_points', 'restitution', listed=.false., &
-      meaning='coefficient of restitution there'), &
-      column_type('gaps', 'direction', each='coordinate', listed=.false., &
-      meaning='direction in which the gap closes'), &
-      column_type('matrices', 'mass', each='coordinate', listed=.false., meaning='mass matrix'), &
-      column_type('matrices', 'damping', each='coordinate', listed=.false., &
-      meaning='damping matrix'), &
-      column_type('matrices', 'stiffness', each='coordinate', listed=.false., &
-      meaning='stiffness matrix'), &
-      column_type('matrices', 'constant', listed=.false., meaning='constant forces'), &
-      column_type('harmonics', 'cosine', each='coordinate', listed=.false., &
-      meaning='cosine part of the harmonic of the load'), &
-      column_type('harmonics', 'sine', each='coordinate', listed=.false., &
-      meaning='sine part of the harmonic of the load')]
+      meaning='whether the end was reached before max_events events'), structure_columns]
 
 contains
 
@@ -273,63 +251,5 @@ contains
          call result%put('moments', 'q_dot', [case%study%numbers('q_dot'), last_state(n + 1:)])
       end associate
    end subroutine put_moments
-
-   !> Fills the tables of the structure, its gaps and its load.
-   pure subroutine put_structure(result, structure, load)
-      !> The result.
-      type(result_type), intent(inout) :: result
-      !> The structure and its load.
-      type(structure_type), intent(in) :: structure
-      !> As in `structure`.
-      type(load_type), intent(in) :: load
-      real(wp), allocatable :: numbers(:, :)
-      integer, allocatable :: points(:)
-      integer :: i
-
-      associate (n => size(structure%mass, 1), gaps => size(structure%openings), &
-         harmonics => size(load%sine, 2))
-         call result%open('gaps', 'number', [gaps])
-         allocate (points(gaps), numbers(3, gaps))
-         do i = 1, gaps
-            points(i) = 0
-            numbers(:, i) = 0
-            if (structure%laws(i)%kind == power_law) numbers(:, i) = structure%laws(i)%numbers(2:)
-            if (structure%laws(i)%kind == table_law) points(i) = size(structure%laws(i)%speeds)
-         end do
-         call result%put('gaps', 'law', structure%laws%kind + 1)
-         call result%put('gaps', 'law_numbers', [numbers])
-         call result%open('law_points', 'law_point', [sum(points)], 'gaps', &
-            [(spread(i, 1, points(i)), i=1, gaps)])
-         call result%put('law_points', 'speed', [(points_of(structure%laws(i), .true.), i=1, gaps)])
-         call result%put('law_points', 'restitution', [(points_of(structure%laws(i), .false.), &
-            i=1, gaps)])
-
-         call result%put('gaps', 'opening', structure%openings)
-         call result%put('gaps', 'restitution', structure%restitution)
-         call result%put('gaps', 'direction', [structure%directions], n)
-         call result%open('matrices', 'row', [n])
-         call result%put('matrices', 'mass', [structure%mass])
-         call result%put('matrices', 'damping', [structure%damping])
-         call result%put('matrices', 'stiffness', [structure%stiffness])
-         call result%put('matrices', 'constant', load%constant)
-         call result%open('harmonics', 'harmonic', [harmonics])
-         call result%put('harmonics', 'cosine', [load%cosine], n)
-         call result%put('harmonics', 'sine', [load%sine], n)
-      end associate
-   end subroutine put_structure
-
-   !> The points of a table of restitution.
-   pure function points_of(law, of_speeds) result(values)
-      !> The law.
-      type(restitution_type), intent(in) :: law
-      !> Whether to give the speeds, else the coefficients.
-      logical, intent(in) :: of_speeds
-      real(wp), allocatable :: values(:)
-
-      allocate (values(0))
-      if (law%kind /= table_law) return
-      values = law%values
-      if (of_speeds) values = law%speeds
-   end function points_of
 
 end module vi_simulate_structure_study
