@@ -17,6 +17,25 @@ __all__ = ["PowerLaw", "TabulatedRestitution"]
 _Array = NDArray[np.float64]
 
 
+class ByValue:
+    """Equality and hash of a frozen dataclass with arrays, by the values of its fields."""
+
+    def _values(self) -> tuple[Any, ...]:
+        """The fields; arrays with their shapes."""
+        items = [getattr(self, name) for name in self.__dataclass_fields__]  # type: ignore[attr-defined]
+        # adding 0.0 makes -0.0 equal to 0.0, as in a comparison of numbers
+        return tuple(
+            (item.shape, (item + 0.0).tobytes()) if isinstance(item, np.ndarray) else item
+            for item in items
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self._values() == other._values()
+
+    def __hash__(self) -> int:
+        return hash(self._values())
+
+
 class _Law:
     """A law R(v)."""
 
@@ -88,7 +107,7 @@ class PowerLaw(_Law):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TabulatedRestitution(_Law):
+class TabulatedRestitution(ByValue, _Law):
     """A coefficient of restitution by a table of approach speeds.
 
     Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import checks
 from .errors import ParameterError
 from .restitution import (
+    ByValue,
     PowerLaw,
     Restitution,
     TabulatedRestitution,
@@ -43,7 +44,7 @@ def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Ar
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Gap:
+class Gap(ByValue):
     """A gap that opens and closes: opening - direction.q >= 0.
 
     Parameters
@@ -81,7 +82,7 @@ class Gap:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure:
+class Structure(ByValue):
     """A linear structure M q'' + C q' + K q = f with gaps.
 
     All bodies are alike, free masses too: a mass between two walls of another body is a coordinate without
@@ -262,7 +263,7 @@ def _matrix(values: Any, name: str) -> _Array:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Load:
+class Load(ByValue):
     """A periodic load: the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
 
     Parameters

@@ -293,3 +293,23 @@ def test_one_file_with_both_kinds_of_systems(tmp_path):
     cases = vi.read_namelist(path)
     assert [case.study for case in cases] == ["simulate", "simulate_structure", "simulate"]
     assert cases[0].text.replace("both_1", "") == cases[2].text.replace("both_3", "")
+
+
+def test_structures_are_compared_by_value():
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        structure, load, _ = random_structure(rng)
+        if load is None:
+            continue
+        text = namelist.text(
+            [*structure._groups(), *load._groups(), ("simulate", {"duration": 0.0})]
+        )
+        run = run_case(text)
+        assert run.structure == structure
+        assert run.load == load
+        assert len({run.structure, structure}) == 1
+        other = vi.Structure(
+            2 * structure.mass, structure.damping, structure.stiffness, structure.gaps
+        )
+        assert other != structure
+        assert structure != load
