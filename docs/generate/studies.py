@@ -6,6 +6,7 @@ import vibroimpact
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import MOTIONS
 from vibroimpact.noun import RESULTS
+from vibroimpact.tables import language
 
 from .shared import ROOT
 
@@ -39,6 +40,10 @@ def pages():
     for study, does in STUDIES.items():
         words = code([*functions(study), *FUNCTIONS.get(study, ())])
         lines.append(f"| {does.replace('|', chr(92) + '|')} | {words} | `&{study}` | `{study}` |")
+    for about in language()["results"].values():
+        if about["of_structure"]:
+            group = about["group"]
+            lines.append(f"| {about['meaning']} | `{group}` | `&{group}` of a `&structure` | `{group}` |")
     readme = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
     rows = "| result of " + readme.partition("\n| result of ")[2].partition("\n\n")[0] + "\n"
     return {"studies.md": "\n".join(lines) + "\n", "rows.md": rows}

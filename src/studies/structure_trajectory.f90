@@ -205,9 +205,10 @@ contains
       real(wp), intent(in) :: times(:)
       !> (2n, times) Coordinates and velocities.
       real(wp), contiguous, intent(out) :: values(:, :)
-      !> `stat%ok`, or as in `new_regime`.
+      !> `stat%ok`, or as in `new_regime` and `start_at`.
       integer, intent(out) :: status
       type(run_type) :: run
+      type(run_state_type) :: first
       integer, allocatable :: resting(:)
       integer :: i, j, n, number
 
@@ -215,9 +216,12 @@ contains
       values = 0
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
+      ! gaps may be at rest from the start
+      call start_at(run, starts(1, 1), starts(2:n + 1, 1), starts(n + 2:, 1), first, status)
+      if (status /= stat%ok) return
       j = 1
-      allocate (resting(0))
-      number = 1
+      number = first%regime
+      resting = run%regimes(number)%resting
       do i = 1, size(times)
          do while (j < size(starts, 2))
             if (starts(1, j + 1) > times(i)) exit

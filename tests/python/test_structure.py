@@ -253,6 +253,25 @@ def check_samples(run):
         )
 
 
+def test_rest_from_the_start():
+    """A ball on the floor stays there until a growing pull exceeds its weight, and is sampled there."""
+    ball = vi.Structure([1], [0], [0], [vi.Gap([-1], 0.0, 0.5)])
+    load = vi.Load(1.0, sine=[15.0], constant=[-9.81])
+    run = vi.simulate(ball, load, duration=8, state=([0], [0]))
+    assert run.events["kind"][0] == "release"
+    lifted = math.asin(9.81 / 15)
+    assert run.events["time"][0] == pytest.approx(lifted, abs=1e-12)
+    assert (run.sample(np.linspace(0, lifted - 1e-9, 50))[0] == 0).all()
+    q = run.sample(np.linspace(0, run.end, 2000))[0]
+    assert q.min() > -1e-12
+    # after the release: the integral of 15 sin t - 9.81, twice
+    t = lifted + 0.25
+    wanted = (
+        -15 * (math.sin(t) - math.sin(lifted)) + 15 * math.cos(lifted) * 0.25 - 9.81 * 0.25**2 / 2
+    )
+    assert run.sample([t])[0][0, 0] == pytest.approx(wanted, abs=1e-12)
+
+
 def test_the_same_bits_again():
     s = chain(5)
     rate = np.zeros(10)
