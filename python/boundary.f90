@@ -479,46 +479,49 @@ end subroutine sample_trajectory
 !> Simulates a structure with gaps from a state to an end of time, or until there are more than
 !! `capacity` events.
 !!
-!! `matrices` are M, C, K; `gap_values` as in `new_structure`; `loads` the cosine and
-!! sine parts of each harmonic. A column of `table` is time, approach speed, impulse, coordinates
-!! and velocities just after an event; one of `labels` its kind and gap.
-subroutine simulate_structure(n, gaps, width, harmonics, matrices, directions, gap_values, &
-   frequency, loads, constant, start, state, last, capacity, table, labels, n_events, &
-   end_state, end_time, status)
+!! `matrices` are M, C, K; `gap_values` as in `new_structure`; `loads` the cosine and sine parts of
+!! each harmonic; `record` samples of a force every `step` (0: no record). A column of `table` is
+!! time, approach speed, impulse, coordinates and velocities just after an event; one of `labels`
+!! its kind and gap.
+subroutine simulate_structure(n, gaps, width, harmonics, samples, matrices, directions, &
+   gap_values, frequency, loads, constant, step, record, start, state, last, capacity, table, &
+   labels, n_events, end_state, end_time, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_trajectory, only: simulate_structure_arrays
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, gaps, width, harmonics, capacity
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, capacity
    real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
-      frequency, loads(n, 2, harmonics), constant(n), start, state(2*n), last
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), start, &
+      state(2*n), last
    real(c_double), intent(inout) :: table(2*n + 3, capacity)
    integer(c_int), intent(inout) :: labels(2, capacity)
    integer(c_int), intent(out) :: n_events, status
    real(c_double), intent(out) :: end_state(2*n), end_time
 
    call simulate_structure_arrays(new_structure(matrices, directions, gap_values), &
-      new_load(frequency, loads, constant), start, state(:n), state(n + 1:), last, table, labels, &
-      n_events, end_state, end_time, status)
+      new_load(frequency, loads, constant, step, record), start, state(:n), state(n + 1:), last, &
+      table, labels, n_events, end_state, end_time, status)
 end subroutine simulate_structure
 
 !> Coordinates and velocities of a structure at the given times, which ascend.
-subroutine sample_structure(n, gaps, width, harmonics, m, k, matrices, directions, gap_values, &
-   frequency, loads, constant, starts, labels, times, values, status)
+subroutine sample_structure(n, gaps, width, harmonics, samples, m, k, matrices, directions, &
+   gap_values, frequency, loads, constant, step, record, starts, labels, times, values, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_trajectory, only: sample_structure_arrays
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, gaps, width, harmonics, m, k, labels(2, m)
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, m, k, labels(2, m)
    real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
-      frequency, loads(n, 2, harmonics), constant(n), starts(2*n + 1, m), times(k)
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), &
+      starts(2*n + 1, m), times(k)
    real(c_double), intent(out) :: values(2*n, k)
    integer(c_int), intent(out) :: status
 
    call sample_structure_arrays(new_structure(matrices, directions, gap_values), &
-      new_load(frequency, loads, constant), starts, labels, times, values, status)
+      new_load(frequency, loads, constant, step, record), starts, labels, times, values, status)
 end subroutine sample_structure
 
 !> A periodic motion of a structure from presumed load phases of its impacts: from the linear

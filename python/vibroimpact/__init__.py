@@ -23,6 +23,7 @@ from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact
 from .period import Period
+from .record import Record, base_motion, base_record
 from .restitution import PowerLaw, TabulatedRestitution
 from .run import RunLog, run_namelists
 from .solve import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
@@ -76,6 +77,7 @@ __all__ = [
     "PeriodicWindow",
     "Piece",
     "PowerLaw",
+    "Record",
     "Response",
     "RunLog",
     "Sample",
@@ -95,6 +97,8 @@ __all__ = [
     "Zone",
     "ZoneSearch",
     "atlas",
+    "base_motion",
+    "base_record",
     "basins",
     "bifurcation_diagram",
     "branch",

@@ -394,6 +394,8 @@ class _SampleStructure(Protocol):
         frequency: float,
         loads: ArrayLike,
         constant: ArrayLike,
+        step: float,
+        record: ArrayLike,
         starts: ArrayLike,
         labels: ArrayLike,
         times: ArrayLike,
@@ -401,6 +403,7 @@ class _SampleStructure(Protocol):
         gaps: int = ...,
         width: int = ...,
         harmonics: int = ...,
+        samples: int = ...,
         m: int = ...,
         k: int = ...,
     ) -> tuple[_Real, int]: ...
@@ -506,6 +509,8 @@ class _SimulateStructure(Protocol):
         frequency: float,
         loads: ArrayLike,
         constant: ArrayLike,
+        step: float,
+        record: ArrayLike,
         start: float,
         state: ArrayLike,
         last: float,
@@ -515,6 +520,7 @@ class _SimulateStructure(Protocol):
         gaps: int = ...,
         width: int = ...,
         harmonics: int = ...,
+        samples: int = ...,
         capacity: int = ...,
     ) -> tuple[int, _Real, float, int]: ...
 

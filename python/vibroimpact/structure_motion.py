@@ -331,7 +331,7 @@ def _motion(
     wanted: int,
 ) -> StructureMotion:
     """The motion from the core."""
-    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)[:6]
     impacts, states, matrix, multipliers, scalars, verdicts, status = _core.periodic_structure(
         matrices, directions, values, load.frequency, harmonics, constant,
         gaps + 1, phases, cycles, wanted,

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks, namelist
 from .errors import ParameterError, SingularError
 from .noun import Noun, Savable
+from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .status import MORE_EVENTS, raise_status
 from .structure import Gap, Load, Structure, from_groups
@@ -38,7 +39,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     Attributes
     ----------
     structure : Structure
-    load : Load or None
+    load : Load, Record or None
     start, end : float
         Times between which it was simulated.
     events : structured array
@@ -58,7 +59,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     """
 
     structure: Structure
-    load: Load | None
+    load: Load | Record | None
     start: float
     end: float
     events: NDArray[Any]
@@ -115,6 +116,8 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             raise ParameterError(
                 f"{self!r}: has no namelist, since the file has none from which it was read"
             )
+        if isinstance(self.load, Record):
+            raise ParameterError(f"{self!r}: has no namelist, since its load is a record")
         load = [] if self.load is None else self.load._groups()
         return namelist.text([*self.structure._groups(), *load, ("simulate", self.request)])
 
@@ -122,6 +125,10 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     def _result(self) -> Result:
         """Its tables, with the columns that the core declares."""
         s, load = self.structure, self.load
+        if isinstance(load, Record):
+            raise ParameterError(
+                f"{self!r}: cannot be saved with a record; save its arrays `events` and `states`"
+            )
         n = s.coordinates
         nothing = np.zeros((0, n))
         moments = (self.first_state, self.final_state)
@@ -343,20 +350,24 @@ def _events(count: int) -> NDArray[Any]:
 
 
 def _arrays(
-    structure: Structure, load: Load | None
-) -> tuple[_Array, _Array, _Array, float, _Array, _Array]:
+    structure: Structure, load: Load | Record | None
+) -> tuple[_Array, _Array, _Array, float, _Array, _Array, float, _Array]:
     """The arguments of the core for a structure and its load."""
     matrices, directions, values = structure._arrays()
+    n = structure.coordinates
+    step, record = 0.0, np.zeros((n, 1), order="F")
     if load is None:
-        nothing = np.zeros((structure.coordinates, 2, 0))
-        return matrices, directions, values, 0.0, nothing, np.zeros(structure.coordinates)
-    frequency, harmonics, constant = load._arrays()
-    return matrices, directions, values, frequency, harmonics, constant
+        frequency, harmonics, constant = 0.0, np.zeros((n, 2, 0)), np.zeros(n)
+    else:
+        frequency, harmonics, constant = load._arrays()
+    if isinstance(load, Record):
+        step, record = load.step, load.force.T
+    return matrices, directions, values, frequency, harmonics, constant, step, record
 
 
 def simulate_structure(
     structure: Structure,
-    load: Load | None = None,
+    load: Load | Record | None = None,
     *,
     cycles: float | None = None,
     duration: float | None = None,
@@ -374,10 +385,11 @@ def simulate_structure(
     Parameters
     ----------
     structure : Structure
-    load : Load, optional
-        None: free motion.
+    load : Load or Record, optional
+        None: free motion. After the last sample of a record the force is 0.
     cycles, duration : float
-        How long, in cycles of the load or in time; give one of them.
+        How long, in cycles of the load or in time; give one of them. With a record only `duration`, by default to
+        the last sample.
     state : (array_like, array_like), optional
         Coordinates and velocities at the start; zero by default.
     start : float
@@ -413,18 +425,21 @@ def simulate_structure(
     checks.instance(structure, "structure", Structure)
     n = structure.coordinates
     if load is not None:
-        checks.instance(load, "load", Load)
+        if not isinstance(load, Record):
+            checks.instance(load, "load", Load)
         if load.coordinates != n:
             raise ParameterError(
                 f"load for {load.coordinates} coordinates: must be for {n} as the structure is"
             )
+    if isinstance(load, Record) and cycles is None and duration is None:
+        duration = max(0.0, load.duration - checks.to_float(start, "start", "a number"))
     if (cycles is None) == (duration is None):
         raise ParameterError(
             f"cycles = {cycles!r}, duration = {duration!r}: must be one of them, not both"
         )
     wanted = "a number >= 0"
     if duration is None:
-        if load is None or not load.frequency:
+        if not isinstance(load, Load) or not load.frequency:
             raise ParameterError(
                 f"cycles = {cycles!r}: must be given with a load that has a frequency; give duration without"
             )

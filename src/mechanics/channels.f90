@@ -192,16 +192,17 @@ contains
                fresh = .true.
             end if
             associate (steps => regime%steps)
-               do j = 1, size(x)
+               do j = 1, m
                   x_next(j) = steps%xx(j, level)*x(j) + steps%xv(j, level)*v(j) + steps%x(j, level)
                   v_next(j) = steps%vx(j, level)*x(j) + steps%vv(j, level)*v(j) + steps%v(j, level)
                end do
             end associate
+            if (regime%rows%grows) call add_growth(regime, level, t, x_next, v_next)
             do j = 1, size(turn)
                turn_next(j) = turn(j)*regime%turns(j, level)
             end do
             call row_values(regime%rows, regime%frequency, x_next, v_next, turn_next, y_next, &
-               rate_next)
+               rate_next, t + h)
             call find_doubts(regime, leaving, t, h, y, rate, y_next, rate_next, bound, reserve, &
                doubtful, n)
             if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
@@ -240,6 +241,31 @@ contains
          end do
       end associate
    end subroutine search_cells
+
+   !> Adds what growing forces change in a step.
+   pure subroutine add_growth(regime, level, t, x, v)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Level of the step, and the time after the start of the flight at its beginning.
+      integer, intent(in) :: level
+      real(wp), intent(in) :: t
+      !> (m) In and out: the pairs after the step.
+      real(wp), intent(inout) :: x(:), v(:)
+      integer :: k
+
+      associate (steps => regime%steps, modes => regime%modes)
+         do k = 1, size(x)
+            ! the tables hold the response to 1 and to the time since the beginning of the step
+            associate (f => modes%force(k) + t*modes%force_rate(k), f_rate => modes%force_rate(k), &
+               p => modes%drift(k) + t*modes%drift_rate(k), p_rate => modes%drift_rate(k), &
+               s2 => steps%s2(k, level), s3 => steps%s3(k, level), w => steps%xv(k, level), &
+               drag => 2*modes%damping(k))
+               x(k) = x(k) + f*s2 + f_rate*s3 + p*(w + drag*s2) + p_rate*(s2 + drag*s3)
+               v(k) = v(k) + f*w + f_rate*s2 - modes%stiffness(k)*(p*s2 + p_rate*s3)
+            end associate
+         end do
+      end associate
+   end subroutine add_growth
 
    !> The rows that are not proved to stay within their limits over a cell.
    pure subroutine find_doubts(regime, leaving, t, h, y, rate, y_next, rate_next, bound, reserve, &
@@ -318,8 +344,8 @@ contains
       do h = 1, size(turn)
          turn(h) = turned(h*(phase + regime%frequency*t))
       end do
-      call row_values(regime%rows, regime%frequency, x, v, turn, y, rate)
-      call rounding(regime, x, v, duration, reserve)
+      call row_values(regime%rows, regime%frequency, x, v, turn, y, rate, t)
+      call rounding(regime, x, v, t + duration, reserve)
    end subroutine start_afresh
 
    !> e^(i angle).
@@ -347,8 +373,9 @@ contains
       sum_x = 0
       sum_v = 0
       do k = 1, size(x)
-         associate (stiffness => regime%modes%stiffness(k), force => abs(regime%modes%force(k)), &
-            drift => abs(regime%modes%drift(k)), inverse => regime%modes%inverse(k))
+         associate (stiffness => regime%modes%stiffness(k), inverse => regime%modes%inverse(k), &
+            force => abs(regime%modes%force(k)) + duration*abs(regime%modes%force_rate(k)), &
+            drift => abs(regime%modes%drift(k)) + duration*abs(regime%modes%drift_rate(k)))
             if (stiffness > 0) then
                ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
                of_x = abs(x(k)) + (force + 2*regime%modes%damping(k)*drift)*inverse**2
@@ -393,6 +420,9 @@ contains
                before = x
                x = v
                v = -stiffness*before - drag*v
+               if (i > 2) cycle
+               x = x + regime%modes%drift_rate(k)
+               v = v + regime%modes%force_rate(k)
             end do
             of_v(k) = sqrt(v*v + stiffness*x*x)
             of_x(k) = of_v(k)*regime%modes%inverse(k)
@@ -424,7 +454,8 @@ contains
       integer :: h, i, j, k
 
       d = 0
-      d(0) = regime%row_offset(row)
+      d(0) = regime%rows%offset(row) + t*regime%rows%offset_rate(row)
+      d(1) = regime%rows%offset_rate(row)
       do j = regime%rows%begins(row), regime%rows%begins(row + 1) - 1
          k = regime%rows%touched(j)
          if (t > 0) then
@@ -439,8 +470,10 @@ contains
                before = x
                x = v
                v = -regime%modes%stiffness(k)*before - 2*regime%modes%damping(k)*v
-               if (i == 1) x = x + regime%modes%drift(k)
-               if (i == 1) v = v + regime%modes%force(k)
+               if (i == 1) x = x + regime%modes%drift(k) + t*regime%modes%drift_rate(k)
+               if (i == 1) v = v + regime%modes%force(k) + t*regime%modes%force_rate(k)
+               if (i == 2) x = x + regime%modes%drift_rate(k)
+               if (i == 2) v = v + regime%modes%force_rate(k)
                d(i) = d(i) + of_x*x + of_v*v
             end do
          end associate
@@ -591,12 +624,13 @@ contains
       real(wp), intent(out) :: fifth
       real(wp) :: total(0:order), term, tolerance, size_now
       complex(wp) :: here
-      integer :: h, i, j, k, n, begin
+      integer :: begin, begun, h, i, j, k, n
 
       begin = regime%rows%begins(row)
       n = regime%rows%begins(row + 1) - begin
       total = 0
-      total(0) = regime%row_offset(row)
+      total(0) = regime%rows%offset(row) + t*regime%rows%offset_rate(row)
+      total(1) = regime%rows%offset_rate(row)
       size_now = abs(total(0))
       fifth = 0
       associate (rows => regime%rows, modes => regime%modes, first => begin, &
@@ -606,11 +640,25 @@ contains
             associate (of_x => rows%of_x(begin + j - 1), of_v => rows%of_v(begin + j - 1))
                total(0) = total(0) + (of_x*x0(k) + of_v*v0(k))
                size_now = size_now + abs(of_x*x0(k)) + abs(of_v*v0(k))
-               x(j) = v0(k) + modes%drift(k)
-               v(j) = -modes%stiffness(k)*x0(k) - 2*modes%damping(k)*v0(k) + modes%force(k)
+               x(j) = v0(k) + modes%drift(k) + t*modes%drift_rate(k)
+               v(j) = -modes%stiffness(k)*x0(k) - 2*modes%damping(k)*v0(k) + modes%force(k) &
+                  + t*modes%force_rate(k)
                total(1) = total(1) + (of_x*x(j) + of_v*v(j))
             end associate
          end do
+         begun = 2
+         if (rows%grows) then
+            call add_derivatives(n, 2, 2, rows%stiffness(first:last), rows%drag(first:last), &
+               rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
+            do j = 1, n
+               k = rows%touched(begin + j - 1)
+               x(j) = x(j) + modes%drift_rate(k)
+               v(j) = v(j) + modes%force_rate(k)
+               total(2) = total(2) + rows%of_x(begin + j - 1)*modes%drift_rate(k) &
+                  + rows%of_v(begin + j - 1)*modes%force_rate(k)
+            end do
+            begun = 3
+         end if
          do h = 1, size(turn)
             size_now = size_now + regime%rows%ripple_size(row, h)
          end do
@@ -630,13 +678,13 @@ contains
             end if
          end if
          if (series%reach < 0) then
-            call add_derivatives(n, 2, 5, rows%stiffness(first:last), rows%drag(first:last), &
+            call add_derivatives(n, begun, 5, rows%stiffness(first:last), rows%drag(first:last), &
                rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
             fifth = bound_of(regime, row, work(:n, 1), work(:n, 2), 5)
             call add_derivatives(n, 6, order, rows%stiffness(first:last), rows%drag(first:last), &
                rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
          else
-            call add_derivatives(n, 2, series%last, rows%stiffness(first:last), &
+            call add_derivatives(n, begun, series%last, rows%stiffness(first:last), &
                rows%drag(first:last), rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), &
                total)
          end if

@@ -4,7 +4,8 @@
 !!
 !!     x' = v + p,    v' = -omega^2 x - 2 sigma v + f
 !!
-!! and constant p and f. With classical damping x is a modal coordinate, v its velocity, and p = 0.
+!! and constant p and f, or p and f that grow linearly. With classical damping x is a modal
+!! coordinate, v its velocity, and p = 0.
 !! Other damping couples the modes of the undamped structure, but not the pairs made of its complex
 !! eigenvectors. Under-, critically and over-damped pairs and those of frequency 0 differ only in
 !! the functions u(t) (x if x = 1 and v = 0 at the start) and w(t) (x if x = 0 and v = 1 at the
@@ -14,7 +15,8 @@ module vi_modes
    implicit none (type, external)
    private
 
-   public :: advance, advance_pair, bound_on, new_steps, prepare, step_functions, steady_response
+   public :: advance, advance_pair, bound_on, new_interval, new_steps, prepare, step_functions, &
+      steady_response
 
    !> Pairs of a structure.
    type, public :: modes_type
@@ -22,6 +24,8 @@ module vi_modes
       real(wp), allocatable :: stiffness(:), damping(:)
       !> (n) The constant terms p and f.
       real(wp), allocatable :: drift(:), force(:)
+      !> (n) The rates at which p and f grow.
+      real(wp), allocatable :: drift_rate(:), force_rate(:)
       !> (n) What follows from them: omega, 1/omega (0 for omega = 0), sqrt(omega^2 - sigma^2) if it
       !! is real, and the formula that applies.
       real(wp), allocatable, dimension(:) :: omega, inverse, turn
@@ -39,9 +43,16 @@ module vi_modes
       !> Step lengths.
       real(wp) :: length(levels) = 0
       !> (n, levels) x from x = 1 and from v = 1; v from x = 1 and from v = 1; x and v from the
-      !! constant terms.
-      real(wp), allocatable, dimension(:, :) :: xx, xv, vx, vv, x, v
+      !! constant terms; x from f = 1 and from f = t.
+      real(wp), allocatable, dimension(:, :) :: xx, xv, vx, vv, x, v, s2, s3
    end type steps_type
+
+   !> What advances the pairs by a interval between two samples of a record.
+   type, public :: interval_type
+      !> (m) x and v from x = 1 and from v = 1; and from f = 1 and f = t, p = 1 and p = t.
+      real(wp), allocatable, dimension(:) :: xx, xv, vx, vv
+      real(wp), allocatable, dimension(:) :: x_f, x_ft, v_f, v_ft, x_p, x_pt, v_p, v_pt
+   end type interval_type
 
 contains
 
@@ -161,12 +172,15 @@ contains
    end subroutine short_responses
 
    !> Completes pairs by what follows from their constants.
-   pure subroutine prepare(modes)
+   pure subroutine prepare(modes, driven)
       !> In and out: the pairs.
       type(modes_type), intent(inout) :: modes
+      !> Whether p and f are going to change.
+      logical, intent(in) :: driven
       integer :: k, n
 
       n = size(modes%stiffness)
+      allocate (modes%drift_rate(n), modes%force_rate(n), source=0.0_wp)
       modes%omega = sqrt(modes%stiffness)
       allocate (modes%inverse(n), modes%turn(n), source=0.0_wp)
       allocate (modes%kind(n), source=other)
@@ -174,7 +188,7 @@ contains
          associate (omega => modes%omega(k), damping => modes%damping(k))
             if (omega > 0) modes%inverse(k) = 1/omega
             if (omega > damping) modes%turn(k) = sqrt((omega - damping)*(omega + damping))
-            if (abs(modes%force(k)) + abs(modes%drift(k)) > 0) cycle
+            if (driven .or. abs(modes%force(k)) + abs(modes%drift(k)) > 0) cycle
             if (omega > damping) modes%kind(k) = merge(damped, undamped, damping > 0)
             if (.not. (omega > 0 .or. damping > 0)) modes%kind(k) = free_mass
          end associate
@@ -231,14 +245,12 @@ contains
             x_new = u*x + w*v
             v_new = (u - 2*damping*w)*v - stiffness*w*x
          case default
-            s2 = 0
-            if (abs(force) + abs(drift) > 0) then
-               call step_functions(stiffness, damping, t, u, w, s2, s3)
-            else
-               call step_functions(stiffness, damping, t, u, w)
-            end if
+            call step_functions(stiffness, damping, t, u, w, s2, s3)
             x_new = u*x + w*v + force*s2 + drift*(w + 2*damping*s2)
             v_new = (u - 2*damping*w)*v - stiffness*w*x + force*w - stiffness*drift*s2
+            if (.not. abs(modes%force_rate(k)) + abs(modes%drift_rate(k)) > 0) return
+            x_new = x_new + modes%force_rate(k)*s3 + modes%drift_rate(k)*(s2 + 2*damping*s3)
+            v_new = v_new + modes%force_rate(k)*s2 - stiffness*modes%drift_rate(k)*s3
          end select
       end associate
    end subroutine advance_pair
@@ -256,12 +268,15 @@ contains
 
       n = size(modes%stiffness)
       allocate (steps%xx(n, levels), steps%xv(n, levels), steps%vx(n, levels), &
-         steps%vv(n, levels), steps%x(n, levels), steps%v(n, levels))
+         steps%vv(n, levels), steps%x(n, levels), steps%v(n, levels), steps%s2(n, levels), &
+         steps%s3(n, levels))
       do j = 1, levels
          steps%length(j) = longest*0.5_wp**(j - 1)
          do k = 1, n
             associate (stiffness => modes%stiffness(k), damping => modes%damping(k))
                call step_functions(stiffness, damping, steps%length(j), u, w, s2, s3)
+               steps%s2(k, j) = s2
+               steps%s3(k, j) = s3
                steps%xx(k, j) = u
                steps%xv(k, j) = w
                steps%vx(k, j) = -stiffness*w
@@ -272,6 +287,40 @@ contains
          end do
       end do
    end subroutine new_steps
+
+   !> The table of an interval.
+   pure subroutine new_interval(modes, length, interval)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Length of the interval.
+      real(wp), intent(in) :: length
+      !> The table.
+      type(interval_type), intent(out) :: interval
+      real(wp) :: u, w, s2, s3
+      integer :: k, m
+
+      m = size(modes%force)
+      allocate (interval%xx(m), interval%xv(m), interval%vx(m), interval%vv(m), interval%x_f(m), &
+         interval%x_ft(m), interval%v_f(m), interval%v_ft(m), interval%x_p(m), interval%x_pt(m), &
+         interval%v_p(m), interval%v_pt(m))
+      do k = 1, m
+         associate (stiffness => modes%stiffness(k), drag => 2*modes%damping(k))
+            call step_functions(stiffness, modes%damping(k), length, u, w, s2, s3)
+            interval%xx(k) = u
+            interval%xv(k) = w
+            interval%vx(k) = -stiffness*w
+            interval%vv(k) = u - drag*w
+            interval%x_f(k) = s2
+            interval%x_ft(k) = s3
+            interval%v_f(k) = w
+            interval%v_ft(k) = s2
+            interval%x_p(k) = w + drag*s2
+            interval%x_pt(k) = s2 + drag*s3
+            interval%v_p(k) = -stiffness*s2
+            interval%v_pt(k) = -stiffness*s3
+         end associate
+      end do
+   end subroutine new_interval
 
    !> Bounds on |x| and |v| of a pair without constant terms, from now on.
    !!

@@ -31,6 +31,9 @@ module vi_rows
       real(wp), allocatable, dimension(:) :: position, velocity, rate_position, rate_velocity
       !> (rows) Constants of each row and of its rate.
       real(wp), allocatable, dimension(:) :: offset, rate_offset
+      !> (rows) The rates at which these constants grow, and whether any does.
+      real(wp), allocatable, dimension(:) :: offset_rate, rate_offset_rate
+      logical :: grows = .false.
       !> (rows, harmonics)
       complex(wp), allocatable :: ripple(:, :)
       !> (rows, harmonics) Absolute values of the latter; (rows) their sum with that of the offset.
@@ -88,7 +91,7 @@ contains
       allocate (rows%ripple, source=ripple)
       rows%ripple_size = abs(ripple)
       rows%constant_size = abs(offset) + sum(rows%ripple_size, 2)
-      allocate (rows%rate_offset(n), source=0.0_wp)
+      allocate (rows%rate_offset(n), rows%offset_rate(n), rows%rate_offset_rate(n), source=0.0_wp)
       allocate (rate_position(n, m), rate_velocity(n, m))
       do k = 1, m
          rate_position(:, k) = -modes%stiffness(k)*velocity(:, k)
@@ -199,7 +202,7 @@ contains
    end function filled
 
    !> The rows and their rates.
-   pure subroutine row_values(rows, frequency, x, v, turn, y, rate)
+   pure subroutine row_values(rows, frequency, x, v, turn, y, rate, time)
       !> The rows.
       type(rows_type), intent(in) :: rows
       !> Omega of the load.
@@ -210,11 +213,17 @@ contains
       complex(wp), intent(in) :: turn(:)
       !> (rows) Values and rates.
       real(wp), contiguous, intent(out) :: y(:), rate(:)
+      !> Time since the constants had their values.
+      real(wp), intent(in), optional :: time
       complex(wp) :: here
       integer :: h, i, j, n, m
 
       y = rows%offset
       rate = rows%rate_offset
+      if (rows%grows .and. present(time)) then
+         y = y + time*rows%offset_rate
+         rate = rate + time*rows%rate_offset_rate
+      end if
       do j = 1, size(rows%blocks)
          associate (b => rows%blocks(j))
             n = b%last_row - b%first_row + 1

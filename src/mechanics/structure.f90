@@ -7,7 +7,8 @@ module vi_structure
    use vi_decoupling, only: decouple, decoupled_type
    use vi_eigen_routines, only: dgeqrf, dgesv, dorgqr
    use vi_kinds, only: wp
-   use vi_modes, only: levels, modes_type, new_steps, prepare, steady_response, steps_type
+   use vi_modes, only: interval_type, levels, modes_type, new_interval, new_steps, prepare, &
+      steady_response, steps_type
    use vi_restitution, only: constant_law, new_restitution, restitution_at, restitution_type
    use vi_rows, only: new_rows, row_values, rows_type
    use vi_status, only: stat
@@ -52,6 +53,10 @@ module vi_structure
       real(wp), allocatable, dimension(:, :) :: cosine, sine
       !> (n)
       real(wp), allocatable :: constant(:)
+      !> A record that is added: (n, samples) forces, linear between samples, from time 0 on; 0
+      !! after the last one. The time between samples; 0 without a record.
+      real(wp), allocatable :: record(:, :)
+      real(wp) :: step = 0
    end type load_type
 
    !> The structure while a set of gaps is at rest; free if the set is empty.
@@ -93,6 +98,12 @@ module vi_structure
       complex(wp), allocatable :: turns(:, :)
       !> Omega of the load.
       real(wp) :: frequency = 0
+      !> With a record: (m, n) from forces to p and to f, (rows, n) to the rows; p, f and the
+      !! constants of the rows without the record.
+      real(wp), allocatable, dimension(:, :) :: to_drift, to_force, to_rows
+      real(wp), allocatable, dimension(:) :: base_drift, base_force, base_offset
+      !> What advances the pairs from one sample to the next one.
+      type(interval_type) :: interval
    end type regime_type
 
 contains
@@ -141,15 +152,20 @@ contains
    end subroutine restitution_of
 
    !> A load from arrays.
-   pure function new_load(frequency, harmonics, constant) result(load)
+   pure function new_load(frequency, harmonics, constant, step, record) result(load)
       !> Omega; (n, 2, harmonics) cosine and sine part of each; (n) constant part.
       real(wp), intent(in) :: frequency, harmonics(:, :, :), constant(:)
+      !> Time between the samples of a record (0 without one); (n, samples) the forces.
+      real(wp), intent(in), optional :: step, record(:, :)
       type(load_type) :: load
 
       load%frequency = frequency
       allocate (load%cosine, source=harmonics(:, 1, :))
       allocate (load%sine, source=harmonics(:, 2, :))
       allocate (load%constant, source=constant)
+      if (.not. present(step) .or. .not. present(record)) return
+      load%step = step
+      if (step > 0) allocate (load%record, source=record)
    end function new_load
 
    !> Completes a structure: effective masses and channels.
@@ -289,7 +305,17 @@ contains
             if (status /= stat%ok) return
          end do
       end associate
-      call prepare(regime%modes)
+      call prepare(regime%modes, load%step > 0)
+      if (load%step > 0) then
+         forces = transpose(basis)
+         call solve(between(structure%mass), forces, status)
+         if (status /= stat%ok) return
+         regime%to_drift = matmul(parts%xd, forces)
+         regime%to_force = matmul(parts%vd, forces)
+         call new_interval(regime%modes, load%step, regime%interval)
+         regime%base_drift = regime%modes%drift
+         regime%base_force = regime%modes%force
+      end if
       call set_rows(structure, load, regime, status)
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
@@ -482,6 +508,10 @@ contains
       regime%velocity = transpose(sparse_product(transpose(regime%qv), transpose(of_q)) &
          + sparse_product(transpose(regime%dv), transpose(of_rate)))
       regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, load%constant)
+      if (load%step > 0) then
+         regime%base_offset = regime%row_offset
+         regime%to_rows = of_force
+      end if
       allocate (regime%ripple(rows, size(load%sine, 2)))
       do h = 1, size(load%sine, 2)
          regime%ripple(:, h) = matmul(of_q, regime%steady(:, h)) &
@@ -516,6 +546,12 @@ contains
       if (size(speeds) > 0) regime%unit = 1/maxval(speeds)
       call new_steps(regime%modes, merge(4/minval(speeds), 1.0_wp, size(speeds) > 0), regime%steps)
       allocate (regime%turns(size(regime%ripple, 2), levels))
+      if (allocated(regime%to_force)) then
+         ! all constant terms come with the record
+         regime%steps%x = 0
+         regime%steps%v = 0
+         regime%rows%grows = .true.
+      end if
       do j = 1, levels
          do h = 1, size(regime%turns, 1)
             associate (angle => h*regime%frequency*regime%steps%length(j))

@@ -6,6 +6,7 @@ module vi_structure_run
    use vi_modes, only: advance_pair
    use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
+   use vi_structure_record, only: pass_intervals, set_forces
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, restitution_of, &
       state_of, structure_type, to_pairs
    implicit none (type, external)
@@ -23,7 +24,8 @@ module vi_structure_run
       type(structure_type) :: structure
       type(load_type) :: load
       type(regime_type), allocatable :: regimes(:)
-      !> The unit of `cycle`: the period of the load, or 1.
+      !> The unit of `cycle`: the period of the load, the time between the samples of a record, or
+      !! 1.
       real(wp) :: period = 1
    end type run_type
 
@@ -67,6 +69,7 @@ contains
       run%structure = structure
       run%load = load
       if (load%frequency > 0) run%period = two_pi/load%frequency
+      if (load%step > 0) run%period = load%step
       call check_structure(run%structure, status)
       if (status /= stat%ok) return
       allocate (run%regimes(1))
@@ -83,13 +86,15 @@ contains
       type(run_state_type), intent(out) :: state
       !> `stat%ok`, or `stat%gap_closed` if a gap is negative.
       integer, intent(out) :: status
+      !> Share of the size of a gap that counts as rounding of a state computed elsewhere.
+      real(wp), parameter :: rounding = 1.0e-13_wp
       real(wp) :: gap, speed, scale
       integer, allocatable :: closed(:)
       integer :: j, n
 
       n = size(q)
       state%cycle = floor(time/run%period, int64)
-      state%elapsed = modulo(time, run%period)
+      state%elapsed = max(0.0_wp, time - real(state%cycle, wp)*run%period)
       allocate (closed(0))
       status = stat%ok
       do j = 1, size(run%structure%openings)
@@ -97,8 +102,8 @@ contains
             gap = run%structure%openings(j) - dot_product(direction, q)
             speed = dot_product(direction, rate)
             scale = abs(run%structure%openings(j)) + dot_product(abs(direction), abs(q))
-            if (gap < -8*epsilon(1.0_wp)*scale) status = stat%gap_closed
-            if (abs(gap) > 8*epsilon(1.0_wp)*scale) cycle
+            if (gap < -rounding*scale) status = stat%gap_closed
+            if (abs(gap) > rounding*scale) cycle
             ! a state at the end of a simulation that rests has a speed of rounding
             if (abs(speed) <= 8*epsilon(1.0_wp)*dot_product(abs(direction), abs(rate))) then
                closed = [closed, j]
@@ -131,6 +136,8 @@ contains
       do
          call find_regime(run, set, state%regime, status)
          if (status /= stat%ok) return
+         if (run%load%step > 0) call set_forces(run%regimes(state%regime), run%load, state%cycle, &
+            state%elapsed)
          associate (regime => run%regimes(state%regime))
             if (allocated(state%x)) deallocate (state%x, state%v)
             allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
@@ -195,28 +202,42 @@ contains
       !! `new_regime`.
       integer, intent(out) :: status
       type(reached_type) :: reached
-      real(wp) :: remaining
+      real(wp) :: limit, remaining
       logical :: stuck
 
       n = 0
       status = stat%ok
       do
+         call begin_interval(run, state, last_cycle)
          remaining = real(last_cycle - state%cycle, wp)*run%period + (last_elapsed - state%elapsed)
+         limit = remaining
+         if (run%load%step > 0) then
+            if (state%cycle < size(run%load%record, 2) - 1) limit = min(remaining, &
+               run%period - state%elapsed)
+         end if
          if (n == size(events)) then
             status = stat%more_events
             return
          end if
-         call accumulate(run, state, remaining, events(n + 1), stuck, status)
+         call accumulate(run, state, limit, events(n + 1), stuck, status)
          if (status /= stat%ok) return
          if (stuck) then
             n = n + 1
             cycle
          end if
          call first_event(run%regimes(state%regime), state%x, state%v, &
-            run%load%frequency*state%elapsed, state%leaving, remaining, state%level, reached, &
+            run%load%frequency*state%elapsed, state%leaving, limit, state%level, reached, &
             state%space)
          if (.not. reached%complete) status = stat%budget
          if (status /= stat%ok) return
+         if (reached%row == 0 .and. limit < remaining) then
+            ! to the next sample
+            call move(run, state, limit)
+            if (state%elapsed > 0.5_wp*run%period) state%cycle = state%cycle + 1
+            state%elapsed = 0
+            state%leaving = leaving_type()
+            cycle
+         end if
          if (reached%row == 0) exit
          if (reached%row > run%structure%channels) then
             call release(run, state, reached, events(n + 1), status)
@@ -231,6 +252,23 @@ contains
       state%cycle = last_cycle
       state%elapsed = last_elapsed
    end subroutine simulate_structure
+
+   !> With a record: passes intervals without events, and sets the forces of the flight.
+   pure subroutine begin_interval(run, state, last_cycle)
+      !> In and out: the run.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The last interval.
+      integer(int64), intent(in) :: last_cycle
+
+      if (.not. run%load%step > 0) return
+      if (.not. state%elapsed > 0 .and. state%leaving%row == 0) then
+         call pass_intervals(run%regimes(state%regime), run%load, state%cycle, last_cycle, &
+            state%x, state%v)
+      end if
+      call set_forces(run%regimes(state%regime), run%load, state%cycle, state%elapsed)
+   end subroutine begin_interval
 
    !> Advances time and pairs.
    pure subroutine move(run, state, time)

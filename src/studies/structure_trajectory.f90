@@ -6,6 +6,7 @@ module vi_structure_trajectory
    use vi_processor, only: has_memory
    use vi_progress, only: add_expected_work, is_stopped, report_share
    use vi_status, only: stat
+   use vi_structure_record, only: advance_recorded
    use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
    use vi_structure_run, only: find_regime, new_run, release_event, run_event_type, &
       run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of
@@ -210,7 +211,9 @@ contains
       type(run_type) :: run
       type(run_state_type) :: first
       integer, allocatable :: resting(:)
+      type(run_state_type) :: state
       integer :: i, j, n, number
+      logical :: fresh
 
       n = size(structure%mass, 1)
       values = 0
@@ -222,6 +225,7 @@ contains
       j = 1
       number = first%regime
       resting = run%regimes(number)%resting
+      fresh = .true.
       do i = 1, size(times)
          do while (j < size(starts, 2))
             if (starts(1, j + 1) > times(i)) exit
@@ -230,11 +234,69 @@ contains
             if (labels(1, j) == release_event) resting = pack(resting, resting /= labels(2, j))
             call find_regime(run, resting, number, status)
             if (status /= stat%ok) return
+            fresh = .true.
          end do
+         if (load%step > 0) then
+            if (fresh) call start_segment(run, number, starts(:, j), state)
+            fresh = .false.
+            call sample_recorded(run, state, times(i), values(:n, i), values(n + 1:, i))
+            cycle
+         end if
          call sample_one(run%regimes(number), load%frequency, starts(:, j), times(i), &
             values(:n, i), values(n + 1:, i))
       end do
    end subroutine sample_structure_arrays
+
+   !> The state at the beginning of a segment under a record.
+   pure subroutine start_segment(run, number, start, state)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The regime.
+      integer, intent(in) :: number
+      !> (1 + 2n) Time, coordinates and velocities.
+      real(wp), intent(in) :: start(:)
+      !> The state.
+      type(run_state_type), intent(out) :: state
+      integer :: m, n
+
+      n = size(run%structure%mass, 1)
+      m = size(run%regimes(number)%xq, 1)
+      state%regime = number
+      state%cycle = floor(start(1)/run%period, int64)
+      state%elapsed = max(0.0_wp, start(1) - real(state%cycle, wp)*run%period)
+      allocate (state%x(m), state%v(m))
+      call to_pairs(run%regimes(number), 0.0_wp, start(2:n + 1), start(n + 2:), state%x, state%v)
+   end subroutine start_segment
+
+   !> Coordinates and velocities at a time under a record.
+   pure subroutine sample_recorded(run, state, time, q, rate)
+      !> In and out: the run, whose forces are set.
+      type(run_type), intent(inout) :: run
+      !> In: a state before the time. Out: one at the last sample of the record before it.
+      type(run_state_type), intent(inout) :: state
+      !> The time.
+      real(wp), intent(in) :: time
+      !> (n)
+      real(wp), contiguous, intent(out) :: q(:), rate(:)
+      real(wp), dimension(size(state%x)) :: x, v
+      real(wp) :: elapsed
+      integer(int64) :: cycle
+
+      cycle = floor(time/run%period, int64)
+      elapsed = max(0.0_wp, time - real(cycle, wp)*run%period)
+      associate (regime => run%regimes(state%regime))
+         if (cycle > state%cycle) then
+            call advance_recorded(regime, run%load, state%cycle, state%elapsed, cycle, 0.0_wp, &
+               state%x, state%v)
+            state%cycle = cycle
+            state%elapsed = 0
+         end if
+         x = state%x
+         v = state%v
+         call advance_recorded(regime, run%load, cycle, state%elapsed, cycle, elapsed, x, v)
+         call state_of(regime, 0.0_wp, x, v, q, rate)
+      end associate
+   end subroutine sample_recorded
 
    !> A set in ascending order with one more member, if it is new.
    pure function sorted_with(set, one) result(larger)

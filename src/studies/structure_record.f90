@@ -1,0 +1,309 @@
+!> Structures under a record: forces that are linear between samples.
+!!
+!! Within an interval between two samples the motion is closed form, and no flight crosses a sample.
+!! Intervals without an event are passed one by one with one table.
+module vi_structure_record
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_kinds, only: wp
+   use vi_lane_rows, only: add_product
+   use vi_modes, only: advance_pair, interval_type, modes_type
+   use vi_structure, only: load_type, regime_type
+   implicit none (type, external)
+   private
+
+   public :: advance_recorded, pass_intervals, set_forces
+
+contains
+
+   !> Sets the forces of a regime for a flight that begins at a given time.
+   pure subroutine set_forces(regime, load, cycle, elapsed)
+      !> In and out: the regime.
+      type(regime_type), intent(inout) :: regime
+      !> The load, with a record.
+      type(load_type), intent(in) :: load
+      !> Whole intervals before the time, and the remainder.
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: elapsed
+      real(wp) :: force(size(load%constant)), rate(size(load%constant))
+      integer :: k
+
+      force = 0
+      rate = 0
+      if (cycle < size(load%record, 2) - 1) then
+         associate (from => load%record(:, cycle + 1), to => load%record(:, cycle + 2))
+            rate = (to - from)/load%step
+            force = from + elapsed*rate
+         end associate
+      end if
+      associate (modes => regime%modes, rows => regime%rows)
+         modes%drift = regime%base_drift + matmul(regime%to_drift, force)
+         modes%force = regime%base_force + matmul(regime%to_force, force)
+         modes%drift_rate = matmul(regime%to_drift, rate)
+         modes%force_rate = matmul(regime%to_force, rate)
+         rows%grows = .true.
+         rows%offset = regime%base_offset + matmul(regime%to_rows, force)
+         rows%offset_rate = matmul(regime%to_rows, rate)
+         rows%rate_offset = rows%offset_rate
+         rows%rate_offset_rate = 0
+         do k = 1, size(modes%force)
+            rows%rate_offset = rows%rate_offset + regime%position(:, k)*modes%drift(k) &
+               + regime%velocity(:, k)*modes%force(k)
+            rows%rate_offset_rate = rows%rate_offset_rate + regime%position(:, k) &
+               *modes%drift_rate(k) + regime%velocity(:, k)*modes%force_rate(k)
+         end do
+      end associate
+   end subroutine set_forces
+
+   !> Passes whole intervals that are proved to be without an event.
+   pure subroutine pass_intervals(regime, load, cycle, last, x, v)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> The load, with a record.
+      type(load_type), intent(in) :: load
+      !> In: the interval that begins. Out: the one whose beginning is reached.
+      integer(int64), intent(inout) :: cycle
+      !> The interval at whose beginning to stop.
+      integer(int64), intent(in) :: last
+      !> (m) In and out: the pairs at the beginning of the interval.
+      real(wp), intent(inout) :: x(:), v(:)
+      real(wp), dimension(size(x)) :: x_next, v_next, p, f, p_next, f_next
+      real(wp), dimension(size(regime%upper)) :: y, rate, y_next, rate_next, direct
+      real(wp) :: bounds(4), length
+
+      if (.not. cycle < min(last, int(size(load%record, 2) - 1, int64))) return
+      length = load%step
+      direct = 0
+      call modal_forces(regime, load%record(:, cycle + 1), p, f)
+      call rows_now(regime, load%record(:, cycle + 1), x, v, p, f, y, rate)
+      do while (cycle < min(last, int(size(load%record, 2) - 1, int64)))
+         associate (to => load%record(:, cycle + 2))
+            call modal_forces(regime, to, p_next, f_next)
+            call pass_one(regime%interval, length, x, v, p, f, p_next, f_next, x_next, v_next)
+            call rows_now(regime, to, x_next, v_next, p_next, f_next, y_next, rate_next)
+            call bound_interval(regime%modes, length, x, v, p, f, p_next, f_next, bounds)
+            if (size(regime%resting) > 0) direct = matmul(regime%to_rows, &
+               to - load%record(:, cycle + 1))/length
+            if (.not. all_clear(regime, direct, length, y, rate, y_next, rate_next, bounds)) return
+         end associate
+         x = x_next
+         v = v_next
+         p = p_next
+         f = f_next
+         y = y_next
+         rate = rate_next
+         cycle = cycle + 1
+      end do
+   end subroutine pass_intervals
+
+   !> p and f of all pairs at a sample.
+   pure subroutine modal_forces(regime, force, p, f)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (n) The forces.
+      real(wp), contiguous, intent(in) :: force(:)
+      !> (m)
+      real(wp), contiguous, intent(out) :: p(:), f(:)
+
+      f = regime%base_force
+      call add_product(size(f), size(force), regime%to_force, force, f)
+      p = regime%base_drift
+      if (.not. regime%rows%by_position) call add_product(size(p), size(force), regime%to_drift, &
+         force, p)
+   end subroutine modal_forces
+
+   !> The pairs after an interval.
+   pure subroutine pass_one(table, length, x, v, p, f, p_next, f_next, x_next, v_next)
+      !> The table of an interval, and its length.
+      type(interval_type), intent(in) :: table
+      real(wp), intent(in) :: length
+      !> (m) The pairs, p and f at its beginning; p and f at its end.
+      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f, p_next, f_next
+      !> (m) The pairs at its end.
+      real(wp), contiguous, intent(out) :: x_next(:), v_next(:)
+      real(wp) :: f_rate, inverse, p_rate
+      integer :: k
+
+      inverse = 1/length
+      do k = 1, size(x)
+         f_rate = (f_next(k) - f(k))*inverse
+         p_rate = (p_next(k) - p(k))*inverse
+         x_next(k) = table%xx(k)*x(k) + table%xv(k)*v(k) + table%x_f(k)*f(k) &
+            + table%x_ft(k)*f_rate + table%x_p(k)*p(k) + table%x_pt(k)*p_rate
+         v_next(k) = table%vx(k)*x(k) + table%vv(k)*v(k) + table%v_f(k)*f(k) &
+            + table%v_ft(k)*f_rate + table%v_p(k)*p(k) + table%v_pt(k)*p_rate
+      end do
+   end subroutine pass_one
+
+   !> The rows at a sample, and their rates without the part due to the change of forces.
+   pure subroutine rows_now(regime, force, x, v, p, f, y, rate)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (n) The forces.
+      real(wp), contiguous, intent(in) :: force(:)
+      !> (m) The pairs, p and f.
+      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f
+      !> (rows) The rows and their rates.
+      real(wp), contiguous, intent(out) :: y(:), rate(:)
+      real(wp) :: x_rate(size(x)), v_rate(size(x))
+      integer :: m, rows
+
+      rows = size(y)
+      m = size(x)
+      y = regime%base_offset
+      rate = 0
+      call add_product(rows, m, regime%position, x, y)
+      if (size(regime%resting) > 0) call add_product(rows, size(force), regime%to_rows, force, y)
+      if (regime%rows%by_position) then
+         call add_product(rows, m, regime%position, v, rate)
+         return
+      end if
+      call add_product(rows, m, regime%velocity, v, y)
+      x_rate = v + p
+      v_rate = f - regime%modes%stiffness*x - 2*regime%modes%damping*v
+      call add_product(rows, m, regime%position, x_rate, rate)
+      call add_product(rows, m, regime%velocity, v_rate, rate)
+   end subroutine rows_now
+
+   !> Roots of sums of squares over the pairs.
+   pure subroutine bound_interval(modes, length, x, v, p, f, p_next, f_next, bounds)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Length of the interval.
+      real(wp), intent(in) :: length
+      !> (m) The pairs, p and f at its beginning; p and f at its end.
+      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f, p_next, f_next
+      !> Of bounds on the fourth derivatives of x and of v; of the sizes of x and of v.
+      real(wp), intent(out) :: bounds(4)
+      real(wp) :: a, b, before, inverse, of_x, of_v, size_x, size_v, squares
+      integer :: i, k
+
+      inverse = 1/length
+      of_x = 0
+      of_v = 0
+      size_x = 0
+      size_v = 0
+      do k = 1, size(x)
+         associate (stiffness => modes%stiffness(k), drag => 2*modes%damping(k))
+            a = v(k) + p(k)
+            b = f(k) - stiffness*x(k) - drag*v(k)
+            do i = 2, 4
+               before = a
+               a = b
+               b = -stiffness*before - drag*b
+               if (i > 2) cycle
+               a = a + (p_next(k) - p(k))*inverse
+               b = b + (f_next(k) - f(k))*inverse
+            end do
+            size_x = size_x + (abs(x(k)) + length*abs(v(k)))**2
+            size_v = size_v + (abs(v(k)) + length*(abs(f(k)) + abs(f_next(k))))**2
+            squares = b**2 + stiffness*a**2
+            of_v = of_v + squares
+            of_x = of_x + merge(squares*modes%inverse(k)**2, a**2, stiffness > 0)
+         end associate
+      end do
+      bounds = sqrt([of_x, of_v, size_x, size_v])
+   end subroutine bound_interval
+
+   !> Whether all rows stay within their limits over an interval: as in vi_channels, by Bernstein
+   !! coefficients, and with the inequality of Cauchy and Schwarz for sums of bounds.
+   pure logical function all_clear(regime, direct, length, y, rate, y_next, rate_next, bounds)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (rows) The part of the rates due to the change of forces.
+      real(wp), contiguous, intent(in) :: direct(:)
+      !> Length of the interval.
+      real(wp), intent(in) :: length
+      !> (rows) Values and the other part of the rates, at both ends.
+      real(wp), dimension(:), contiguous, intent(in) :: y, rate, y_next, rate_next
+      !> As in `bound_interval`.
+      real(wp), intent(in) :: bounds(4)
+      real(wp), parameter :: share = 16*epsilon(1.0_wp)
+      real(wp) :: middle, reserve, second, third, fourth
+      integer :: i
+
+      all_clear = .false.
+      do i = 1, size(y)
+         associate (rows => regime%rows)
+            middle = (rows%position_norm(i)*bounds(1) + rows%velocity_norm(i)*bounds(2)) &
+               *(length*length)**2/144
+            reserve = share*(rows%constant_size(i) + abs(y(i)) + abs(y_next(i)) &
+               + rows%position_norm(i)*bounds(3) + rows%velocity_norm(i)*bounds(4))
+         end associate
+         second = y(i) + 0.25_wp*length*(rate(i) + direct(i))
+         third = 0.5_wp*(y(i) + y_next(i)) + length/6*(rate(i) - rate_next(i))
+         fourth = y_next(i) - 0.25_wp*length*(rate_next(i) + direct(i))
+         associate (upper => regime%upper(i) - reserve, lower => regime%lower(i) + reserve)
+            if (.not. (max(y(i), second, third + middle, fourth, y_next(i)) < upper .and. &
+               min(y(i), second, third - middle, fourth, y_next(i)) > lower)) return
+         end associate
+      end do
+      all_clear = .true.
+   end function all_clear
+
+   !> Advances pairs over any number of intervals, without regard to gaps.
+   pure subroutine advance_recorded(regime, load, cycle, elapsed, to_cycle, to_elapsed, x, v)
+      !> In and out: the regime, whose forces are set.
+      type(regime_type), intent(inout) :: regime
+      !> The load, with a record.
+      type(load_type), intent(in) :: load
+      !> The time: whole intervals before it, and the remainder.
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: elapsed
+      !> The time to reach, not before it.
+      integer(int64), intent(in) :: to_cycle
+      real(wp), intent(in) :: to_elapsed
+      !> (m) In and out: the pairs.
+      real(wp), contiguous, intent(inout) :: x(:), v(:)
+      real(wp), dimension(size(x)) :: x_next, v_next, p, f, p_next, f_next
+      real(wp) :: begin
+      integer(int64) :: now
+
+      now = cycle
+      begin = elapsed
+      if (now < to_cycle .and. begin > 0 .and. now < size(load%record, 2) - 1) then
+         call fly(regime, load, now, begin, load%step - begin, x, v)
+         now = now + 1
+         begin = 0
+      end if
+      if (now < min(to_cycle, int(size(load%record, 2) - 1, int64))) then
+         call modal_forces(regime, load%record(:, now + 1), p, f)
+         do while (now < min(to_cycle, int(size(load%record, 2) - 1, int64)))
+            call modal_forces(regime, load%record(:, now + 2), p_next, f_next)
+            call pass_one(regime%interval, load%step, x, v, p, f, p_next, f_next, x_next, v_next)
+            x = x_next
+            v = v_next
+            p = p_next
+            f = f_next
+            now = now + 1
+         end do
+      end if
+      call fly(regime, load, now, begin, real(to_cycle - now, wp)*load%step + to_elapsed - begin, &
+         x, v)
+   end subroutine advance_recorded
+
+   !> Advances pairs directly.
+   pure subroutine fly(regime, load, cycle, elapsed, time, x, v)
+      !> In and out: the regime, whose forces are set.
+      type(regime_type), intent(inout) :: regime
+      !> The load, with a record.
+      type(load_type), intent(in) :: load
+      !> When it begins.
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: elapsed
+      !> How long, within an interval.
+      real(wp), intent(in) :: time
+      !> (m) In and out: the pairs.
+      real(wp), contiguous, intent(inout) :: x(:), v(:)
+      real(wp) :: x_old, v_old
+      integer :: k
+
+      if (.not. time > 0) return
+      call set_forces(regime, load, cycle, elapsed)
+      do k = 1, size(x)
+         x_old = x(k)
+         v_old = v(k)
+         call advance_pair(regime%modes, k, time, x_old, v_old, x(k), v(k))
+      end do
+   end subroutine fly
+
+end module vi_structure_record
