@@ -440,6 +440,7 @@ class _SettleStructure(Protocol):
         state: ArrayLike,
         settling: int,
         most_cycles: int,
+        cycles: int,
         capacity: int,
         n: int = ...,
         gaps: int = ...,
