@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write docs/static/system.svg, overview.png (for README.md), and zones.png, which the tutorial draws."""
+"""Write docs/static: system.svg, overview.png (README.md), published.png, and zones.png, which the tutorial draws."""
 
 import contextlib
 import io
@@ -9,7 +9,9 @@ import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 import vibroimpact as vi
+from generate import validation
 from PIL import Image
 from vibroimpact.plot import draw_system, style
 
@@ -42,6 +44,34 @@ def overview():
     figure.savefig("overview.png", dpi=200)
 
 
+def published():
+    """Published bifurcations of an oscillator with one wall, and the same curves computed here."""
+    wall, rows = validation.stop(), [row for row in validation.published() if row[3] > 0]
+    figure, ax = plt.subplots(figsize=(6.2, 3.6), layout="constrained")
+    for kind, side, color, mark in (("flip", -1, "#0072B2", "o"), ("fold", 1, "#D55E00", "s")):
+        of_kind = [row for row in rows if row[0] == kind]
+        omega, load = np.array([row[1:3] for row in of_kind[::10]]).T
+        computed = np.array(
+            [
+                validation.critical(wall, side, row[1], validation.phase_of_speed(*row[1:4]))[0]
+                for row in of_kind[::10]
+            ]
+        )
+        # a new list of points begins where omega jumps
+        parts = np.flatnonzero(np.abs(np.diff(omega)) > 0.005) + 1
+        for i, part in enumerate(np.split(np.arange(len(omega)), parts)):
+            ax.plot(
+                omega[part], computed[part], color=color, label=None if i else f"{kind}, computed"
+            )
+        ax.plot(
+            omega[::4], load[::4], mark, color=color, mfc="none", ms=4, label=f"{kind}, published"
+        )
+    ax.set_xlabel(r"$\omega$")
+    ax.set_ylabel("$F$")
+    ax.legend(frameon=False)
+    figure.savefig("published.png", dpi=200)
+
+
 def tutorial():
     """The blocks of the tutorial, in order; one of them writes zones.png."""
     blocks = re.findall(
@@ -59,8 +89,9 @@ if __name__ == "__main__":
         system()
         with plt.rc_context(STYLE):
             overview()
+            published()
         tutorial()
-        for name in ("overview.png", "zones.png"):
+        for name in ("overview.png", "published.png", "zones.png"):
             picture = Image.open(name).convert("RGB").quantize(256, dither=0)
             picture.save(DOCS / "static" / name, optimize=True)
         os.chdir(DOCS)

@@ -20,6 +20,7 @@ ROUTES = {
     "scipy.io": "SciPy's reader of MATLAB files",
     "import h5py": "h5py",
     "table1.csv": "the paper's numbers",
+    "shared_published": "published numbers",
     "use random_systems": "random systems",
     "hypothesis": "random systems",
 }

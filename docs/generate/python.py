@@ -10,6 +10,7 @@ SUBJECTS = {
     "System, pattern, units": ("model",),
     "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "status"),
     "Simulation": ("trajectory", "period", "bundle"),
+    "Structures": ("structure", "structure_trajectory", "structure_motion", "structure_find", "restitution"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
