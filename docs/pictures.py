@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write docs/static: system.svg, overview.png (README.md), published.png, and zones.png, which the tutorial draws."""
+"""Write docs/static: system.svg, overview.png (README.md), published.png, zones.png (of the tutorial)."""
 
 import contextlib
 import io
