@@ -374,7 +374,7 @@ subroutine write_result(handle, n, path, progress, message)
    name = transfer(path, name)
    result => result_of(handle)
    call name_after(result, name, case)
-   call write_csv(result, name, reason, progress, case)
+   call write_csv(result, name, reason, progress, case=case)
    line = reason
    message = transfer(line, message)
 end subroutine write_result

@@ -18,6 +18,13 @@ module vi_batch
 
    public :: done, failed, log_type, run_file, wrong
 
+   !> What is added to the flag that stops a study (see vi_progress) while cases are read, and while
+   !! a file is written: a signal then does not stop a study.
+   integer, parameter :: reading = -8
+   integer, parameter, public :: writing = 2
+   !> The flag after two signals during the writing of a file, which is then given up.
+   integer, parameter, public :: give_up_file = 4
+
 contains
 
    !> Runs all cases of one file; none runs if the file has a fault.
@@ -40,7 +47,9 @@ contains
       message = ''
       if (len_trim(path) < len(path) .or. len(path) == 0) message = path// &
          ': cannot be read: a path must not end with a blank'
+      call change_flag(reading, progress)
       if (len(message) == 0) call read_cases(path, cases, message)
+      call change_flag(-reading, progress)
       if (len(message) == 0 .and. present(only)) call keep(path, only, cases, message)
       if (len(message) == 0) call take_names(path, folder, cases, log, message)
       if (len(message) > 0) then
@@ -85,6 +94,7 @@ contains
       printed = ''
       table = ''
       message = ''
+      call change_flag(writing, progress)
       if (case%study_name == 'motion' .and. .not. case%output%is('format', 'csv')) then
          printed = path//'.txt'
          call print_motions(case%name, result, lines)
@@ -94,10 +104,16 @@ contains
       if (len(message) == 0 .and. .not. result%empty .and. .not. (case%study_name == 'motion' &
          .and. case%output%is('format', 'table'))) then
          table = path//'.csv'
-         call write_csv(result, table, message)
+         call write_csv(result, table, message, progress, give_up_file)
          if (len(message) > 0) message = table//': '//message
       end if
       written = len(message) == 0
+      if (.not. written .and. present(progress)) written = is_stopped(progress, give_up_file)
+      call change_flag(-writing, progress)
+      if (written .and. len(message) > 0) then
+         call add_message(log, failed, case%name//': interrupted again; its file was not written')
+         return
+      end if
       if (.not. written) then
          call add_message(log, wrong, message//writable)
          return
@@ -113,6 +129,18 @@ contains
       call add_result(log, table)
       call add_message(log, done, case%name//': '//table)
    end subroutine run_case
+
+   !> Changes the flag that stops a study.
+   subroutine change_flag(change, progress)
+      !> What is added to it.
+      integer, intent(in) :: change
+      !> Progress counters; nothing is done without them.
+      integer, intent(inout), optional :: progress(3)
+
+      if (.not. present(progress)) return
+      !$omp atomic update
+      progress(3) = progress(3) + change
+   end subroutine change_flag
 
    !> Keeps the cases of one study; there must be at least one.
    subroutine keep(path, only, cases, message)

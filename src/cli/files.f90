@@ -1,6 +1,6 @@
 !> Files that are written completely or not at all: under a temporary name first, then renamed.
 module vi_files
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_intptr_t, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int64_t, &
       c_new_line, c_null_char, c_null_ptr, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_text, only: last_part, line_type
@@ -30,15 +30,15 @@ module vi_files
          !> Path, ended by a null character.
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
-      integer(c_int) function c_getpid() bind(c, name='getpid')
-         import :: c_int
+      ! POSIX since 2024, and in the C libraries of Linux, macOS and the BSDs before
+      integer(c_int) function c_getentropy(number, length) bind(c, name='getentropy')
+         import :: c_int, c_int64_t, c_size_t
          implicit none (type, external)
-      end function c_getpid
-      ! its result is a number or a pointer, of this size
-      integer(c_intptr_t) function c_thread() bind(c, name='pthread_self')
-         import :: c_intptr_t
-         implicit none (type, external)
-      end function c_thread
+         !> Random bytes.
+         integer(c_int64_t), intent(out) :: number
+         !> Their number.
+         integer(c_size_t), value :: length
+      end function c_getentropy
       type(c_ptr) function c_realpath(path, buffer) bind(c, name='realpath')
          import :: c_char, c_ptr
          implicit none (type, external)
@@ -241,9 +241,8 @@ contains
       ignored = c_remove(file%temporary//c_null_char)
    end subroutine close_file
 
-   !> Opens a new file next to another one, under a name that no other process or thread uses. If a
-   !! file of that name exists, it was left by an earlier process; it is kept, and the next name is
-   !! tried.
+   !> Opens a new file next to another one, under a random name that nobody can foresee. A file that
+   !! has this name all the same is kept, and another name is tried.
    subroutine open_temporary(path, unit, temporary, message)
       !> The other file.
       character(*), intent(in) :: path
@@ -254,13 +253,16 @@ contains
       !> Out: the reason, if it could not be opened; otherwise not changed.
       character(:), allocatable, intent(inout) :: message
       character(len(path) + 300) :: reason
-      character(64) :: owner
+      character(16) :: digits
+      integer(c_int64_t) :: number
       integer :: status, i
       logical :: taken
 
+      reason = 'no random name can be made'
       do i = 1, 1000
-         write (owner, '(i0, 2("-", i0))') c_getpid(), c_thread(), i
-         temporary = path//'.'//trim(owner)//'.part'
+         if (c_getentropy(number, 8_c_size_t) /= 0) exit
+         write (digits, '(z16.16)') number
+         temporary = path//'.'//digits//'.part'
          open (newunit=unit, file=temporary, status='new', action='write', access='stream', &
             form='unformatted', iostat=status, iomsg=reason)
          if (status == 0) return

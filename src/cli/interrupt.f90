@@ -2,6 +2,7 @@
 !! written; a file that becomes too large is an error.
 module vi_interrupt
    use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
+   use vi_batch, only: give_up_file, writing
    implicit none (type, external)
    private
 
@@ -25,6 +26,13 @@ module vi_interrupt
          !> The function to call, or null for the default action.
          type(c_funptr), value, intent(in) :: handler
       end function c_signal
+      !> The C library's raise().
+      integer(c_int) function c_raise(number) bind(c, name='raise')
+         import :: c_int
+         implicit none (type, external)
+         !> Number of the signal.
+         integer(c_int), value, intent(in) :: number
+      end function c_raise
       subroutine ignore_size_signal() bind(c, name='vibroimpact_ignore_size_signal')
          implicit none (type, external)
       end subroutine ignore_size_signal
@@ -32,8 +40,9 @@ module vi_interrupt
 
 contains
 
-   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program; a
-   !! write beyond the file size limit is an error.
+   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program,
+   !! once a file that is being written has been removed. While cases are read the first one ends
+   !! it. A write beyond the file size limit is an error.
    subroutine catch_signals()
       type(c_funptr) :: before
       integer :: i
@@ -46,15 +55,25 @@ contains
       end do
    end subroutine catch_signals
 
-   !> The signal handler.
+   !> The signal handler. The flag that stops the study also tells what the program does, see
+   !! vi_batch.
    subroutine stop_study(number) bind(c)
       !> Number of the signal.
       integer(c_int), value, intent(in) :: number
       type(c_funptr) :: before
+      integer(c_int) :: ended
+      integer :: flag
 
-      !$omp atomic write
-      progress(3) = 1
-      before = c_signal(number, c_null_funptr)
+      !$omp atomic read
+      flag = progress(3)
+      if (flag == 0 .or. (flag >= writing .and. flag < give_up_file)) then
+         before = c_signal(number, c_funloc(stop_study))    ! some systems set the default action
+         !$omp atomic update
+         progress(3) = progress(3) + 1
+      else
+         before = c_signal(number, c_null_funptr)
+         ended = c_raise(number)
+      end if
    end subroutine stop_study
 
 end module vi_interrupt

@@ -1,6 +1,6 @@
 !> A result as a CSV file, which is written completely or not at all.
 module vi_write_csv
-   use vi_csv, only: csv_header, csv_rows, row_count
+   use vi_csv, only: cell_count, csv_header, csv_rows, row_count
    use vi_files, only: add_text, close_file, give_up, new_file_type, open_file
    use vi_progress, only: is_stopped
    use vi_result, only: result_type
@@ -10,13 +10,13 @@ module vi_write_csv
 
    public :: write_csv
 
-   !> Number of rows that are formatted at a time.
-   integer, parameter :: block = 4096
+   !> Rows that are formatted at a time: at most so many, and at most so many cells in them.
+   integer, parameter :: most_rows = 4096, most_cells = 100000
 
 contains
 
    !> Writes a result as CSV.
-   subroutine write_csv(result, path, message, progress, case)
+   subroutine write_csv(result, path, message, progress, flag, case)
       !> The result.
       type(result_type), intent(in) :: result
       !> The file.
@@ -25,12 +25,14 @@ contains
       character(:), allocatable, intent(out) :: message
       !> Progress counters, see vi_progress; without them the file is always completed.
       integer, intent(inout), optional :: progress(3)
+      !> Value of the flag of the counters from which the file is given up; 1 if absent.
+      integer, intent(in), optional :: flag
       !> The echo of the case, if it differs from that of the result.
       type(line_type), intent(in), optional :: case(:)
       type(new_file_type) :: file
       type(line_type), allocatable :: head(:)
       character(:), allocatable :: text
-      integer :: i, rows
+      integer :: block, i, rows
 
       call open_file(path, file)
       if (present(case)) then
@@ -42,8 +44,9 @@ contains
          call add_text(file, head(i)%text//new_line('a'))
       end do
       rows = row_count(result)
+      block = max(1, min(most_rows, most_cells/max(1, cell_count(result))))
       do i = 1, rows, block
-         if (is_stopped(progress)) then
+         if (is_stopped(progress, flag)) then
             call give_up(file, 'interrupted')
             exit
          end if

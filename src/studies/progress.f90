@@ -61,9 +61,11 @@ contains
    end subroutine add
 
    !> Whether the caller has asked the computation to stop.
-   logical function is_stopped(progress)
+   logical function is_stopped(progress, flag)
       !> Progress counters; only read here.
       integer, intent(inout), optional :: progress(3)
+      !> Value of the flag from which the computation stops; if absent, any but 0.
+      integer, intent(in), optional :: flag
       integer :: stop_now
 
       is_stopped = .false.
@@ -71,6 +73,7 @@ contains
       !$omp atomic read
       stop_now = progress(3)
       is_stopped = stop_now /= 0
+      if (present(flag)) is_stopped = stop_now >= flag
    end function is_stopped
 
 end module vi_progress

@@ -1,8 +1,11 @@
 """Ctrl-C and SIGTERM in the stand-alone program: finished work is kept, and messages name what is missing."""
 
 import contextlib
+import os
+import re
 import signal
 import subprocess
+import time
 
 import pytest
 from programs import wait_for, write
@@ -57,6 +60,41 @@ def test_a_second_interrupt_ends_the_program_at_once(binary, tmp_path):
         process.communicate(timeout=60)
     assert process.returncode in (-signal.SIGINT, 1)
     assert {path.suffix for path in (tmp_path / "out").iterdir()} == {".csv"}
+
+
+def test_a_second_interrupt_removes_the_file_that_is_written(binary, tmp_path):
+    """The file has a random name of its own until it is complete; the status tells that it is missing."""
+    write(tmp_path / "case.nml", SYSTEM + LONG.replace("2000000,", "200000,") + SHORT)
+    names = []
+    for _ in range(2):
+        with started(binary, tmp_path) as process:
+            wait_for(lambda: [*tmp_path.glob("out/case_1*.part")])
+            names += [path.name for path in tmp_path.glob("out/case_1*.part")]
+            process.send_signal(signal.SIGTERM)
+            time.sleep(0.1)
+            process.send_signal(signal.SIGINT)
+            told, faults = process.communicate(timeout=60)
+        assert (process.returncode, told) == (1, "")
+        assert faults.splitlines() == [
+            "case_1: interrupted again; its file was not written",
+            "case_2: not run, since the program was interrupted",
+        ]
+        assert [*(tmp_path / "out").iterdir()] == []
+    assert len({*names}) == 2
+    assert all(re.fullmatch(r"case_1\.csv\.[0-9A-F]{16}\.part", name) for name in names)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_the_reading_of_a_pipe(number, binary, tmp_path):
+    """Nothing has been computed, so the program ends at once, as the signal ends others."""
+    os.mkfifo(tmp_path / "case.nml")
+    # the pipe is open as soon as the program opens it, too
+    with started(binary, tmp_path) as process, open(tmp_path / "case.nml", "wb") as pipe:
+        pipe.write(b"&system")
+        pipe.flush()
+        process.send_signal(number)
+        _, faults = process.communicate(timeout=20)
+    assert (process.returncode, faults) == (-number, "")
 
 
 def test_a_signal_that_the_caller_ignores_stays_ignored(binary, tmp_path):
