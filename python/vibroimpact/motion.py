@@ -68,7 +68,7 @@ class Motion(Savable, study="motion"):
         Relative 2-norm of the residual of equations (26), (30). With N = 2 they are a square system,
         and it is 0 by definition.
     multipliers : ndarray (4,) of complex
-        Eigenvalues of [P], by falling modulus; NaN where an impact has no approach speed.
+        Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
     consistent : bool
         Whether the residual is within the acceptance.
     admissible : bool or None

@@ -11,7 +11,7 @@ module vi_csv
    implicit none (type, external)
    private
 
-   public :: csv_header, csv_rows, has_rows, row_count
+   public :: cell_count, csv_header, csv_rows, has_rows, row_count
 
 contains
 
@@ -85,6 +85,16 @@ contains
       place = findloc(result%tables%name == result%row, .true., 1)
       if (place > 0) n = rows_of(result%tables(place))
    end function row_count
+
+   !> Number of cells of a row; a complex number counts as one.
+   pure integer function cell_count(result) result(n)
+      !> The result.
+      type(result_type), intent(in) :: result
+      integer :: i
+
+      n = sum([(merge(result%columns(i)%inner, 0, result%columns(i)%column%listed), &
+         i=1, size(result%columns))])
+   end function cell_count
 
    !> Whether each cell of the rows has a value. This is always so for the result of a study; a
    !! result that a caller has filled has to be checked.

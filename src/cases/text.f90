@@ -140,13 +140,15 @@ contains
       !> The numbers, at least one.
       real(wp), intent(in) :: values(:)
       character(list_width(values)) :: text
-      integer :: i, last
+      integer :: i, last, width
 
-      text = exact(values(1))
       last = exact_width(values(1))
+      text(:last) = exact(values(1))
       do i = 2, size(values)
-         text(last + 1:) = ', '//exact(values(i))
-         last = last + 2 + exact_width(values(i))
+         ! not text(last + 1:), which would fill the rest of a long text with blanks each time
+         width = exact_width(values(i))
+         text(last + 1:last + 2 + width) = ', '//exact(values(i))
+         last = last + 2 + width
       end do
    end function exact_list
 

@@ -37,8 +37,8 @@ module vi_values
       type(value_type), allocatable, private :: values(:)
       type(assignment_type), allocatable, private :: items(:)
    contains
-      procedure :: drop, echo, given, has, is, number, numbers, refuse, forbid, set, set_word, &
-         text, whole_number, whole_numbers, word
+      procedure :: count_numbers, drop, echo, given, has, is, number, numbers, refuse, forbid, &
+         set, set_word, text, whole_number, whole_numbers, word
    end type values_type
 
 contains
@@ -651,5 +651,18 @@ contains
       end do
       text = buffer%text(:buffer%n)
    end subroutine add_numbers
+
+   !> Number of all numbers of a group.
+   pure integer function count_numbers(values) result(n)
+      !> The group.
+      class(values_type), intent(in) :: values
+      integer :: i
+
+      n = 0
+      do i = 1, size(values%keys)
+         if (values%values(i)%there .and. allocated(values%values(i)%numbers)) &
+            n = n + size(values%values(i)%numbers)
+      end do
+   end function count_numbers
 
 end module vi_values

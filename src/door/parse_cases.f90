@@ -8,8 +8,11 @@ module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, system_keys
    use vi_key, only: key_type, place_of
+   use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
+   use vi_processor, only: has_memory
+   use vi_status, only: stat, status_text
    use vi_structure_groups, only: most_coordinates, read_parts, read_structure
    use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
@@ -19,6 +22,11 @@ module vi_parse_cases
    private
 
    public :: find_name, parse_cases
+
+   !> Bytes that reading takes for each byte of a namelist, at most; from this size on it is checked
+   !! that they are available.
+   real(wp), parameter :: reading_bytes = 24
+   integer, parameter :: large = 10**6
 
    !> The groups that are not studies.
    character(9), parameter :: other_groups(*) = [character(9) :: 'system', 'structure', 'gap', &
@@ -55,8 +63,14 @@ contains
       integer :: line, i, n
 
       allocate (cases(0))
+      line = 0
+      message = ''
+      if (len(text) >= large) then
+         if (.not. has_memory(reading_bytes*len(text))) message = status_text(stat%no_memory)// &
+            ': reading takes up to '//whole(int(reading_bytes*len(text)/1.0e6_wp))//' MB'
+      end if
       call list_studies(studies)
-      call scan_namelist(text, groups, line, message)
+      if (len(message) == 0) call scan_namelist(text, groups, line, message)
       if (len(message) == 0) call check_names(studies, groups, line, message)
       if (len(message) == 0) then
          deallocate (cases)

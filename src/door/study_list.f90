@@ -27,6 +27,9 @@ module vi_study_list
 
    !> Bytes that are available wherever the program runs; a case that needs less is not checked.
    real(wp), parameter :: little = 16.0e6_wp
+   !> Bytes for a number of a case: its digits in the echo, in the result, in the header of the CSV,
+   !! and in the lines from which these are put together.
+   real(wp), parameter :: echo_bytes = 320
 
 contains
 
@@ -95,9 +98,10 @@ contains
       type(column_type), allocatable :: columns(:)
       type(line_type), allocatable :: lines(:)
 
-      call echo(case, lines)
       call find_study(case%study_name, study)
       call study%list(columns=columns)
+      allocate (lines(0))
+      if (has_room(echo_bytes*case%study%count_numbers())) call echo(case, lines)
       call start_result(lines, columns, study%row, result)
       call check_room(study, case, result)
       if (result%empty) return
@@ -122,14 +126,22 @@ contains
             whole(int(stack_needed()/1024))//' kB (ulimit -s, threading.stack_size)')
          return
       end if
-      if (.not. associated(study%memory)) return
-      bytes = study%memory(case)
-      if (bytes < little) return
-      if (has_memory(bytes)) return
+      bytes = echo_bytes*case%study%count_numbers()
+      if (associated(study%memory)) bytes = bytes + study%memory(case)
+      if (has_room(bytes)) return
       result%empty = .true.
       result%no_memory = .true.
       call result%fail(status_text(stat%no_memory)//': the case takes up to '// &
          whole(int(bytes/1.0e6_wp))//' MB, which cannot be allocated; ask for less at a time')
    end subroutine check_room
+
+   !> Whether there is memory for a case.
+   logical function has_room(bytes)
+      !> Bytes that it takes.
+      real(wp), intent(in) :: bytes
+
+      has_room = bytes < little
+      if (.not. has_room) has_room = has_memory(bytes)
+   end function has_room
 
 end module vi_study_list

@@ -30,7 +30,7 @@ module vi_atlas_study
       meaning='load cycles simulated at each point before its motion is examined'), &
       window_keys, lines_key, &
       key_type('guesses', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
-      meaning='guesses for motions at every second node each way, for each pattern'), &
+      meaning='guesses for motions at every second node in each direction, for each pattern'), &
       vertices_key, max_events_key]
 
    type(column_type), parameter :: atlas_columns(*) = [ &
@@ -47,9 +47,9 @@ module vi_atlas_study
       meaning='clearance of a point of the survey'), &
       column_type('points', 'outcome', words, words='periodic,beyond the limits,without impacts,&
       &chaotic,not settled,not confirmed,event limit reached', listed=.false., &
-      meaning='what became of the point'), &
+      meaning='outcome of the simulation at the point'), &
       column_type('points', 'sides', words, listed=.false., &
-      meaning='walls in the order of impacts, of a periodic motion'), &
+      meaning='walls of a periodic motion in the order of impacts'), &
       column_type('points', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period; 0 if it has none'), &
       column_type('points', 'explained', truths, listed=.false., &

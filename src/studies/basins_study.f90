@@ -40,13 +40,13 @@ module vi_basins_study
       &N instead of a plane', option='plane', meaning='axes of the plane of initial states'), &
       key_type('low', least=2, most=2, never=beside, why=random, &
       takes='two finite numbers, one for each axis', option='plane', &
-      meaning='first value on each'), &
+      meaning='first value along each axis'), &
       key_type('high', least=2, most=2, over='low', never=beside, why=random, &
       takes='two finite numbers, one for each axis', option='plane', &
-      meaning='last value on each'), &
+      meaning='last value along each axis'), &
       key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=beside, &
       why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
-      option='plane', meaning='number of values on each'), &
+      option='plane', meaning='number of values along each axis'), &
       key_type('t', default='0', never=beside, why=random, unit='1/omega', &
       meaning='time, unless it is an axis'), &
       key_type('x', default='0', never=beside, why=random, unit='F0/K', &
@@ -78,29 +78,31 @@ module vi_basins_study
       column_type('first', 'place', label='=', listed=.false., meaning='along the first axis'), &
       column_type('second', 'place', label='=', listed=.false., meaning='along the second axis'), &
       column_type('attractors', 'name', words, label='=', listed=.false., &
-      meaning='sides and load cycles, or the kind'), &
+      meaning='sides and load cycles of a periodic motion, or the kind of the attractor'), &
       column_type('attractors', 'kind', words, listed=.false., meaning='kind'), &
       column_type('attractors', 'fraction', listed=.false., &
       meaning='share of the states that were reached'), &
-      column_type('attractors', 'standard_error', listed=.false., meaning='of the share'), &
+      column_type('attractors', 'standard_error', listed=.false., &
+      meaning='standard error of the fraction'), &
       column_type('attractors', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period; 0 if there is none'), &
       column_type('attractors', 'growth', listed=.false., &
       meaning='greatest modulus of the multipliers, or largest exponent per load cycle'), &
       column_type('attractors', 'radius', listed=.false., &
-      meaning='of the neighbourhood that decides, in its own norm; 0: none'), &
+      meaning='radius, in a norm of its own, of the neighbourhood in which a state is &
+      &assigned to it; 0: none'), &
       column_type('attractors', 'contraction', listed=.false., &
-      meaning='by what the derivative over a period contracts in that norm'), &
+      meaning='factor by which the derivative over a period contracts in that norm'), &
       column_type('attractors', 'state', each='coordinate', listed=.false., &
       meaning='a state on it: t, x, x_dot, z, z_dot'), &
       column_type('attractors', 'disc_radius', listed=.false., &
-      meaning='of the largest disc of the plane inside the basin'), &
+      meaning='radius of the largest disc in the plane inside the basin'), &
       column_type('attractors', 'disc_centre', each='axis', listed=.false., &
-      meaning='its centre along both axes'), &
+      meaning='centre of that disc along both axes'), &
       column_type('pairs', 'distance', listed=.false., &
-      meaning='of pairs of states along an axis, in cells of the plane'), &
+      meaning='distance between the states of a pair along an axis, in cells of the plane'), &
       column_type('pairs', 'uncertain', listed=.false., &
-      meaning='share of them with different ends'), &
+      meaning='share of the pairs whose states end on different attractors'), &
       column_type('run', 'events', listed=.false., meaning='events simulated to decide'), &
       column_type('run', 'uncertainty_exponent', listed=.false., meaning='a: a share ~ distance**a &
       &of pairs has different ends; nan without a boundary')]

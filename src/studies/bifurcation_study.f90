@@ -27,13 +27,13 @@ module vi_bifurcation_study
       meaning='frequency ratio at each value, if it changes with it'), &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='parameter that changes'), &
-      key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more rising numbers &
-      &in the range of the parameter', &
+      key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
+      &numbers in the range of the parameter', &
       meaning='values of the parameter, if they are not evenly spaced'), &
       key_type('low', never='list', takes=range_takes, option='values', &
       meaning='first value of the parameter'), &
       key_type('high', over='low', never='list', takes=range_takes, option='values', &
-      meaning='last value'), &
+      meaning='last value of the parameter'), &
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', option='values', &
       meaning='number of values'), &
       key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
@@ -61,8 +61,9 @@ module vi_bifurcation_study
       meaning=state_keys(5)%meaning), load_key, max_events_key]
 
    type(column_type), parameter :: bifurcation_columns(*) = [ &
-      column_type('runs', 'run', words, meaning='up, down, or a state'), &
-      column_type('values', 'value', label='=', meaning='of the parameter'), &
+      column_type('runs', 'run', words, &
+      meaning='direction of the sweep (up or down), or number of the initial state'), &
+      column_type('values', 'value', label='=', meaning='value of the parameter'), &
       column_type('values', 'r_along', listed=.false., &
       meaning='frequency ratio at each value, unless it is the parameter'), &
       column_type('values', 'clearance_along', unit='F0/K', listed=.false., &
@@ -75,11 +76,11 @@ module vi_bifurcation_study
       column_type('impacts', 'x_dot_before', unit='omega F0/K', &
       meaning='velocity of the primary mass before the impact'), &
       column_type('impacts', 'x_dot_after', unit='omega F0/K', &
-      meaning='velocity of the primary mass after it'), &
+      meaning='velocity of the primary mass after the impact'), &
       column_type('impacts', 'z_dot_before', unit='omega F0/K', &
-      meaning='velocity of the free mass before it'), &
+      meaning='velocity of the free mass before the impact'), &
       column_type('impacts', 'z_dot_after', unit='omega F0/K', &
-      meaning='velocity of the free mass after it'), &
+      meaning='velocity of the free mass after the impact'), &
       column_type('cells', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period; 0 if none was seen'), &
       column_type('cells', 'symbols', wholes, listed=.false., &
@@ -92,13 +93,14 @@ module vi_bifurcation_study
       meaning='greatest displacement of the primary mass'), &
       column_type('cells', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none'), &
-      column_type('windows', 'run', words, listed=.false., meaning='run with one period'), &
+      column_type('windows', 'run', words, listed=.false., &
+      meaning='run in which one period persists'), &
       column_type('windows', 'low', listed=.false., meaning='first value of the parameter'), &
       column_type('windows', 'high', listed=.false., meaning='last value of the parameter'), &
       column_type('windows', 'label', words, listed=.false., &
       meaning='impacts / load cycles of the period'), &
       column_type('windows', 'cut', truths, listed=.false., &
-      meaning='whether it is beside a value that was not reached')]
+      meaning='whether it is next to a value that was not reached')]
 
 contains
 

@@ -30,9 +30,10 @@ module vi_branch_study
       key_type('low', takes='a number, at most the value that the motion has', &
       option='bounds', meaning='lower bound of the parameter'), &
       key_type('high', takes='a number above low, at least the value that the motion has', &
-      option='bounds', meaning='its upper bound'), &
+      option='bounds', meaning='upper bound of the parameter'), &
       key_type('longest_step', default='0.05', low=1.0e-6_wp, high=1.0_wp, &
-      meaning='longest step along the branch, the bounds being 0 and 1'), &
+      meaning='longest step along the branch, with the parameter scaled to 0 at low and &
+      &1 at high'), &
       key_type('max_points', a_whole, default='4000', low=10.0_wp, high=1.0e5_wp, &
       meaning='points in each direction after which the branch is cut short')]
 
@@ -45,10 +46,11 @@ module vi_branch_study
       column_type('branches', 'last_end', words, listed=.false., &
       meaning='why it ends at its last point'), &
       column_type('branches', 'start_clearance', unit='F0/K', listed=.false., &
-      meaning='clearance of the motion that it starts from'), &
-      column_type('branches', 'start_tau', unit='rad', listed=.false., meaning='tau of it'), &
+      meaning='clearance of the starting motion'), &
+      column_type('branches', 'start_tau', unit='rad', listed=.false., &
+      meaning='tau of the starting motion'), &
       column_type('branches', 'start_phases', each='impact', unit='rad', listed=.false., &
-      meaning='load phases of its impacts'), &
+      meaning='load phases of the impacts of the starting motion'), &
       column_type('branches', 'start_X', each='impact', unit='F0/K', listed=.false., &
       meaning='displacements of the primary mass at its impacts'), &
       column_type('points', 'point', wholes, meaning='number of the point along it'), &
@@ -62,7 +64,7 @@ module vi_branch_study
       column_type('points', 'admissible', verdicts, meaning='whether it stays between the walls'), &
       column_type('points', 'stable', verdicts, meaning='whether disturbances decay'), &
       column_type('points', 'multipliers', complexes, each='multiplier', &
-      label='multiplier_#_modulus', meaning='eigenvalues of [P], by falling modulus'), &
+      label='multiplier_#_modulus', meaning='eigenvalues of [P], in order of decreasing modulus'), &
       column_type('points', 'A', unit='F0/K', meaning='amplitude of the motion without impacts'), &
       column_type('points', 'tau', unit='rad', meaning='load phase of the first impact'), &
       column_type('points', 'residual', meaning='relative residual of (26), (30)'), &
@@ -80,18 +82,18 @@ module vi_branch_study
       column_type('points', 'X_dot_before', each='impact', unit='omega F0/K', listed=.false., &
       meaning='velocities of the primary mass before the impacts'), &
       column_type('points', 'X_dot_after', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the primary mass after them'), &
+      meaning='velocities of the primary mass after the impacts'), &
       column_type('points', 'Z_dot_before', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the free mass before them'), &
+      meaning='velocities of the free mass before the impacts'), &
       column_type('points', 'Z_dot_after', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the free mass after them'), &
+      meaning='velocities of the free mass after the impacts'), &
       column_type('points', 'special', words, meaning='type of a special point'), &
-      column_type('points', 'detail', words, meaning='which impact, flight or bound'), &
+      column_type('points', 'detail', words, meaning='the impact, flight or bound concerned'), &
       column_type('points', 'special_impact', wholes, listed=.false., &
       meaning='number of the impact without approach speed, or before the touching flight; 0: &
       &none'), &
       column_type('points', 'special_side', words, words='R,L', listed=.false., &
-      meaning='wall that is touched at a grazing')]
+      meaning='wall at which the motion grazes')]
 
 contains
 
@@ -107,6 +109,7 @@ contains
       study%row = 'points'
       study%check => check_branch
       study%check_start => check_branch_start
+      study%memory => branch_memory
       study%run => run_branch
    end subroutine declare_branch
 
@@ -291,6 +294,24 @@ contains
          end if
       end do
    end subroutine run_branch
+
+   !> Bytes for the points that max_points allows, in both directions and in the result.
+   pure real(wp) function branch_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      character(:), allocatable :: symbols
+      integer :: impacts, motions
+
+      ! equispaced: two impacts, and two motions
+      impacts = 2
+      motions = 2
+      if (.not. case%start%is('kind', 'equispaced')) then
+         call case%start%text('sides', symbols)
+         impacts = len(symbols)
+         motions = 1
+      end if
+      bytes = 2.0_wp*motions*case%study%whole_number('max_points')*(1600 + 300.0_wp*impacts)
+   end function branch_memory
 
    !> Puts the columns of each branch as a whole.
    pure subroutine put_starts(branches, starts, result)

@@ -70,7 +70,7 @@ module vi_chart_study
       column_type('motions', 'leading', label='multiplier_1_modulus', &
       meaning='greatest modulus of the multipliers'), &
       column_type('motions', 'multipliers', complexes, each='multiplier', listed=.false., &
-      meaning='eigenvalues of [P], by falling modulus'), &
+      meaning='eigenvalues of [P], in order of decreasing modulus'), &
       column_type('motions', 'x_min', unit='F0/K', listed=.false., &
       meaning='least displacement of the primary mass'), &
       column_type('motions', 'x_max', unit='F0/K', &
@@ -83,7 +83,7 @@ module vi_chart_study
       column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
       meaning='code of what failed; 0: none'), &
       column_type('points', 'found', wholes, listed=.false., &
-      meaning='motions at the point, with those for which there was no slot')]
+      meaning='number of motions at the point, including those without a slot')]
 
 contains
 

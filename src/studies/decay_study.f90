@@ -43,8 +43,8 @@ module vi_decay_study
       meaning='damping ratio of a linear oscillator with this decrement'), &
       column_type('peaks', 'energy', unit='F0^2/K', &
       meaning='energy of both masses and the spring'), &
-      column_type('peaks', 'impacts', wholes, meaning='impacts since the peak before'), &
-      column_type('peaks', 'rests', wholes, meaning='rests that began since the peak before'), &
+      column_type('peaks', 'impacts', wholes, meaning='impacts since the previous peak'), &
+      column_type('peaks', 'rests', wholes, meaning='rests that began since the previous peak'), &
       column_type('runs', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 

@@ -50,7 +50,7 @@ module vi_find_study
       column_type('search', 'settled', wholes, listed=.false., &
       meaning='states that settled on a stable periodic motion'), &
       column_type('search', 'not_stable', wholes, listed=.false., &
-      meaning='states that passed by a motion that is not stable'), &
+      meaning='states that came close to a motion that is not stable'), &
       column_type('search', 'unconfirmed', wholes, listed=.false., &
       meaning='states that repeated themselves where Newton''s method finds no motion'), &
       column_type('search', 'wandering', wholes, listed=.false., &

@@ -32,10 +32,10 @@ module vi_lyapunov_study
       &first'), &
       key_type('parameter', a_word, may_miss=.true., words='r clearance', &
       takes='''r'' or ''clearance''; low, high and values go with it', &
-      option='-', meaning='a line of points'), &
+      option='-', meaning='parameter that varies along a line of points'), &
       key_type('low', only=with, option='-', meaning='first value of the parameter', &
       takes=range_takes), &
-      key_type('high', only=with, over='low', option='-', meaning='last value', &
+      key_type('high', only=with, over='low', option='-', meaning='last value of the parameter', &
       takes=range_takes), &
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, only=with, option='-', &
       meaning='number of values'), &
@@ -60,7 +60,7 @@ module vi_lyapunov_study
       unit='1/load cycle', meaning='standard errors of per_cycle'), &
       column_type('points', 'dimension', meaning='Kaplan-Yorke dimension'), &
       column_type('points', 'identity_error', &
-      meaning='of the sum of the exponents, which follows from damping and impacts'), &
+      meaning='error of the sum of the exponents, which is known from damping and impacts'), &
       column_type('points', 'impacts', wholes, meaning='impacts in the cycles averaged over'), &
       column_type('points', 'rests', wholes, meaning='rests in the cycles averaged over'), &
       column_type('points', 'exponents', each='direction', unit='omega', listed=.false., &
@@ -127,7 +127,7 @@ contains
       associate (study => case%study)
          if (study%has('clearance')) then
             if (all(size(study%numbers('clearance')) /= [1, n])) call study%refuse('clearance', &
-               'one number, or '//whole(n)//' as of r')
+               'one number, or '//whole(n)//', one for each r')
          end if
          if (.not. study%has('r')) return
          if (all(size(study%numbers('r')) /= [1, n])) call study%refuse('r', 'one number, or '// &

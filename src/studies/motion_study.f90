@@ -72,11 +72,11 @@ module vi_motion_study
       column_type('impacts', 'X_dot_before', unit='omega F0/K', &
       meaning='velocity of the primary mass before the impact'), &
       column_type('impacts', 'X_dot_after', unit='omega F0/K', &
-      meaning='velocity of the primary mass after it'), &
+      meaning='velocity of the primary mass after the impact'), &
       column_type('impacts', 'Z_dot_before', unit='omega F0/K', &
-      meaning='velocity of the free mass before it'), &
+      meaning='velocity of the free mass before the impact'), &
       column_type('impacts', 'Z_dot_after', unit='omega F0/K', &
-      meaning='velocity of the free mass after it'), &
+      meaning='velocity of the free mass after the impact'), &
       column_type('motions', 'r', meaning='frequency ratio'), &
       column_type('motions', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
       column_type('motions', 'A', unit='F0/K', meaning='amplitude of the motion without impacts'), &
@@ -92,7 +92,7 @@ module vi_motion_study
       meaning='greatest displacement of the primary mass'), &
       column_type('motions', 'attenuation', meaning='max|X|/A'), &
       column_type('motions', 'multipliers', complexes, each='multiplier', label='multiplier_#', &
-      meaning='eigenvalues of [P], by falling modulus'), &
+      meaning='eigenvalues of [P], in order of decreasing modulus'), &
       column_type('motions', 'sides', words, listed=.false., &
       meaning='walls in the order of impacts'), &
       column_type('motions', 'cycles', wholes, listed=.false., &
@@ -123,7 +123,7 @@ module vi_motion_study
       column_type('events', 'time', unit='1/omega', listed=.false., &
       meaning='time since the first event of the period'), &
       column_type('events', 'kind', words, words='impact,stick,release', listed=.false., &
-      meaning='kind of an event of a motion with rest'), &
+      meaning='kind of the event of a motion with rest'), &
       column_type('events', 'side', words, words='R,L', listed=.false., meaning='wall'), &
       column_type('events', 'phase', unit='rad', listed=.false., &
       meaning='load phase within a load cycle'), &
@@ -132,11 +132,11 @@ module vi_motion_study
       column_type('events', 'x_dot_before', unit='omega F0/K', listed=.false., &
       meaning='velocity of the primary mass before the event'), &
       column_type('events', 'x_dot_after', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the primary mass after it'), &
+      meaning='velocity of the primary mass after the impact'), &
       column_type('events', 'z_dot_before', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the free mass before it'), &
+      meaning='velocity of the free mass before the impact'), &
       column_type('events', 'z_dot_after', unit='omega F0/K', listed=.false., &
-      meaning='velocity of the free mass after it')]
+      meaning='velocity of the free mass after the impact')]
 
    type(column_type), parameter, public :: motion_columns(*) = [impact_columns, event_columns]
 

@@ -95,7 +95,7 @@ contains
             'among the values')
          key = trim(clearance_name(case))
          if (all(size(study%numbers(key)) /= [1, n])) call study%refuse(key, 'one number, or '// &
-            whole(n)//' as of r')
+            whole(n)//', one for each r')
          call check_product(study, 'states', [n, study%whole_number('states')], &
             'r_points x states must be at most '//whole(most_numbers))
       end associate

@@ -40,11 +40,11 @@ module vi_simulate_study
       column_type('events', 'x_dot_before', unit='omega F0/K', &
       meaning='velocity of the primary mass before the event'), &
       column_type('events', 'x_dot_after', unit='omega F0/K', &
-      meaning='velocity of the primary mass after it'), &
+      meaning='velocity of the primary mass after the impact'), &
       column_type('events', 'z_dot_before', unit='omega F0/K', &
-      meaning='velocity of the free mass before it'), &
+      meaning='velocity of the free mass before the impact'), &
       column_type('events', 'z_dot_after', unit='omega F0/K', &
-      meaning='velocity of the free mass after it'), &
+      meaning='velocity of the free mass after the impact'), &
       column_type('final', 'state', each='coordinate', listed=.false., &
       meaning='the state at the end: t, x, x_dot, z, z_dot'), &
       column_type('run', 'xi', listed=.false., meaning='damping ratio'), &

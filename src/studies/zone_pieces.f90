@@ -28,7 +28,7 @@ module vi_zone_pieces
       meaning='number of the closed boundary; 0 if it could not be closed'), &
       column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
       column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
-      column_type('pieces', 'detail', words, meaning='which impact, flight or bound')], &
+      column_type('pieces', 'detail', words, meaning='the impact, flight or bound concerned')], &
       vertex_columns(*) = [ &
       column_type('vertices', 'r', meaning='frequency ratio'), &
       column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
@@ -46,11 +46,11 @@ module vi_zone_pieces
       column_type('families', 'steps', wholes, listed=.false., &
       meaning='steps along the lattice lines'), &
       column_type('families', 'untraced', wholes, listed=.false., &
-      meaning='places on a boundary from which it could not be followed'), &
+      meaning='places on a boundary from which continuation failed'), &
       column_type('families', 'lines', wholes, each='axis', listed=.false., &
       meaning='lattice lines of constant r and of constant clearance'), &
       column_type('families', 'closed', truths, listed=.false., &
-      meaning='whether all boundaries that were met could be closed')]
+      meaning='whether all boundaries that were found are closed')]
 
    !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
    type, public :: piece_type

@@ -19,7 +19,7 @@ module vi_zone_study
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, &
-      meaning='lattice lines each way; a zone that touches none can be missed')
+      meaning='number of lattice lines in each direction; a zone that crosses none can be missed')
    type(key_type), parameter, public :: vertices_key = key_type('max_points', a_whole, &
       default='20000', low=100.0_wp, high=200000.0_wp, &
       meaning='vertices of a loop after which it is left open')
@@ -31,7 +31,8 @@ module vi_zone_study
       meaning='walls of the impacts in order, for example RRL, or RL* with rest on L'), &
       cycles_key, symmetric_key, window_keys, lines_key, &
       key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
-      meaning='guesses for motions at every second node each way, a quarter of them at others'), &
+      meaning='guesses for motions at every second node in each direction; a quarter of &
+      &them at the other nodes'), &
       vertices_key, &
       key_type('seeds', most=100000, may_miss=.true., &
       takes='for each motion r, clearance, then x/D and load phase of all its impacts; with rest &
@@ -58,6 +59,7 @@ contains
       study%list => list_zone
       study%row = 'vertices'
       study%check => check_zone
+      study%memory => zone_memory
       study%run => run_zone
    end subroutine declare_zone
 
@@ -123,6 +125,16 @@ contains
             s%whole_number('lines'), s%whole_number('guesses'), s%whole_number('max_points'))
       end associate
    end function zone_request
+
+   !> Bytes for the vertices of a loop that max_points allows, in the search and in the result.
+   pure real(wp) function zone_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      type(pattern_type) :: pattern
+
+      pattern = zone_pattern(case%study)
+      bytes = case%study%whole_number('max_points')*(1600 + 300.0_wp*size(pattern%sides))
+   end function zone_memory
 
    !> Finds the zones of a pattern in a window.
    subroutine run_zone(case, threads, result, progress)

@@ -49,6 +49,19 @@ def test_memory(binary, tmp_path):
 
 
 @linux
+@pytest.mark.parametrize("length", [2_700_000, 3 * 10**7])
+def test_memory_of_a_long_list(length, binary, tmp_path):
+    """What reading, or the header of the result, takes beyond the limit is a message, and nothing is written."""
+    numbers = ", ".join(["1"] * (length // 3))
+    text = f"{SYSTEM}&lyapunov r = {numbers}, clearance = 20, cycles = 4, batches = 2 /\n"
+    done = run(binary, tmp_path, text, [(resource.RLIMIT_AS, 120 * 2**20)])
+    assert "out of memory" in done.stderr
+    assert "Error allocating" not in done.stderr
+    assert done.returncode == (1 if length < 10**7 else 2)
+    assert not list(tmp_path.glob("results/*"))
+
+
+@linux
 @pytest.mark.parametrize("size", [96, 128, 256, 1024])
 def test_stack(binary, tmp_path, size):
     """A stack that is too small is a message, not the end by a signal."""

@@ -87,7 +87,7 @@ BAD_LYAPUNOV = [
     *[("parameter = 'clearance'", f"parameter = {v}", "'r' or 'clearance'", 2)
       for v in ("'xi'", "'q'", "''", "r", "1")],
     ("parameter = 'clearance'\n  low = 5, high = 40, values = 6", "clearance = 9, 10",
-     "one number, or 1 as of r", 2),
+     "one number, or 1, one for each r", 2),
     *[("low = 5", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "-1", "5, 6")],
     *[("high = 40", f"high = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("5", "1", "nan", "1e13")],
     *[("values = 6", f"values = {v}", "2 <= values", 3) for v in ("1", "0", "6, 7", "2000000")],

@@ -30,8 +30,8 @@ class Orbit:
     """A period of the independent simulation.
 
     `cell` is the phase of the section, in cells; `state` (x, v, z, w) there; `multipliers` of the
-    map of `cycles` load cycles, by falling modulus; `starts` (phase, x, v, w) just after the first
-    impact of each letter.
+    map of `cycles` load cycles, in order of decreasing modulus; `starts` (phase, x, v, w) just after
+    the first impact of each letter.
     """
 
     cell: int

@@ -346,7 +346,8 @@ zone = vi.zone(state.osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), max_points=100
 explorer = Explorer(state)
 explorer.zones = {family: zone}
 explorer.look()
-print(family.name, zone.closed, int(zone.undecided(state.r, state.clearance)), words.open_zones(explorer.zones), sep="|")
+undecided = int(zone.undecided(state.r, state.clearance))
+print(family.name, zone.closed, undecided, words.open_zones(explorer.zones), sep="|")
 """
 
 

@@ -219,6 +219,8 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, sets li
         "vi.find(osc, 1.04, 20., max_impacts=2, max_cycles=1, states=1000000, settling=0)",
         "vi.atlas(osc, (1., 1.1), (20., 30.), survey=1000000, settling=1)",
         "vi.simulate(osc, 1.04, 2., 1e9, max_events=50000000)",
+        "vi.zone(osc, vi.Pattern('RL' * 12), (1., 1.1), (20., 30.), max_points=200000, guesses=0, lines=5)",
+        "vi.branch(vi.equispaced(osc, 1.04, 20.)[0], 'clearance', (19., 21.), max_points=100000)",
     ],
     ids=lambda call: call.split("(")[0][3:],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,9 @@ import numpy as np
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
 from ..tables import Result
+
+#: scipy keeps the tag of the array that is being written in its class, which all threads share.
+ONE_AT_A_TIME = threading.Lock()
 
 
 def scipy_io() -> Any:
@@ -37,13 +41,15 @@ def write_matlab(noun: Any, path: Path) -> None:
         if table.owners is not None:
             fields[f"{name}_{table.parent}"] = table.owners + 1  # MATLAB counts from 1
     buffer = io.BytesIO()
-    scipy_io().savemat(
-        buffer,
-        {type(noun).__name__.lower(): {**fields, "record": noun.to_json()}},
-        long_field_names=True,
-        do_compression=True,
-        oned_as="column",
-    )
+    content = {type(noun).__name__.lower(): {**fields, "record": noun.to_json()}}
+    with ONE_AT_A_TIME:
+        scipy_io().savemat(
+            buffer,
+            content,
+            long_field_names=True,
+            do_compression=True,
+            oned_as="column",
+        )
     write_bytes(path, buffer.getvalue())
 
 
