@@ -111,6 +111,8 @@ contains
             if (good .and. key%kind /= a_word) n = size(numbers)
             if (.not. good .or. n > last - first + 1) then
                call describe_key(values%keys, place, text)
+               if (key%kind == a_number .and. vanishes(item%value)) text = text// &
+                  '; a number so near 0 is not represented, write 0'
                call blame(values, item, 'must be '//text)
                return
             end if
@@ -138,6 +140,24 @@ contains
          end associate
       end associate
    end subroutine assign
+
+   !> Whether a text is one number that is not 0, but so small that it would be rounded to 0.
+   pure logical function vanishes(text)
+      !> The value as written in the file.
+      character(*), intent(in) :: text
+      integer :: power, status
+
+      power = scan(text, 'eEdD')
+      vanishes = power > 1 .and. power < len_trim(text)
+      if (.not. vanishes) return
+      ! a mantissa with a digit that is not 0, and a negative whole number as exponent
+      vanishes = verify(text(:power - 1), ' +-.0123456789') == 0 .and. &
+         scan(text(:power - 1), '123456789') > 0 .and. text(power + 1:power + 1) == '-' .and. &
+         verify(trim(text(power + 2:)), '0123456789') == 0 .and. len_trim(text) < power + 8
+      if (.not. vanishes) return
+      read (text(power + 1:), *, iostat=status) power
+      vanishes = status == 0 .and. power < -300
+   end function vanishes
 
    !> Extends the list of a key.
    pure subroutine enlarge(value, n, kind)

@@ -298,3 +298,11 @@ def test_earlier_result_survives_bad_input(batch):
     assert batch.case(PAIR.replace("1.37", "2.37")).status == 2
     assert contents(batch.cwd / "results") == before
     shutil.rmtree(batch.cwd / "results")
+
+
+@pytest.mark.parametrize("text", ["1e-5000", "-2.5d-400"])
+def test_a_number_that_would_be_rounded_to_zero(text, batch):
+    """It is in the range, so the message says what is wrong with it."""
+    done = batch.case(changed(2, f"  xi = {text}"))
+    assert done.status == 2
+    assert done.faults[0].endswith("; a number so near 0 is not represented, write 0")

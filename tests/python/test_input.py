@@ -6,7 +6,18 @@ import re
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_calls import INF, NAN, OSC, batch, equispaced, linear_system, oscillator, periodic
+from shared_calls import (
+    EVEN,
+    INF,
+    NAN,
+    OSC,
+    PAIR,
+    batch,
+    equispaced,
+    linear_system,
+    oscillator,
+    periodic,
+)
 
 
 def assert_refused(call, name, value, allowed=(), kind=(ValueError, TypeError), shown=None):
@@ -269,3 +280,45 @@ def test_sample_times(value):
     """Times are finite real numbers."""
     motion = periodic()
     assert_refused(lambda t: motion.sample(t), "t", value)
+
+
+#: Calls of studies with None for a number, or with a bool in a list of numbers, and the argument that is named.
+NO_NUMBERS = {
+    "r = [1.0, True]": lambda: vi.response(EVEN, [1.0, True], 25.0),
+    "r = [1.0, None]": lambda: vi.response(EVEN, [1.0, None], 25.0),
+    "states = None": lambda: vi.response(EVEN, [1.0, 1.1], 25.0, states=None),
+    "states = True": lambda: vi.response(EVEN, [1.0, 1.1], 25.0, states=True),
+    "load = None": lambda: vi.response(EVEN, [1.0, 1.1], 25.0, load=None),
+    "clearance = [25.0, True]": lambda: vi.lyapunov(EVEN, 1.04, [25.0, True]),
+    "cycles = None": lambda: vi.lyapunov(EVEN, 1.04, 25.0, cycles=None),
+    "values = [20, True]": lambda: vi.bifurcation_diagram(EVEN, "clearance", [20, True], r=1.04),
+    "values = [20, None]": lambda: vi.bifurcation_diagram(EVEN, "clearance", [20, None], r=1.04),
+    "r[1] = True": lambda: vi.zone(EVEN, PAIR, (0.9, True), (20, 30)),
+    "r[1]: is missing": lambda: vi.zone(EVEN, PAIR, (0.9, None), (20, 30)),
+    "lines = None": lambda: vi.zone(EVEN, PAIR, (0.9, 1.0), (20, 30), lines=None),
+    "clearance[1]: is missing": lambda: vi.atlas(EVEN, (0.9, 1.0), (20, None)),
+    "clearance = [0.5, True]": lambda: vi.decay(EVEN, [0.5, True], cycles=2),
+    "phases = [0.0, True]": lambda: vi.periodic(EVEN, 0.9, [0.0, True], PAIR),
+    "state['x'] = True": lambda: vi.simulate(
+        EVEN, 0.9, 20.0, 1, {"t": 0, "x": True, "x_dot": 0, "z": 0, "z_dot": 0}
+    ),
+    "r = None": lambda: vi.find(EVEN, None, 20.0),
+    "guesses = None": lambda: vi.find(EVEN, 0.9, 20.0, guesses=None),
+    "r = [0.9, True]": lambda: vi.chart(EVEN, PAIR, r=[0.9, True], clearance=[20, 30]),
+    "clearance = [20, None]": lambda: vi.chart(EVEN, PAIR, r=[0.9, 1.0], clearance=[20, None]),
+    "clearance: is missing": lambda: vi.basins(EVEN, 0.9, None, states=2),
+    "high = [True, 1]": lambda: vi.basins(EVEN, 0.9, 20.0, (("x", -1, True, 3), ("y", -1, 1, 3))),
+    "restitution[1] = True": lambda: vi.Oscillator(xi=0.1, mu=0.1, restitution=(0.5, True)),
+    "phases = [[0, 0], [True, 3.2]]": lambda: vi.stability_flags(
+        EVEN, 0.9, [[0, 0], [True, 3.2]], PAIR
+    ),
+    "r = [1.1, True]": lambda: vi.simulate_bundle(EVEN, [1.1, True], 20.0, 1),
+}
+
+
+@pytest.mark.parametrize("name", NO_NUMBERS)
+def test_none_and_bool_are_not_numbers(name):
+    """They are refused where a number is required, also in lists, and the argument is named."""
+    with pytest.raises(vi.errors.VibroimpactError) as caught:
+        NO_NUMBERS[name]()
+    assert name in str(caught.value)
