@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 import resource
 import subprocess
 import sys
@@ -198,3 +199,16 @@ def test_libraries_for_netcdf(missing, results, tmp_path, monkeypatch):
     if missing == "h5py":
         with pytest.raises(vi.errors.MissingExtraError, match="need h5py: pip install"):
             vi.load(tmp_path / "motion.nc")
+
+
+def test_a_plane_of_which_a_bound_is_missing(tmp_path):
+    """The case in the record was changed: the result is shown, without the axes."""
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    path = tmp_path / "basins.json"
+    vi.basins(osc, 0.94, 37.0, (("x", -30, 30, 3), ("x_dot", -30, 30, 3))).save(path)
+    text = path.read_text()
+    path.write_text(re.sub(r"  high = [^\\]*\\n", "", text))
+    assert path.read_text() != text
+    found = vi.load(path)
+    assert found.axes is None
+    assert "Basins" in repr(found)

@@ -100,9 +100,10 @@ class Basins(Noun, study="basins"):
     @property
     def axes(self) -> tuple[Axis, Axis] | None:
         keys = self.keys
-        if "axes" not in keys:
+        names = ("axes", "low", "high", "values")
+        if any(name not in keys for name in names):
             return None
-        columns = (keys[name] for name in ("axes", "low", "high", "values"))
+        columns = (keys[name] for name in names)
         first, second = (Axis(*each) for each in zip(*columns, strict=True))
         return first, second
 
