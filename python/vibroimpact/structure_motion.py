@@ -387,7 +387,7 @@ def settled(
     cycles: int = 0,
 ) -> StructureMotion:
     """The motion on which a simulation from a state settles."""
-    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)[:6]
     capacity = 500
     while True:
         counts, labels, impacts, states, rests, matrix, multipliers, scalars, verdicts, status = (
