@@ -9,23 +9,33 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core, checks
-from .errors import ParameterError
+from . import _core, checks, namelist
+from .errors import ParameterError, SingularError
+from .noun import Noun, Savable
 from .restitution import PowerLaw, TabulatedRestitution
 from .status import MORE_EVENTS, VERDICT, raise_status
-from .structure import Load, Structure
-from .structure_trajectory import StructureTrajectory, simulate_structure
+from .structure import Load, Structure, from_groups
+from .structure_trajectory import (
+    StructureTrajectory,
+    simulate_structure,
+    structure_of,
+    structure_tables,
+    with_owners,
+)
 from .structure_trajectory import _arrays as core_arrays
+from .tables import Result, made
 
 __all__ = ["StructureMotion", "exact_structure", "periodic_structure"]
 
 _Array = NDArray[np.float64]
+#: The keys of a &motion of a &structure.
+REQUEST = ("kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q_dot", "start")
 #: What the core is asked for.
 ELIMINATED, FULL, EXACT = 0, 1, 2
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class StructureMotion:
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class StructureMotion(Savable, study="motion_structure"):
     """A periodic motion of a structure.
 
     Attributes
@@ -58,6 +68,8 @@ class StructureMotion:
     rests : structured array
         ``gap, begin, end``: gaps that rest, and the load phases (rad) at which each rest begins and ends. The
         impacts of the accumulation before it are listed down to those whose effect is below rounding.
+    request : dict or None
+        The case by the keys of a &motion; None if it was read from a file without its case.
     """
 
     structure: Structure
@@ -77,6 +89,7 @@ class StructureMotion:
     admissible: bool | None
     stable: bool | None
     rests: NDArray[Any]
+    request: dict[str, Any] | None = None
 
     @property
     def q(self) -> _Array:
@@ -136,6 +149,90 @@ class StructureMotion:
             start=self.phases[0] / self.load.frequency,
             state=(self.q, self.q_dot),
         )
+
+    def to_namelist(self) -> str:
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
+        if self.request is None:
+            raise ParameterError(
+                f"{self!r}: has no namelist, since the file has none from which it was read"
+            )
+        groups = [*self.structure._groups(), *self.load._groups(), ("motion", self.request)]
+        return namelist.text(groups)
+
+    @property
+    def _result(self) -> Result:
+        """Its tables, with the columns that the core declares."""
+        n = self.structure.coordinates
+        verdicts = {name: getattr(self, name) for name in ("consistent", "admissible", "stable")}
+        tables: dict[str, Any] = {
+            "impacts": (("impact",), {
+                "impact": np.arange(1, len(self.gaps) + 1), "gap": self.gaps, "phase": self.phases,
+                "speed": self.speeds, "impulse": self.impulses,
+                "q": self.states[:, 0], "q_dot": self.states[:, 1],
+            }),
+            "motion": ((), {
+                "cycles": self.cycles, "residual": self.residual, "determinant": self.determinant,
+                "law": self.law, "frequency": self.load.frequency,
+                **{name: -1 if value is None else int(value) for name, value in verdicts.items()},
+            }),
+            "multipliers": (("multiplier",), {"multiplier": self.multipliers}),
+            "derivative": (("state_row",), {"P": np.reshape(self.matrix, (2 * n, 2 * n))}),
+            "rests": (("rest",), {name: self.rests[name] for name in ("gap", "begin", "end")}),
+            **structure_tables(self.structure, self.load),
+        }  # fmt: skip
+        case = self.to_namelist() if self.request is not None else ""
+        return with_owners(self.structure, made("motion_structure", case, tables, (), ""))
+
+    @classmethod
+    def of_result(cls, result: Result) -> StructureMotion:
+        """The motion of the core's tables."""
+
+        def values(table: str, *names: str) -> list[Any]:
+            return [result.column(table, name).decoded() for name in names]
+
+        names = (
+            "cycles", "residual", "determinant", "law", "consistent", "admissible", "stable",
+            "frequency",
+        )  # fmt: skip
+        own = {
+            name: value.item() for name, value in zip(names, values("motion", *names), strict=True)
+        }
+        structure, load = structure_of(result, own["frequency"], True)
+        assert load is not None
+        gaps, phases, speeds, impulses = values("impacts", "gap", "phase", "speed", "impulse")
+        states = np.stack(values("impacts", "q", "q_dot"), axis=1)
+        rests = _rests(
+            *(lambda gap, *phases: (gap, phases))(*values("rests", "gap", "begin", "end"))
+        )
+        (multipliers,), (matrix,) = values("multipliers", "multiplier"), values("derivative", "P")
+        for array in (states, rests):
+            array.flags.writeable = False
+        request = None
+        if result.case:
+            *_, (group, keys) = [
+                item for item in namelist.parts_of(result.case) if item[0] != "output"
+            ]
+            if group != "motion":
+                raise ParameterError("case: must end with a &motion")
+            request = {name: keys[name] for name in REQUEST if name in keys}
+            for name in {"gaps", "phases", "q", "q_dot"} & set(request):
+                request[name] = np.atleast_1d(request[name]).tolist()
+        return cls(
+            structure, load, gaps, own["cycles"], phases, speeds, impulses, states, own["residual"],
+            matrix, multipliers, own["determinant"], own["law"],
+            VERDICT[int(own["consistent"])], VERDICT[int(own["admissible"])],
+            VERDICT[int(own["stable"])], rests, request,
+        )  # fmt: skip
+
+    def plot(self, ax: Any = None, kind: str | None = None, window: ArrayLike | None = None) -> Any:
+        """Draw the structure and a period of the motion, as `StructureTrajectory.plot` does."""
+        return self._run().plot(ax, kind, window)
+
+    def _draw_small(self, ax: Any) -> None:
+        self.plot(ax=ax, kind="history")
+
+    def _facts(self) -> dict[str, str]:
+        return {"coordinates": str(self.structure.coordinates), "impacts": str(len(self.gaps))}
 
     def __repr__(self) -> str:
         verdicts = [] if self.consistent else [f"residual {self.residual:.2g}"]
@@ -337,19 +434,14 @@ def _motion(
         gaps + 1, phases, cycles, wanted,
     )  # fmt: skip
     raise_status(status)
+    request = {
+        "kind": "exact" if wanted == EXACT else "periodic", "cycles": cycles, "gaps": gaps.tolist(),
+        "phases": phases.tolist(),
+    }  # fmt: skip
     return _assembled(
-        structure,
-        load,
-        gaps,
-        cycles,
-        impacts,
-        states,
-        matrix,
-        multipliers,
-        scalars,
-        verdicts,
-        _rests(),
-    )
+        structure, load, gaps, cycles, impacts, states, matrix, multipliers, scalars, verdicts,
+        _rests(), None if wanted == FULL else request,
+    )  # fmt: skip
 
 
 def _rests(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
@@ -362,7 +454,7 @@ def _rests(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
 def _assembled(
     structure: Structure, load: Load, gaps: NDArray[np.int32], cycles: int, impacts: _Array,
     states: _Array, matrix: _Array, multipliers: NDArray[np.complex128], scalars: _Array,
-    verdicts: NDArray[np.int32], rests: NDArray[Any],
+    verdicts: NDArray[np.int32], rests: NDArray[Any], request: dict[str, Any] | None,
 ) -> StructureMotion:  # fmt: skip
     """A motion from the arrays of the core, read-only."""
     phases, speeds, impulses = (np.ascontiguousarray(impacts[:, i]) for i in range(3))
@@ -373,7 +465,7 @@ def _assembled(
     residual, determinant, law = scalars.tolist()
     return StructureMotion(
         structure, load, gaps, cycles, phases, speeds, impulses, states, residual, matrix, multipliers,
-        determinant, law, consistent, admissible, stable, rests,
+        determinant, law, consistent, admissible, stable, rests, request,
     )  # fmt: skip
 
 
@@ -400,8 +492,36 @@ def settled(
             break
         capacity = int(max(counts[0], counts[2]))
     raise_status(status)
-    n, cycles, m = counts.tolist()
+    known = {"cycles": cycles} if cycles else {}
+    request: dict[str, Any] = {
+        "kind": "settled", **known, "settling": settling, "max_cycles": most_cycles,
+        "q": np.asarray(state[0]).tolist(), "q_dot": np.asarray(state[1]).tolist(), "start": float(start),
+    }  # fmt: skip
+    n, k, m = counts.tolist()
     return _assembled(
-        structure, load, labels[0, :n] - 1, cycles, impacts[:n], states[:, :n], matrix, multipliers,
-        scalars, verdicts, _rests(labels[1, :m] - 1, rests[:, :m]),
+        structure, load, labels[0, :n] - 1, k, impacts[:n], states[:, :n], matrix, multipliers,
+        scalars, verdicts, _rests(labels[1, :m] - 1, rests[:, :m]), request,
     )  # fmt: skip
+
+
+class StructureMotionResult(Noun, study="motion_structure"):
+    """The result of a &motion case of a &structure: the motion, unless it was not found."""
+
+    __slots__ = ()
+
+    def parts(self) -> list[StructureMotion]:
+        """The motion."""
+        return [] if self._result.empty else [StructureMotion.of_result(self._result)]
+
+    def require(self) -> None:
+        """SingularError if it was not found."""
+        if self._result.empty:
+            raise SingularError(self._result.notes[0][1])
+
+    @property
+    def structure(self) -> Structure:
+        """The structure."""
+        return from_groups(namelist.parts_of(self.case)[:-1])[0]
+
+    def __repr__(self) -> str:
+        return f"<StructureMotionResult: {', '.join(map(repr, self.parts())) or 'none'}>"

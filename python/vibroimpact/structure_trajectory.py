@@ -129,12 +129,8 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             raise ParameterError(
                 f"{self!r}: cannot be saved with a record; save its arrays `events` and `states`"
             )
-        n = s.coordinates
-        nothing = np.zeros((0, n))
         moments = (self.first_state, self.final_state)
         names = ("time", "kind", "gap", "speed", "impulse")
-        laws = [gap.restitution for gap in s.gaps]
-        tabulated = [law for law in laws if isinstance(law, TabulatedRestitution)]
         tables: dict[str, Any] = {
             "events": (("event",), {name: self.events[name] for name in names} | {
                 "q": self.states[:, 0], "q_dot": self.states[:, 1],
@@ -143,21 +139,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
                 "moment": ("initial", "final"), "time": (self.start, self.end),
                 "q": [q for q, _ in moments], "q_dot": [rate for _, rate in moments],
             }),
-            "gaps": (("number",), {
-                "opening": [gap.opening for gap in s.gaps], **_laws(s.gaps),
-                "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
-            }),
-            "law_points": (("law_point",), {
-                "speed": [v for gap in tabulated for v in gap.speeds],
-                "restitution": [value for gap in tabulated for value in gap.values],
-            }),
-            "matrices": (("row",), {
-                "mass": s.mass, "damping": s.damping, "stiffness": s.stiffness,
-                "constant": np.zeros(n) if load is None else load.constant,
-            }),
-            "harmonics": (("harmonic",), {
-                "cosine": nothing if load is None else load.cosine, "sine": nothing if load is None else load.sine,
-            }),
+            **structure_tables(s, load),
             "run": ((), {
                 "frequency": 0.0 if load is None else load.frequency, "loaded": load is not None,
                 "finished": self.complete,
@@ -165,13 +147,9 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         }  # fmt: skip
         cut = "" if self.complete else self.cut or FULL
         case = self.to_namelist() if self.request is not None and s.gaps else ""
-        owners = [i for i, law in enumerate(laws) for _ in getattr(law, "speeds", ())]
-        found = made(
+        return with_owners(s, made(
             "simulate_structure", case, tables, (f"final time: {namelist.digits(self.end)}",), cut
-        )
-        points = found.tables["law_points"]
-        owned = replace(points, parent="gaps", owners=np.array(owners, np.int32))
-        return replace(found, tables=found.tables | {"law_points": owned})
+        ))  # fmt: skip
 
     @classmethod
     def of_result(cls, result: Result) -> StructureTrajectory:
@@ -180,24 +158,10 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         def values(table: str, *names: str) -> list[Any]:
             return [result.column(table, name).decoded() for name in names]
 
-        gaps = [
-            Gap(direction, opening, law)
-            for direction, opening, law in zip(
-                *values("gaps", "direction", "opening"), _laws_of(result), strict=True
-            )
-        ]
-        mass, damping, stiffness, constant = values(
-            "matrices", "mass", "damping", "stiffness", "constant"
-        )
-        structure = Structure(mass, damping, stiffness, gaps)
         frequency, loaded, finished = (
             item.item() for item in values("run", "frequency", "loaded", "finished")
         )
-        sine, cosine = values("harmonics", "sine", "cosine")
-        load = None
-        if loaded:
-            own = {"sine": sine, "cosine": cosine} if len(sine) else {}
-            load = Load(frequency or None, **own, constant=constant)
+        structure, load = structure_of(result, frequency, loaded)
         columns = values("events", "time", "kind", "gap", "speed", "impulse")
         events = _events(len(columns[0]))
         for name, column in zip(events.dtype.names or (), columns, strict=True):
@@ -300,6 +264,63 @@ class StructureSimulation(Noun, study="simulate_structure"):
 
     def __repr__(self) -> str:
         return f"<StructureSimulation: {', '.join(map(repr, self.parts())) or 'none'}>"
+
+
+def structure_tables(s: Structure, load: Load | None) -> dict[str, Any]:
+    """The tables of a structure, its gaps and its load in a result."""
+    n = s.coordinates
+    nothing = np.zeros((0, n))
+    tabulated = [
+        gap.restitution for gap in s.gaps if isinstance(gap.restitution, TabulatedRestitution)
+    ]
+    return {
+        "gaps": (("number",), {
+            "opening": [gap.opening for gap in s.gaps], **_laws(s.gaps),
+            "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
+        }),
+        "law_points": (("law_point",), {
+            "speed": [v for gap in tabulated for v in gap.speeds],
+            "restitution": [value for gap in tabulated for value in gap.values],
+        }),
+        "matrices": (("row",), {
+            "mass": s.mass, "damping": s.damping, "stiffness": s.stiffness,
+            "constant": np.zeros(n) if load is None else load.constant,
+        }),
+        "harmonics": (("harmonic",), {
+            "cosine": nothing if load is None else load.cosine, "sine": nothing if load is None else load.sine,
+        }),
+    }  # fmt: skip
+
+
+def with_owners(s: Structure, result: Result) -> Result:
+    """A result in which the points of tables of restitution know their gaps."""
+    owners = [i for i, gap in enumerate(s.gaps) for _ in getattr(gap.restitution, "speeds", ())]
+    points = result.tables["law_points"]
+    owned = replace(points, parent="gaps", owners=np.array(owners, np.int32))
+    return replace(result, tables=result.tables | {"law_points": owned})
+
+
+def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Structure, Load | None]:
+    """The structure and the load of a result."""
+
+    def values(table: str, *names: str) -> list[Any]:
+        return [result.column(table, name).decoded() for name in names]
+
+    gaps = [
+        Gap(direction, opening, law)
+        for direction, opening, law in zip(
+            *values("gaps", "direction", "opening"), _laws_of(result), strict=True
+        )
+    ]
+    mass, damping, stiffness, constant = values(
+        "matrices", "mass", "damping", "stiffness", "constant"
+    )
+    structure = Structure(mass, damping, stiffness, gaps)
+    if not loaded:
+        return structure, None
+    sine, cosine = values("harmonics", "sine", "cosine")
+    own = {"sine": sine, "cosine": cosine} if len(sine) else {}
+    return structure, Load(frequency or None, **own, constant=constant)
 
 
 def _laws(gaps: Sequence[Gap]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ module vi_study_list
    use vi_find_study, only: declare_find
    use vi_kinds, only: wp
    use vi_lyapunov_study, only: declare_lyapunov
+   use vi_motion_structure_study, only: declare_motion_structure
    use vi_motion_study, only: declare_motion
    use vi_processor, only: has_memory, stack_left, stack_needed, usable_threads
    use vi_response_study, only: declare_response
@@ -51,7 +52,8 @@ contains
          declare_type(declare_response), &
          declare_type(declare_decay), &
          declare_type(declare_basins), &
-         declare_type(declare_simulate_structure)], studies)
+         declare_type(declare_simulate_structure), &
+         declare_type(declare_motion_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.

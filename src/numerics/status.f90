@@ -50,6 +50,10 @@ module vi_status
       integer :: coupled_impacts = 19
       !> A gap is negative in the initial state.
       integer :: gap_closed = 20
+      !> The motion on which a simulation settles has no impacts.
+      integer :: no_impacts = 21
+      !> A simulation does not repeat within the load cycles allowed.
+      integer :: no_period = 22
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -119,6 +123,11 @@ contains
             &follows'
       case (stat%gap_closed)
          text = 'a gap is less than closed in the initial state'
+      case (stat%no_impacts)
+         text = 'the simulation settles on a motion without impacts; start from another state'
+      case (stat%no_period)
+         text = 'the simulation does not repeat within the most load cycles of a period; simulate &
+            &longer first, or allow more'
       case default
          text = 'unknown status code'
       end select

@@ -4,7 +4,8 @@ module vi_simulate_structure_study
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_groups, only: most_coordinates, structure_of
+   use vi_structure_groups, only: complete_coordinates, load_frequency, &
+      most_coordinates, structure_of
    use vi_structure_run, only: impact_event, stick_event
    use vi_structure_tables, only: put_structure, structure_columns
    use vi_structure_trajectory, only: simulate_structure_case
@@ -84,17 +85,6 @@ contains
       if (present(columns)) columns = simulate_columns
    end subroutine list_simulate
 
-   !> Circular frequency of the load of a case; 0 if it has none.
-   pure real(wp) function frequency_of(case) result(frequency)
-      !> The case.
-      type(case_type), intent(in) :: case
-
-      frequency = 0
-      associate (last => case%parts(size(case%parts)))
-         if (last%has('frequency')) frequency = last%number('frequency')
-      end associate
-   end function frequency_of
-
    !> Checks the rules that involve several keys.
    subroutine check_simulate(case)
       !> The case.
@@ -102,10 +92,10 @@ contains
 
       associate (study => case%study)
          if (len(study%fault) > 0) return
-         call complete(study, 'q', case%coordinates)
-         call complete(study, 'q_dot', case%coordinates)
+         call complete_coordinates(study, 'q', case%coordinates)
+         call complete_coordinates(study, 'q_dot', case%coordinates)
          if (.not. study%has('cycles') .or. len(study%fault) > 0) return
-         if (.not. frequency_of(case) > 0) then
+         if (.not. load_frequency(case) > 0) then
             call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &
                &duration')
          else if (.not. span(case) <= longest) then
@@ -115,21 +105,6 @@ contains
       end associate
    end subroutine check_simulate
 
-   !> Checks the length of a list of numbers, one for each coordinate; zeros if there is none.
-   subroutine complete(study, name, coordinates)
-      !> The group.
-      type(values_type), intent(inout) :: study
-      !> The key.
-      character(*), intent(in) :: name
-      !> Number of coordinates.
-      integer, intent(in) :: coordinates
-
-      if (.not. study%has(name)) call study%set(name, spread(0.0_wp, 1, coordinates))
-      if (size(study%numbers(name)) /= coordinates) call study%refuse(name, &
-         'it has '//counted(size(study%numbers(name)), 'number')//' for '// &
-         counted(coordinates, 'coordinate'))
-   end subroutine complete
-
    !> How long a case is simulated.
    pure real(wp) function span(case)
       !> The case.
@@ -137,7 +112,7 @@ contains
       real(wp), parameter :: pi = acos(-1.0_wp)
 
       if (case%study%has('cycles')) then
-         span = case%study%number('cycles')*2*pi/frequency_of(case)
+         span = case%study%number('cycles')*2*pi/load_frequency(case)
       else
          span = case%study%number('duration')
       end if
@@ -201,7 +176,7 @@ contains
       call put_moments(result, case, start, end_time, last_state)
       call put_structure(result, structure, load)
       call result%open('run', '', [integer ::])
-      call result%put('run', 'frequency', [frequency_of(case)])
+      call result%put('run', 'frequency', [load_frequency(case)])
       call result%put('run', 'loaded', [merge(1, 0, case%parts(size(case%parts))%name == 'load')])
       call result%put('run', 'finished', [merge(1, 0, status == stat%ok)])
       if (status == stat%more_events) call result%remark('cut short: max_events was reached')

@@ -8,12 +8,12 @@ module vi_structure_groups
    use vi_namelist, only: group_type
    use vi_restitution, only: constant_law, power_law, table_law
    use vi_structure, only: load_type, new_structure, structure_type
-   use vi_text, only: brief, number_text, whole
+   use vi_text, only: brief, counted, number_text, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
 
-   public :: read_parts, read_structure, structure_of
+   public :: complete_coordinates, load_frequency, read_parts, read_structure, structure_of
 
    !> Largest number of coordinates of a structure, and of gaps.
    integer, parameter, public :: most_coordinates = 500
@@ -127,11 +127,11 @@ contains
       type(values_type), allocatable, intent(out) :: parts(:)
       !> Number of coordinates.
       integer, intent(out) :: coordinates
-      integer, allocatable :: order(:)
-      integer :: i, points
+      integer :: order(size(groups)), i, points
+      logical :: gaps(size(groups))
 
-      order = [pack([(i, i=1, size(groups))], is_gap(groups)), &
-         pack([(i, i=1, size(groups))], .not. is_gap(groups))]
+      gaps = is_gap(groups)
+      order = [pack([(i, i=1, size(groups))], gaps), pack([(i, i=1, size(groups))], .not. gaps)]
       allocate (parts(size(groups)))
       do i = 1, size(groups)
          associate (group => groups(order(i)))
@@ -465,6 +465,32 @@ contains
          end associate
       end do
    end subroutine structure_of
+
+   !> Circular frequency of the load of a case; 0 if it has none.
+   pure real(wp) function load_frequency(case) result(frequency)
+      !> The case.
+      type(case_type), intent(in) :: case
+
+      frequency = 0
+      associate (last => case%parts(size(case%parts)))
+         if (last%has('frequency')) frequency = last%number('frequency')
+      end associate
+   end function load_frequency
+
+   !> Checks the length of a list of numbers, one for each coordinate; zeros if there is none.
+   subroutine complete_coordinates(study, name, coordinates)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      !> The key.
+      character(*), intent(in) :: name
+      !> Number of coordinates.
+      integer, intent(in) :: coordinates
+
+      if (.not. study%has(name)) call study%set(name, spread(0.0_wp, 1, coordinates))
+      if (size(study%numbers(name)) /= coordinates) call study%refuse(name, &
+         'it has '//counted(size(study%numbers(name)), 'number')//' for '// &
+         counted(coordinates, 'coordinate'))
+   end subroutine complete_coordinates
 
    !> The largest number of points of the tables of restitution of some gaps.
    pure integer function most_points(gaps) result(most)

@@ -54,9 +54,9 @@ contains
       integer, intent(in) :: cycles
       !> The motion.
       type(settled_type), intent(out) :: found
-      !> `stat%ok`; `stat%no_motion` where the motion does not repeat within `most_cycles`, has more
-      !! than `most_events` events in a period, or no flight without rest; or a status of the
-      !! simulation or of Newton's method.
+      !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
+      !! `stat%no_impacts`; `stat%no_motion` where it has more than `most_events` events in a
+      !! period, or no flight without rest; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
       type(run_type) :: run
       type(run_state_type) :: state
@@ -81,7 +81,7 @@ contains
       found%cycles = cycles
       if (cycles == 0) call repetition(strobes, most_cycles, found%cycles)
       if (found%cycles == 0) then
-         status = stat%no_motion
+         status = stat%no_period
          return
       end if
       call one_cycle(run, state, found%cycles, elapsed, events, n, status)
@@ -89,7 +89,7 @@ contains
       if (any(events(:n)%kind /= impact_event)) then
          call by_return(run, state, elapsed, events, n, found, status)
       else if (n == 0) then
-         status = stat%no_motion
+         status = stat%no_impacts
       else
          found%gaps = events(:n)%gap
          allocate (found%resting(0), found%rests(2, 0))

@@ -1,7 +1,10 @@
 """Structures in the stand-alone program: one clear error for each fault, and results that are inputs."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import vibroimpact as vi
 from programs import PAIR
 
 STRUCTURE = "&structure mass = 1, 0.1, stiffness = 1, 0 /\n"
@@ -16,7 +19,7 @@ MODES = """&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1
 FAULTS = [
     (GAP + CASE, "gap", "must stand after a &structure", 1),
     (STRUCTURE + RUN, "structure", "no &gap follows", 1),
-    (STRUCTURE + GAP, "structure", "no &simulate follows", 1),
+    (STRUCTURE + GAP, "structure", "no &simulate or &motion follows", 1),
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
     (CASE + GAP, "gap", "must stand after a &structure, before its studies", 5),
     (CASE + LOAD, "load", "must stand after a &structure, before its studies", 5),
@@ -166,3 +169,15 @@ def test_keys_of_the_groups(batch):
     assert "&simulate of a &structure\n  duration: " in text
     for group, key in (("structure", "stiffness_file"), ("gap", "direction"), ("load", "cosine")):
         assert f"\n  {key}: " in batch("--keys", group).out.decode()
+
+
+def test_periodic_motions_have_the_digits_of_python(batch):
+    path = Path(__file__).parents[2] / "inputs" / "structure_motion.nml"
+    assert batch(path, "-o", "program").status == 0
+    log = vi.run_namelists([path], batch.cwd / "python")
+    assert log.status == 0
+    files = sorted(p.name for p in (batch.cwd / "program").glob("*.csv"))
+    assert len(files) == 4
+    for name in files:
+        ours, theirs = (batch.cwd / folder / name for folder in ("program", "python"))
+        assert ours.read_bytes() == theirs.read_bytes()
