@@ -3,6 +3,7 @@
 !! The first fault is kept, with its line. The reader does not read the text after it. A study may
 !! still run its own checks; their faults do not replace the first one.
 module vi_values
+   use, intrinsic :: iso_fortran_env, only: int64
    use vi_buffer, only: add, buffer_type
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
    use vi_kinds, only: wp
@@ -651,6 +652,7 @@ contains
       real(wp), intent(in) :: numbers(:)
       !> The text so far.
       character(:), allocatable, intent(inout) :: text
+      integer(int64), parameter :: bits = 0
       type(buffer_type) :: buffer
       integer :: first, last
 
@@ -660,7 +662,7 @@ contains
          last = first
          do while (last < size(numbers))
             ! also the sign of a zero is part of the number
-            if (exact(numbers(last + 1)) /= exact(numbers(first))) exit
+            if (transfer(numbers(last + 1), bits) /= transfer(numbers(first), bits)) exit
             last = last + 1
          end do
          if (last < first + 2) last = first
