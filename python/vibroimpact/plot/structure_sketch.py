@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..record import Record
 from ..structure import Load, Structure
 from .style import FREE, IMPACT, LOAD, PRIMARY
 
@@ -66,7 +67,7 @@ def has_bodies(structure: Structure) -> bool:
     return not (off.any() or any(np.count_nonzero(gap.direction) > 2 for gap in structure.gaps))
 
 
-def draw_sketch(ax: Any, structure: Structure, load: Load | None = None) -> None:
+def draw_sketch(ax: Any, structure: Structure, load: Load | Record | None = None) -> None:
     """Draw the bodies, or, where coordinates are no displacements of bodies, a block with its gaps."""
     if has_bodies(structure):
         _draw_row(ax, structure, load, [np.flatnonzero(gap.direction) for gap in structure.gaps])
@@ -93,7 +94,9 @@ def _hosts(structure: Structure, pairs: list[NDArray[Any]]) -> dict[int, tuple[i
     return found
 
 
-def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDArray[Any]]) -> None:
+def _draw_row(
+    ax: Any, structure: Structure, load: Load | Record | None, pairs: list[NDArray[Any]]
+) -> None:
     hosts = _hosts(structure, pairs)
     row = [i for body in bodies_of(structure) for i in sorted(body) if i not in hosts]
     cut = len(row) > MOST
@@ -167,12 +170,14 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
                 _far(ax, low, high, -0.45 * far, label + ("" if facing else " (apart)"))
                 depth = min(depth, -0.45 * far - 0.4)
     if load is not None:
-        acting = np.abs(load.sine).sum(0) + np.abs(load.cosine).sum(0) + np.abs(load.constant)
+        changing = _changing(load)
+        acting = changing + (np.abs(load.constant) if isinstance(load, Load) else 0)
         for i, box in boxes.items():
             if acting[i]:
-                steady = not (np.abs(load.sine[:, i]).any() or np.abs(load.cosine[:, i]).any())
-                name = rf"$f_{{{i + 1}}}$" + (f" = {load.constant[i]:.3g}" if steady else "$(t)$")
-                half = -0.55 if steady and load.constant[i] < 0 else 0.55
+                steady = isinstance(load, Load) and not changing[i]
+                name = rf"$f_{{{i + 1}}}$"
+                name += f" = {load.constant[i]:.3g}" if steady else "$(t)$"
+                half = -0.55 if steady and "-" in name else 0.55
                 ax.annotate(
                     "", (box.middle + half, HEIGHT + 0.25), (box.middle - half, HEIGHT + 0.25),
                     arrowprops={"arrowstyle": "-|>", "color": LOAD, "lw": 1.3, "shrinkA": 0, "shrinkB": 0},
@@ -192,6 +197,15 @@ def _draw_row(ax: Any, structure: Structure, load: Load | None, pairs: list[NDAr
             f"{len(row)} bodies" + (f", {len(hosts)} free masses in their slots" if hosts else ""),
             ha="center", va="center", fontsize=7,
         )  # fmt: skip
+
+
+def _changing(load: Load | Record) -> NDArray[np.float64]:
+    """How much of a load changes with time, by coordinate."""
+    if isinstance(load, Record):
+        total: NDArray[np.float64] = np.abs(load.force).sum(0)
+        return total
+    both: NDArray[np.float64] = np.abs(load.sine).sum(0) + np.abs(load.cosine).sum(0)
+    return both
 
 
 def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
