@@ -32,7 +32,12 @@ class ParameterTypeError(VibroimpactError, TypeError):
 
 
 class SingularError(VibroimpactError, ArithmeticError):
-    """The equations have no unique, finite solution for these (allowed) parameters."""
+    """The equations have no unique, finite solution for these (allowed) parameters.
+
+    Its attribute `result` is the part of a simulation of a structure before that, or None.
+    """
+
+    result: Any = None
 
 
 class OpenBoundaryWarning(UserWarning):

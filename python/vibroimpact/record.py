@@ -117,7 +117,8 @@ def base_motion(
     """The load due to a periodic motion y(t) of the base.
 
     y is the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t). The springs and dampers that hold the
-    structure to the base are those that deform when all bodies are at rest and the base moves. In absolute coordinates they exert K d y + C d y', with d the `direction`. In
+    structure to the base are those that deform when all bodies are at rest and the base moves.
+    In absolute coordinates they exert K d y + C d y', with d the `direction`. In
     coordinates relative to the base (``relative=True``) the load is -M d y''.
 
     Both give the same gaps where ``gap.direction`` is 0 for a motion of all bodies with the base, as between two

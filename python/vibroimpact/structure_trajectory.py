@@ -15,7 +15,7 @@ from .errors import ParameterError, SingularError
 from .noun import Noun, Savable
 from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
-from .status import MORE_EVENTS, raise_status
+from .status import MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure, from_groups
 from .tables import Result, made
 
@@ -428,7 +428,8 @@ def simulate_structure(
         If an argument is not allowed; nothing was computed.
     SingularError
         If a gap is less than closed at the start, a mode without damping resonates with the load, two modes
-        coincide by damping, or coupled gaps close at one instant.
+        coincide by damping, or coupled gaps close at one instant. If events came before, the motion up to
+        there is the attribute `result` of the error.
 
     Examples
     --------
@@ -486,7 +487,8 @@ def simulate_structure(
         if status != MORE_EVENTS or room == max_events:
             break
         room = min(8 * room, max_events)
-    if status not in (0, MORE_EVENTS):
+    failed = status not in (0, MORE_EVENTS)
+    if failed and count == 0:
         raise_status(status)
     events = _events(count)
     events["time"], events["speed"], events["impulse"] = table[:3, :count]
@@ -499,7 +501,7 @@ def simulate_structure(
     request = lasting | {
         "q": q.tolist(), "q_dot": rate.tolist(), "start": start, "max_events": max_events,
     }  # fmt: skip
-    return StructureTrajectory(
+    run = StructureTrajectory(
         structure,
         load,
         start,
@@ -510,7 +512,15 @@ def simulate_structure(
         (final[:n], final[n:]),
         status == 0,
         request,
+        sentence(status) if failed else "",
     )
+    if failed:
+        error = SingularError(
+            f"{sentence(status)}; the motion up to t = {end:g} is the attribute `result` of this error"
+        )
+        error.result = run
+        raise error
+    return run
 
 
 def _state(state: Any, n: int) -> tuple[_Array, _Array]:

@@ -302,6 +302,22 @@ def test_coupled_impacts_at_one_instant_are_refused():
         vi.simulate(s, duration=3, state=([0, 0], [1, 2]))
 
 
+def test_what_was_computed_before_an_error_is_kept():
+    """A ball bounces between two walls until the second ball arrives together with it."""
+    gaps = [vi.Gap([1, 0], 1.0), vi.Gap([-1, 0], 1.0), vi.Gap([-1, 1], 1.0)]
+    s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
+    # the first ball meets walls at t = 1, 3, 5; the second one is at 2 = 1 + 1 then
+    with pytest.raises(vi.SingularError, match="coupled gaps") as caught:
+        vi.simulate(s, duration=9, state=([0, -8], [1, 2]))
+    part = caught.value.result
+    assert part.events["time"].tolist() == [1.0, 3.0]
+    assert part.events["gap"].tolist() == [0, 1]
+    assert not part.complete
+    assert "coupled gaps" in part.cut
+    assert part.end == pytest.approx(5.0)
+    assert part.sample([4.0])[0][:, 0].tolist() == [0.0, 0.0]
+
+
 def test_uncoupled_impacts_at_one_instant_are_done():
     gaps = [vi.Gap([1, 0], 1.0, 0.5), vi.Gap([0, 1], 1.0, 0.25)]
     s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
