@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
-from ..structure import Load
 from .animation import MOST, RATE, _mix, _positive, _write, _writer
 from .structure_sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
@@ -106,7 +105,7 @@ def times_of(run: StructureTrajectory, begin: float, end: float) -> NDArray[np.f
 
 
 def _draw_sketch(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
-    draw_sketch(ax, run.structure, run.load if isinstance(run.load, Load) else None)
+    draw_sketch(ax, run.structure, run.load)
 
 
 def _mark_events(ax: Any, run: StructureTrajectory, begin: float, end: float, y: Any) -> None:
