@@ -531,7 +531,8 @@ end subroutine sample_structure
 !! coordinates and velocities just after an impact; `scalars` are the residual, det[P] and the value
 !! that it must have.
 subroutine periodic_structure(n, gaps, width, harmonics, m, matrices, directions, gap_values, &
-   frequency, loads, constant, at, phases, cycles, wanted, impacts, states, p, multipliers, scalars, &
+   frequency, loads, constant, at, phases, cycles, wanted, impacts, states, p, multipliers, &
+   scalars, &
    verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use vi_structure, only: new_load, new_structure
@@ -556,7 +557,8 @@ end subroutine periodic_structure
 !! `counts` are its impacts, load cycles, and rests; impacts and states as in `periodic_structure`.
 !! `labels` holds the gaps of the impacts and of the rests, a column of `rests` the load phases at
 !! which one begins and ends.
-subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap_values, frequency, &
+subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap_values, &
+   frequency, &
    loads, constant, start, state, settling, most_cycles, cycles, capacity, counts, labels, &
    impacts, states, rests, p, multipliers, scalars, verdicts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int

@@ -43,7 +43,9 @@ def pages():
     for about in language()["results"].values():
         if about["of_structure"]:
             group = about["group"]
-            lines.append(f"| {about['meaning']} | `{group}` | `&{group}` of a `&structure` | `{group}` |")
+            lines.append(
+                f"| {about['meaning']} | `{group}` | `&{group}` of a `&structure` | `{group}` |"
+            )
     readme = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
     rows = "| result of " + readme.partition("\n| result of ")[2].partition("\n\n")[0] + "\n"
     return {"studies.md": "\n".join(lines) + "\n", "rows.md": rows}

@@ -682,8 +682,9 @@ contains
 
       n = 0
       do i = 1, size(values%keys)
-         if (values%values(i)%there .and. allocated(values%values(i)%numbers)) &
+         if (values%values(i)%there .and. allocated(values%values(i)%numbers)) then
             n = n + size(values%values(i)%numbers)
+         end if
       end do
    end function count_numbers
 

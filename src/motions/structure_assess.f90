@@ -38,7 +38,8 @@ module vi_structure_assess
 contains
 
    !> The multipliers of a motion without rest, and its verdicts.
-   pure subroutine assess_structure(structure, regime, equations, speeds, offsets, residual, verdicts)
+   pure subroutine assess_structure(structure, regime, equations, speeds, offsets, residual, &
+      verdicts)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Its regime without resting gaps.

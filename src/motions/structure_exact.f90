@@ -11,7 +11,8 @@ module vi_structure_exact
 
    public :: solve_structure_exact
 
-   !> A step that is negligible, one below which rounding may be reached, and relative residuals that
+   !> A step that is negligible, one below which rounding may be reached, and relative residuals
+   !! that
    !! are due to rounding.
    real(wp), parameter :: negligible = 16*epsilon(1.0_wp), small = 1.0e-7_wp, &
       at_rounding = 64*epsilon(1.0_wp)
@@ -20,7 +21,8 @@ contains
 
    !> Newton's method from a guess.
    !!
-   !! A step changes no flight by more than half of its duration. It ends after a negligible step, or
+   !! A step changes no flight by more than half of its duration. It ends after a negligible step,
+   !! or
    !! once steps are small and no longer shrink: then rounding is reached.
    pure subroutine solve_structure_exact(structure, regime, gaps, times, period, speeds, offsets, &
       most, residual, steps, status)

@@ -3,7 +3,8 @@
 !!
 !!     S = [ J, 0 ; (a+ - J' a-) G^T/v, J' ],   J = I - (1 + R) m M^-1 G G^T
 !!
-!! with J' = I - (1 + R + R' v) m M^-1 G G^T, accelerations a- and a+, approach speed v. In the pairs
+!! with J' = I - (1 + R + R' v) m M^-1 G G^T, accelerations a- and a+, approach speed v. In the
+!! pairs
 !! [P] has the same eigenvalues as in coordinates and velocities.
 module vi_structure_map
    use vi_kinds, only: wp

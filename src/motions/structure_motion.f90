@@ -380,7 +380,8 @@ contains
       speeds = right(2*m + 1:unknowns)
    end subroutine solve_in_full
 
-   !> Advances all columns of a linear dependence of the pairs; the last one with the constant terms.
+   !> Advances all columns of a linear dependence of the pairs; the last one with the constant
+   !! terms.
    pure subroutine propagate(regime, time, state)
       !> The regime.
       type(regime_type), intent(in) :: regime

@@ -69,7 +69,8 @@ module vi_motion_structure_study
       meaning='whether all gaps stay open between the impacts'), &
       column_type('motion', 'stable', verdicts, listed=.false., &
       meaning='whether disturbances decay'), &
-      column_type('motion', 'frequency', listed=.false., meaning='circular frequency of the load'), &
+      column_type('motion', 'frequency', listed=.false., &
+      meaning='circular frequency of the load'), &
       column_type('multipliers', 'multiplier', complexes, listed=.false., &
       meaning='eigenvalues of [P], by decreasing modulus'), &
       column_type('derivative', 'P', each='state', listed=.false., &

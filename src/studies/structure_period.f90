@@ -61,7 +61,8 @@ contains
       if (status /= stat%ok) return
       call new_regime(structure, load, [integer :: ], regime, status)
       if (status /= stat%ok) return
-      ! the terms of the load count from its phase, so Omega is that of the load without harmonics too
+      ! the terms of the load count from its phase, so Omega is that of the load without harmonics
+      ! too
       regime%frequency = load%frequency
       n = size(gaps)
       period = cycles*two_pi/load%frequency

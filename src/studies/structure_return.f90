@@ -1,7 +1,8 @@
 !> The periodic motion on which a simulation of a structure settles, with accumulation and rest as
 !! well.
 !!
-!! A motion with rest is a fixed point of the map of one period, started in the middle of its longest
+!! A motion with rest is a fixed point of the map of one period, started in the middle of its
+!! longest
 !! flight without rest; Newton's method uses the derivative of the simulation in closed form.
 module vi_structure_return
    use, intrinsic :: iso_fortran_env, only: int64
@@ -14,7 +15,8 @@ module vi_structure_return
    use vi_structure, only: load_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
    use vi_structure_period, only: exact, periodic_structure, structure_motion_type
-   use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, run_state_type, &
+   use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
+      run_state_type, &
       run_type, simulate_structure, start_at, state_now, stick_event
    use vi_structure_variation, only: derivative_of_run
    implicit none (type, external)
@@ -242,7 +244,8 @@ contains
       end if
       call store_period(run, events(:n), found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
-      found%motion%verdicts%admissible = merge(yes, unknown, found%motion%verdicts%consistent == yes)
+      found%motion%verdicts%admissible = merge(yes, unknown, found%motion%verdicts%consistent == &
+         yes)
       found%motion%verdicts%p = p
       allocate (found%motion%verdicts%multipliers(2*m))
       found%motion%verdicts%multipliers = 0
@@ -332,7 +335,8 @@ contains
    end subroutine store_period
 
    !> The motion as arrays.
-   pure subroutine settle_arrays(structure, load, start, state, settling, most_cycles, cycles, counts, &
+   pure subroutine settle_arrays(structure, load, start, state, settling, most_cycles, cycles, &
+      counts, &
       labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure

@@ -1,4 +1,5 @@
-!> The derivative of a simulated motion of a structure by its initial state, event by event in closed
+!> The derivative of a simulated motion of a structure by its initial state, event by event in
+!! closed
 !! form, through impacts, rests and releases.
 module vi_structure_variation
    use, intrinsic :: iso_fortran_env, only: int64
@@ -8,7 +9,8 @@ module vi_structure_variation
    use vi_status, only: stat
    use vi_structure, only: structure_type
    use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
-   use vi_structure_run, only: impact_event, release_event, run_event_type, run_state_type, run_type, &
+   use vi_structure_run, only: impact_event, release_event, run_event_type, run_state_type, &
+      run_type, &
       stick_event
    implicit none (type, external)
    private
@@ -81,6 +83,7 @@ contains
                deallocate (d)
                allocate (d(2*size(event%x), size(p, 2)))
                call from_coordinates(run%regimes(event%regime), p, d)
+            case default    ! there is no other kind
             end select
             number = event%regime
             cycle = event%cycle
