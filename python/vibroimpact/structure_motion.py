@@ -17,12 +17,12 @@ from .status import MORE_EVENTS, VERDICT, raise_status
 from .structure import Load, Structure, from_groups
 from .structure_trajectory import (
     StructureTrajectory,
+    core_arrays,
     simulate_structure,
     structure_of,
     structure_tables,
     with_owners,
 )
-from .structure_trajectory import _arrays as core_arrays
 from .tables import Result, made
 
 __all__ = ["StructureMotion", "exact_structure", "periodic_structure"]

@@ -103,7 +103,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             labels[0, 1:][self.events["kind"] == kind] = i
         labels[1, 1:] = self.events["gap"] + 1
         values, status = _core.sample_structure(
-            *_arrays(self.structure, self.load), starts, labels, times[order]
+            *core_arrays(self.structure, self.load), starts, labels, times[order]
         )
         raise_status(status)
         found = np.empty((2 * n, len(times)))
@@ -370,7 +370,7 @@ def _events(count: int) -> NDArray[Any]:
     ])  # fmt: skip
 
 
-def _arrays(
+def core_arrays(
     structure: Structure, load: Load | Record | None
 ) -> tuple[_Array, _Array, _Array, float, _Array, _Array, float, _Array]:
     """The arguments of the core for a structure and its load."""
@@ -475,7 +475,7 @@ def simulate_structure(
         raise ParameterError(f"start = {start!r}: must be a number with 0 <= start <= 1e+12")
     max_events = checks.integer(max_events, "max_events", 1, 10**8)
     q, rate = _state(state, n)
-    arguments = _arrays(structure, load)
+    arguments = core_arrays(structure, load)
     first = np.append(q, rate)
     room = min(ROOM, max_events)
     while True:

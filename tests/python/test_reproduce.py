@@ -409,7 +409,7 @@ def test_simulations_are_not_called_measurements(whole):
     assert "experiment and theory" not in report
     for name in ("figure6a", "figure6b", "figure7", "figure8a", "figure8b", "figure10a"):
         done = json.loads((whole / "data" / f".{name}.done").read_text(encoding="utf-8"))
-        assert "experiment" not in done["said"]
+        assert "experiment" not in done["messages"]
 
 
 @pytest.mark.slow

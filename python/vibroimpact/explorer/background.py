@@ -108,8 +108,8 @@ class Background:
             }
             shapes = zone_shapes(zones)
             rough = given_up([family for family, zone in found.items() if zone is None], FINE)
-            told = "; ".join(filter(None, (lacking, rough)))
-            self._later("zones", current, lambda: show(zones, shapes, True, told))
+            remark = "; ".join(filter(None, (lacking, rough)))
+            self._later("zones", current, lambda: show(zones, shapes, True, remark))
 
         self.fine_zones.drop()
         self.coarse_done.clear()

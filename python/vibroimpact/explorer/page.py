@@ -56,7 +56,7 @@ class Bridge(JSComponent):  # type: ignore[misc]
     def _handle_msg(self, message: dict[str, Any]) -> None:
         self.heard(message)
 
-    def tell(self, text: str, numbers: Any) -> None:
+    def deliver(self, text: str, numbers: Any) -> None:
         """Send a message: JSON, which Bokeh passes on unchanged, and an array."""
         self._send_msg({"text": text, "numbers": numbers})
 
@@ -90,9 +90,9 @@ def page() -> Any:
 
     turns = Turns()
 
-    def tell(text: str, numbers: Any) -> None:
+    def deliver(text: str, numbers: Any) -> None:
         if document.session_context is not None:  # otherwise the page has been closed
-            document.add_next_tick_callback(lambda: bridge.tell(text, numbers))
+            document.add_next_tick_callback(lambda: bridge.deliver(text, numbers))
 
     # the first messages wait until the session has been made: a link may ask for long computations
     session: list[Session] = []
@@ -100,7 +100,7 @@ def page() -> Any:
     def heard(message: dict[str, Any]) -> None:
         try:
             if not session:
-                session.append(Session(urlencode(words), tell, turns.submit))
+                session.append(Session(urlencode(words), deliver, turns.submit))
             if turns.closed:
                 raise Stale
             session[0].heard(message)
@@ -108,7 +108,7 @@ def page() -> Any:
             raise
         except Exception as error:
             answer = {"fault": own_fault(error), "number": message["number"], "pictures": {}}
-            tell(*packed(answer))
+            deliver(*packed(answer))
 
     def closed(_: Any) -> None:
         turns.close()

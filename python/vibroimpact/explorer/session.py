@@ -37,7 +37,7 @@ class Session:
     ----------
     query : str
         Query of the link.
-    tell : callable
+    deliver : callable
         Sends a message, in the form of `packed`, to the page's script.
     at_its_turn : callable
         Runs a function in the page's thread; the threads return their results by it.
@@ -46,14 +46,14 @@ class Session:
     def __init__(
         self,
         query: str,
-        tell: Callable[..., None],
+        deliver: Callable[..., None],
         at_its_turn: Callable[[Callable[[], None]], None],
     ) -> None:
         state, self.faults = State.read(query)
         self.limit = Limit()
         self.explorer = Explorer(state, self.limit)
         self.faults += self.explorer.restore()
-        self.tell = tell
+        self.deliver = deliver
         self.background = Background(at_its_turn, self.failed)
         self.trajectory: Trajectory | None = None
         self.peeking, self.searched, self.ran = False, "", ""
@@ -106,7 +106,7 @@ class Session:
     def send(self, answer: dict[str, Any]) -> None:
         """Send one message with all texts and drawings."""
         changes, self.changes = self.changes, {}
-        self.tell(*pictures.packed(answer | {"pictures": changes}))
+        self.deliver(*pictures.packed(answer | {"pictures": changes}))
 
     def failed(self, kind: str, error: Exception) -> None:
         """A thread has raised an exception: report it; the job is repeated with the next change."""

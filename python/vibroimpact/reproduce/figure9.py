@@ -47,8 +47,10 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         load.set_title(f"({panel}) {caption}\n$r$ = {r:g}, $dK/F_0$ = {clearance:g}", fontsize=7.5)
         numbers = (len(motion.events), abs(motion.multipliers[0]), motion.x_min, motion.x_max)
         rows.append((panel, motion.pattern.sides, r, clearance, *numbers))
-        said = "stable" if there(motion, sides) else "NOT FOUND"
-        print(f"Figure 9{panel}: {caption}: {sides} at r = {r:g}, d K/F0 = {clearance:g}: {said}")
+        outcome = "stable" if there(motion, sides) else "NOT FOUND"
+        print(
+            f"Figure 9{panel}: {caption}: {sides} at r = {r:g}, d K/F0 = {clearance:g}: {outcome}"
+        )
         good = good and there(motion, sides)
     canvas.identify(axes[0, 0], UNEQUAL)
     canvas.save(figure, folder, "figure9")

@@ -69,12 +69,14 @@ def picture(folder: Path, name: str) -> str:
     """A figure with its caption and the messages of its computation."""
     title, text, wide = CAPTIONS[name]
     image = base64.b64encode((folder / f"{name}.svg").read_bytes()).decode()
-    said = json.loads((folder / "data" / f".{name}.done").read_text(encoding="utf-8"))["said"]
+    messages = json.loads((folder / "data" / f".{name}.done").read_text(encoding="utf-8"))[
+        "messages"
+    ]
     return (
         f'<section id="{name}"><h2>{title}</h2>\n<figure class="{"wide" if wide else "one"}">'
         f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{image}">'
         f"<figcaption>{text}</figcaption></figure>\n"
-        f"<details><summary>Messages of the computation</summary><pre>{escape(said)}</pre></details></section>"
+        f"<details><summary>Messages of the computation</summary><pre>{escape(messages)}</pre></details></section>"
     )
 
 
@@ -131,11 +133,13 @@ def corrections(folder: Path) -> str:
         left = [
             CORRECTIONS[name][0].split()[0] for name in CORRECTIONS if name not in row["corrected"]
         ]
-        said = "all three corrected" if not left else pretty(f"{', '.join(left)} as printed")
+        outcome = "all three corrected" if not left else pretty(f"{', '.join(left)} as printed")
         moduli = ", ".join(f"{x:.4g}" if x > 1e-12 else "0" for x in row["multipliers"])
         determinant = row["determinant"] if abs(row["determinant"]) > 1e-12 else 0.0
-        lines.append((whole(row["motion"]), said, moduli, f"{row['largest_in_table_1']:.4g}", f"{determinant:.6g}",
-                      f"{row['law']:.6g}", f"{row['largest_error']:.0e}"))  # fmt: skip
+        lines.append((
+            whole(row["motion"]), outcome, moduli, f"{row['largest_in_table_1']:.4g}",
+            f"{determinant:.6g}", f"{row['law']:.6g}", f"{row['largest_error']:.0e}",
+        ))  # fmt: skip
     header = ("Motion", "", "|λ|, lengths in F₀/K", f"max|λ|, unit with d = {TABLE_1:g}", "det[P]", "law",
               "error of P<sub>i</sub>")  # fmt: skip
     return what + grid(header, lines, numbers=2)

@@ -87,7 +87,7 @@ def reproduce(
         if known is not None and all(need in finished for need in TASKS[name].needs):
             finished[name] = known
             if name in wanted:
-                print(known.said, end="")
+                print(known.messages, end="")
                 print(f"{name}: up to date")
     missing = {name: print_ for name, print_ in prints.items() if name not in finished}
     bar = Bar(missing, sys.stderr)
@@ -98,7 +98,7 @@ def reproduce(
     for name, done in _perform_all(missing, folder, resolution, max(1, workers), bar):
         bar.clear()
         if isinstance(done, Done):
-            print(done.said, end="")
+            print(done.messages, end="")
             if name in wanted:
                 written = ", ".join(str(folder / output) for output in TASKS[name].outputs)
                 print(f"{name}: written: {written}", flush=True)

@@ -41,7 +41,7 @@ class Row(NamedTuple):
     verdict: str
 
 
-def said(good: bool) -> str:
+def agreement(good: bool) -> str:
     """A verdict."""
     return AGREES if good else DIFFERS
 
@@ -70,10 +70,10 @@ def table_1(folder: Path) -> list[Row]:
     return [
         Row("Table 1", "60 printed entries for two equispaced motions and an unequispaced one",
             f"{len(verdicts) - misprints - differ} agree to the printed digits, {misprints} are misprints, "
-            f"{differ} differ", said(differ == 0)),
+            f"{differ} differ", agreement(differ == 0)),
         Row("Table 1", "det[P] must equal exp(−4πξ/r)·R₁²R₂² (a law, not in the paper)",
             f"{laws[0]:.6f}; computed {', '.join(f'{x:.6f}' for x in dets)}",
-            said(bool(np.allclose(dets, laws, rtol=1e-9)))),
+            agreement(bool(np.allclose(dets, laws, rtol=1e-9)))),
     ]  # fmt: skip
 
 
@@ -94,14 +94,14 @@ def figure_3(folder: Path) -> list[Row]:
         Row("Figure 3", "no stable equispaced motion for 0.960 < r < 0.985",
             f"none for {left:.4f} < r < {right:.4f}; from there on there is one on a thin band of loads, "
             f"{100 * (at_985.high[0] / at_985.low[0] - 1):.0f} % wide at r = 0.985",
-            said(bool(left < 0.9605 and right >= 0.985))),
+            agreement(bool(left < 0.9605 and right >= 0.985))),
         Row("Figure 3", "a very narrow unequispaced zone near r = 1.00, its largest |λ| close to 1",
             f"at r = 1.00 it is {100 * ratio:.2f} % of dK/F₀ wide; max|λ| between {largest[0]:.4f} and "
-            f"{largest[1]:.4f} in it", said(0 < ratio < 0.05)),
+            f"{largest[1]:.4f} in it", agreement(0 < ratio < 0.05)),
         Row("Figure 3", "equispaced motions go on past r = 1.04 on dK/F₀ = 37",
-            f"stable from r = {on.min():.4f} to {on.max():.4f}", said(bool(on.max() > 1.04))),
+            f"stable from r = {on.min():.4f} to {on.max():.4f}", agreement(bool(on.max() > 1.04))),
         Row("Figure 3", "three impacts a cycle on dK/F₀ = 37 (Masri's one example)",
-            f"stable for r from {', '.join(where)}", said(bool(where))),
+            f"stable for r from {', '.join(where)}", agreement(bool(where))),
     ]  # fmt: skip
 
 
@@ -123,7 +123,7 @@ def figure_4(folder: Path) -> list[Row]:
         Row("Figure 4", "near r = 1 the phase τ depends on F₀",
             f"r = 0.999: dK/F₀ {two.clearance[1]:.4f} → {two.clearance[0]:.4f} moves sin τ "
             f"{two.sin_tau[1]:.3f} → {two.sin_tau[0]:.3f}",
-            said(bool(abs(two.sin_tau[0] - two.sin_tau[1]) > 0.01))),
+            agreement(bool(abs(two.sin_tau[0] - two.sin_tau[1]) > 0.01))),
         Row("Figure 4", "large differences in sin τ from the older Fourier theory near r = 1",
             "the older theory's curves are not in the text", UNCHECKED),
     ]  # fmt: skip
@@ -148,14 +148,14 @@ def figure_6a(folder: Path) -> list[Row]:
     return [
         Row("Figure 6a", "single precision gives a clearly different upper boundary",
             f"in IEEE single precision it moves by {apart.max():.1e} at most, relatively: not visible",
-            said(bool(apart.max() > 0.01))),
+            agreement(bool(apart.max() > 0.01))),
         Row("Figure 6a", "double precision gives a spike of the zone at r = 1",
             f"no spike: at r = 1 the boundary is F₀/(dK) = {at:.8f}, and for |r − 1| = 1e−3 … 1e−9 it leaves a "
             f"parabola by {bump:.1e}{digits}. The equations have none: it came from the arithmetic",
-            said(bool(bump > 0.01))),
+            agreement(bool(bump > 0.01))),
         Row("Figure 6a", "in the zone max|λ| lies between 0.996 and 0.999",
             f"it lies between {least:.3f} and {most:.4f}; {100 * share:.1f} % of the zone (in ln F₀/(dK) and r) "
-            "has 0.996 to 0.999", said(share > 0.5)),
+            "has 0.996 to 0.999", agreement(share > 0.5)),
     ]  # fmt: skip
 
 
@@ -208,10 +208,10 @@ def figures_6_to_8(folder: Path) -> list[Row]:
     rows += [
         Row("Figures 6–8", "near r = 1 small changes of the parameters matter much",
             f"from r = 0.99 to 1.01 the upper boundary of 6a rises by a factor {wall[1] / wall[0]:.2f}",
-            said(bool(wall[1] / wall[0] > 1.2))),
+            agreement(bool(wall[1] / wall[0] > 1.2))),
         Row("Figures 6–8", "R fell by about 9 % over the range, with a small effect on the zones",
             f"a change of R by 9 % moves the upper boundary of 6a by {100 * max(change):.0f} % at r = 0.8 or 1.2",
-            said(max(change) < 0.2)),
+            agreement(max(change) < 0.2)),
         Row("Figures 6–8", "the measured bars themselves", "not in the text; the bars here are simulated",
             UNCHECKED),
         Row("Section 3", "natural frequency 19.87 Hz from K = 65.01 lbf/in and M = 1.61 lbf",
@@ -230,7 +230,7 @@ def figure_9(folder: Path) -> list[Row]:
         good = there(motion, sides)
         rows.append(
             Row(f"Figure 9{panel}", caption, f"{sides} at r = {r:g}, F₀/(dK) = {1 / gap:.4g}: stable, max|λ| = "
-                f"{abs(complex(motion.multipliers[0])):.4f}", said(good)))  # fmt: skip
+                f"{abs(complex(motion.multipliers[0])):.4f}", agreement(good)))  # fmt: skip
     return rows
 
 
@@ -261,20 +261,20 @@ def figure_10(folder: Path) -> list[Row]:
         rows += [
             Row(f"Figure 10{name}", "X_max/A is least when r = 1",
                 f"least at r = {r[k]:.3f} (steps of 0.002); {best[name]:.4f} at r = 1",
-                said(abs(r[k] - 1) < 0.0021)),
+                agreement(abs(r[k] - 1) < 0.0021)),
             Row(f"Figure 10{name}", "a little above r = 1 the attenuation is less",
-                f"least X_max/A at r = 1.02: {above[0]:.4f}", said(above[0] > best[name])),
+                f"least X_max/A at r = 1.02: {above[0]:.4f}", agreement(above[0] > best[name])),
             Row(f"Figure 10{name}", f"{AMPLIFIED}, read as: at every load",
                 f"least X_max/A: {below[0]:.3f} at r = 0.98, {lower[0]:.3f} at r = 0.96; amplified at every "
-                f"load only up to r = {last_amplified(r, least):.3f}", said(below[0] > 1)),
+                f"load only up to r = {last_amplified(r, least):.3f}", agreement(below[0] > 1)),
             Row(f"Figure 10{name}", f"{AMPLIFIED}, read as: at some loads",
                 f"largest X_max/A: {below[1]:.3f} at r = 0.98, {lower[1]:.3f} at r = 0.96; amplified at some "
-                f"load only up to r = {last_amplified(r, most):.3f}", said(below[1] > 1)),
+                f"load only up to r = {last_amplified(r, most):.3f}", agreement(below[1] > 1)),
         ]  # fmt: skip
     rows.append(
         Row("Figure 10", "equal coefficients of restitution are better",
             f"least X_max/A at r = 1: {best['a']:.4f} with equal, {best['b']:.4f} with unequal ones",
-            said(best["a"] < best["b"])))  # fmt: skip
+            agreement(best["a"] < best["b"])))  # fmt: skip
     return rows
 
 
@@ -299,11 +299,11 @@ def section_2(folder: Path) -> list[Row]:
         Row("Section 2", f"{rule}, read as: on the verdicts on stability",
             f"{numbers} wrong among the accepted {', '.join(f'{x:.1f}' for x in wrong[0])} % (3 %), "
             f"{', '.join(f'{x:.1f}' for x in wrong[1])} % (1.5 %)",
-            said(max(abs(a - b) for a, b in zip(*wrong, strict=True)) < 2)),
+            agreement(max(abs(a - b) for a, b in zip(*wrong, strict=True)) < 2)),
         Row("Section 2", f"{rule}, read as: on which motions are accepted",
             f"{numbers} accepted {', '.join(f'{x:.0f}' for x in accepted[0])} % (3 %), "
             f"{', '.join(f'{x:.0f}' for x in accepted[1])} % (1.5 %)",
-            said(max(abs(a - b) for a, b in zip(*accepted, strict=True)) < 2)),
+            agreement(max(abs(a - b) for a, b in zip(*accepted, strict=True)) < 2)),
     ]  # fmt: skip
 
 

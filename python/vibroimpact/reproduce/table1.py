@@ -109,15 +109,15 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         for row in printed_values():
             name, printed = row["quantity"], row[column]
             value = computed[column][name]
-            said = verdict(value, printed, MISPRINTS.get((name, column)))
-            lines.append(_row(name, value, printed, beside[name] if beside else "", said))
+            outcome = verdict(value, printed, MISPRINTS.get((name, column)))
+            lines.append(_row(name, value, printed, beside[name] if beside else "", outcome))
             table.append(
                 [
                     column,
                     name,
                     repr(float(value)) if isinstance(value, float) else value,
                     printed,
-                    said,
+                    outcome,
                 ]
             )
     faults = sum(row[-1] == "DIFFERS" for row in table)
@@ -141,6 +141,6 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     return faults == 0
 
 
-def _row(name: str, computed: float | str, printed: str, beside: float | str, said: str) -> str:
+def _row(name: str, computed: float | str, printed: str, beside: float | str, outcome: str) -> str:
     values = [f"{x:.4f}" if isinstance(x, float) else x for x in (computed, printed, beside)]
-    return f"  {name:<13} {values[0]:>10} {values[1]:>10} {values[2]:>10}   {said}".rstrip()
+    return f"  {name:<13} {values[0]:>10} {values[1]:>10} {values[2]:>10}   {outcome}".rstrip()

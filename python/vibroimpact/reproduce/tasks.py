@@ -77,7 +77,7 @@ class Done(NamedTuple):
 
     name: str
     agrees: bool
-    said: str
+    messages: str
     seconds: float
 
 
@@ -153,7 +153,7 @@ def recall(folder: Path, name: str, print_: str) -> Done | None:
         same = stamp["fingerprint"] == print_ and stamp["outputs"] == {
             output: _digest([folder / output]) for output in TASKS[name].outputs
         }
-        return Done(name, stamp["agrees"], stamp["said"], stamp["seconds"]) if same else None
+        return Done(name, stamp["agrees"], stamp["messages"], stamp["seconds"]) if same else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
@@ -161,8 +161,8 @@ def recall(folder: Path, name: str, print_: str) -> Done | None:
 def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
     """Perform one task, write its outputs, and finally its stamp."""
     begin = time.process_time()
-    task, said = TASKS[name], io.StringIO()
-    with contextlib.redirect_stdout(said):
+    task, messages = TASKS[name], io.StringIO()
+    with contextlib.redirect_stdout(messages):
         if task.module == "sweeps":
             _, rig, r = name.split("_")
             import_module(f".{task.module}", __package__).run_sweep(
@@ -171,7 +171,7 @@ def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
             agrees = True
         else:
             agrees = import_module(f".{task.module}", __package__).reproduce(folder, resolution)
-    done = Done(name, bool(agrees), said.getvalue(), time.process_time() - begin)
+    done = Done(name, bool(agrees), messages.getvalue(), time.process_time() - begin)
     outputs = {output: _digest([folder / output]) for output in task.outputs}
     stamp = {"fingerprint": print_, "outputs": outputs, **done._asdict()}
     write_text(_stamp(folder, name), json.dumps(stamp) + "\n")
