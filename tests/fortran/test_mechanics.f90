@@ -3,6 +3,7 @@ program test_mechanics
    use checks, only: check, check_close, finish
    use mechanics_extrema, only: test_extrema
    use mechanics_march, only: test_march
+   use mechanics_structure, only: test_structure
    use random_numbers, only: draw, random_type
    use random_systems, only: pi, random_flight, random_frequency, random_oscillator
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
@@ -21,6 +22,7 @@ program test_mechanics
    call test_derivative_bound()
    call test_extrema()
    call test_march()
+   call test_structure()
    call finish()
 
 contains

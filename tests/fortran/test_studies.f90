@@ -12,6 +12,7 @@ program test_studies
    use studies_symbols, only: test_symbols
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
+   use studies_structures, only: test_structures
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_kinds, only: wp
@@ -49,6 +50,7 @@ program test_studies
    call test_symbols()
    call test_rest()
    call test_rows()
+   call test_structures()
    call test_attractors()
    call finish()
 
