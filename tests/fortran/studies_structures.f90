@@ -89,7 +89,8 @@ contains
       call settle(structure, sine_load(0.9_wp), 0.0_wp, nothing, nothing, 200, 8, 0, found, status)
       call check(status == stat%ok, 'a motion with rest')
       if (status /= stat%ok) return
-      call check(all(found%resting == 2) .and. size(found%resting) == 1, 'it rests on its left wall')
+      call check(all(found%resting == 2) .and. size(found%resting) == 1, &
+         'it rests on its left wall')
       call check(all(found%rests(2, :) > found%rests(1, :)), 'and is released later')
       associate (moduli => abs(found%motion%verdicts%multipliers))
          call check(all(moduli(3:) < 1.0e-10_wp), 'two multipliers vanish')
