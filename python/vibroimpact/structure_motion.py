@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks, namelist
-from .errors import ParameterError, SingularError
-from .noun import Noun, Savable
+from .errors import ParameterError
+from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
 from .status import MORE_EVENTS, VERDICT, raise_status
-from .structure import Load, Structure, from_groups
+from .structure import Load, Structure
 from .structure_trajectory import (
+    OfStructure,
     StructureTrajectory,
     core_arrays,
+    request_of,
     simulate_structure,
     structure_of,
     structure_tables,
@@ -207,16 +209,7 @@ class StructureMotion(Savable, study="motion_structure"):
         (multipliers,), (matrix,) = values("multipliers", "multiplier"), values("derivative", "P")
         for array in (states, rests):
             array.flags.writeable = False
-        request = None
-        if result.case:
-            *_, (group, keys) = [
-                item for item in namelist.parts_of(result.case) if item[0] != "output"
-            ]
-            if group != "motion":
-                raise ParameterError("case: must end with a &motion")
-            request = {name: keys[name] for name in REQUEST if name in keys}
-            for name in {"gaps", "phases", "q", "q_dot"} & set(request):
-                request[name] = np.atleast_1d(request[name]).tolist()
+        request = request_of(result, "motion", REQUEST, {"gaps", "phases", "q", "q_dot"})
         return cls(
             structure, load, gaps, own["cycles"], phases, speeds, impulses, states, own["residual"],
             matrix, multipliers, own["determinant"], own["law"],
@@ -504,24 +497,8 @@ def settled(
     )  # fmt: skip
 
 
-class StructureMotionResult(Noun, study="motion_structure"):
+class StructureMotionResult(OfStructure, study="motion_structure"):
     """The result of a &motion case of a &structure: the motion, unless it was not found."""
 
     __slots__ = ()
-
-    def parts(self) -> list[StructureMotion]:
-        """The motion."""
-        return [] if self._result.empty else [StructureMotion.of_result(self._result)]
-
-    def require(self) -> None:
-        """SingularError if it was not found."""
-        if self._result.empty:
-            raise SingularError(self._result.notes[0][1])
-
-    @property
-    def structure(self) -> Structure:
-        """The structure."""
-        return from_groups(namelist.parts_of(self.case)[:-1])[0]
-
-    def __repr__(self) -> str:
-        return f"<StructureMotionResult: {', '.join(map(repr, self.parts())) or 'none'}>"
+    part = StructureMotion

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -170,16 +170,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         (start, end), q, rate = values("moments", "time", "q", "q_dot")
         for array in (events, states):
             array.flags.writeable = False
-        request = None
-        if result.case:
-            *_, (group, keys) = [
-                item for item in namelist.parts_of(result.case) if item[0] != "output"
-            ]
-            if group != "simulate":
-                raise ParameterError("case: must end with a &simulate")
-            request = {name: keys[name] for name in REQUEST if name in keys}
-            for name in {"q", "q_dot"} & set(request):
-                request[name] = np.atleast_1d(request[name]).tolist()
+        request = request_of(result, "simulate", REQUEST, {"q", "q_dot"})
         return cls(
             structure, load, float(start), float(end), events, states, (q[0], rate[0]), (q[1], rate[1]),
             bool(finished), request, "" if result.cut == FULL else result.cut,
@@ -243,17 +234,31 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         )
 
 
-class StructureSimulation(Noun, study="simulate_structure"):
-    """The result of a &simulate case of a &structure: its trajectory, unless the simulation failed."""
+def request_of(
+    result: Result, group: str, names: Sequence[str], lists: set[str]
+) -> dict[str, Any] | None:
+    """The keys of the study of a result's case, of which some are lists; None without a case."""
+    if not result.case:
+        return None
+    *_, (last, keys) = [item for item in namelist.parts_of(result.case) if item[0] != "output"]
+    if last != group:
+        raise ParameterError(f"case: must end with a &{group}")
+    request = {name: keys[name] for name in names if name in keys}
+    return request | {name: np.atleast_1d(request[name]).tolist() for name in lists & set(request)}
+
+
+class OfStructure(Noun):
+    """The result of a case of a &structure with one part, unless it failed."""
 
     __slots__ = ()
+    part: ClassVar[type[Savable]]
 
-    def parts(self) -> list[StructureTrajectory]:
-        """The trajectory."""
-        return [] if self._result.empty else [StructureTrajectory.of_result(self._result)]
+    def parts(self) -> list[Any]:
+        """The part."""
+        return [] if self._result.empty else [self.part.of_result(self._result)]
 
     def require(self) -> None:
-        """SingularError if the simulation failed."""
+        """SingularError if the case failed."""
         if self._result.empty:
             raise SingularError(self._result.notes[0][1])
 
@@ -263,7 +268,14 @@ class StructureSimulation(Noun, study="simulate_structure"):
         return from_groups(namelist.parts_of(self.case)[:-1])[0]
 
     def __repr__(self) -> str:
-        return f"<StructureSimulation: {', '.join(map(repr, self.parts())) or 'none'}>"
+        return f"<{type(self).__name__}: {', '.join(map(repr, self.parts())) or 'none'}>"
+
+
+class StructureSimulation(OfStructure, study="simulate_structure"):
+    """The result of a &simulate case of a &structure: its trajectory, unless the simulation failed."""
+
+    __slots__ = ()
+    part = StructureTrajectory
 
 
 def structure_tables(s: Structure, load: Load | None) -> dict[str, Any]:
