@@ -65,7 +65,31 @@ def same_structure_motion(one: StructureMotion, other: StructureMotion) -> bool:
 
     They have the same period, the same gaps in order, phases within 1e-6 rad and speeds within 1e-6 of the
     largest one. Impacts of accumulations count down to 1e-3 of the largest speed.
+
+    Parameters
+    ----------
+    one, other : StructureMotion
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    ParameterTypeError
+        If an argument is no `StructureMotion`.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> load = vi.Load(1.0, cosine=[1])
+    >>> motion = vi.exact(wall, load, ([0.1], [0]))
+    >>> vi.same_structure_motion(motion, vi.exact(wall, load, motion))
+    True
     """
+    checks.instance(one, "one", StructureMotion)
+    checks.instance(other, "other", StructureMotion)
     if one.cycles != other.cycles or len(one.rests) != len(other.rests):
         return False
     first, second = _impacts(one), _impacts(other)
