@@ -24,14 +24,14 @@ __all__ = ["Case", "read_namelist"]
 
 
 @cache
-def kinds() -> tuple[str, ...]:
-    """Kinds of cases: the words of the key `kind` of a study, or the name of the study."""
+def kinds(structures: bool = True) -> tuple[str, ...]:
+    """Kinds of cases: the words of the key `kind` of a study, or the name of its group."""
     groups = language()["groups"]
-    words = {
-        about["group"]: next((key["words"] for key in groups[study] if key["name"] == "kind"), about["group"])
-        for study, about in language()["results"].items()
-    }  # fmt: skip
-    return tuple(" ".join(words.values()).split())
+    words = [
+        next((key["words"] for key in groups[study] if key["name"] == "kind"), about["group"])
+        for study, about in language()["results"].items() if structures or not about["of_structure"]
+    ]  # fmt: skip
+    return tuple(dict.fromkeys(" ".join(words).split()))
 
 
 class Case(NamedTuple):

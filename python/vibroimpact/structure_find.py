@@ -34,7 +34,8 @@ class StructureMotions(Sequence[StructureMotion]):
     settled : tuple of int
         How many of the simulated states settle on each.
     unsettled : int
-        Simulated states that do not settle on a periodic motion within the limits of the search.
+        Simulated states that do not settle on an admissible periodic motion with impacts within the limits of the
+        search; those of the motion without impacts count here.
     failures : dict
         Messages of simulations and iterations that failed, and how often each occurred.
     """

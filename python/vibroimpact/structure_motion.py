@@ -62,8 +62,8 @@ class StructureMotion(Savable, study="motion_structure"):
     multipliers : ndarray (2n,)
         Its eigenvalues, in order of decreasing modulus.
     determinant, law : float
-        det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal;
-        0 with rests.
+        det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal
+        up to rounding errors of the size of eps times the product of the column lengths of [P]; 0 with rests.
     consistent, admissible, stable : bool or None
         Whether the residual is one of rounding; whether every gap stays open between the impacts; whether all
         multipliers lie inside the unit circle. None: not decided.
@@ -380,6 +380,8 @@ def check_pair(structure: Any, load: Any) -> None:
         raise ParameterError(
             f"load for {load.coordinates} coordinates: must be for {n} as the structure is"
         )
+    if not load.frequency:
+        raise ParameterError(f"load = {load!r}: must have a frequency, which gives the period")
 
 
 def _pattern(

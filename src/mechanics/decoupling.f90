@@ -128,6 +128,10 @@ contains
             status = stat%negative_stiffness
          end if
          coupling(i, i) = max(0.0_wp, coupling(i, i))
+         ! damping that is proportional to the stiffness leaves rounding errors for a drag at
+         ! frequency 0
+         if (.not. omega_squared(i) > 0 .and. coupling(i, i) <= 64*m*epsilon(1.0_wp)*maxval(abs( &
+            coupling))) coupling(i, i) = 0
       end do
       if (any(omega_squared < 0)) status = stat%negative_stiffness
       if (status /= stat%ok) return

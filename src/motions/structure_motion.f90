@@ -10,6 +10,7 @@ module vi_structure_motion
    use vi_kinds, only: wp
    use vi_lapack, only: least_squares, least_squares_work
    use vi_modes, only: advance, step_functions
+   use vi_restitution, only: constant_law
    use vi_responses, only: forced_row, jumps_of, offset_pairs, pair_response, &
       ripple_row, row_of_gap, steady_pairs
    use vi_status, only: stat
@@ -61,6 +62,7 @@ contains
       real(wp), dimension(size(regime%modes%stiffness), size(gaps)) :: in_x, in_v, of_x, of_v
       integer, allocatable :: pairs(:)
       real(wp) :: x(0:2), v(0:2)
+      logical, allocatable :: participates(:)
       logical :: resonant
       integer :: i, j, k, n
 
@@ -100,11 +102,20 @@ contains
                + regime%modes%force(pairs(k)))
          end associate
       end do
-      equations%apart = .not. (any(abs(equations%balance) > 0, 2) .or. any(abs( &
-         equations%by_offset) > 0, 1))
-      if (any(.not. any(abs(equations%balance) > 0, 2) .and. abs(equations%supplied) > 0)) then
-         status = stat%no_motion
-      end if
+      allocate (participates(size(pairs)))
+      do k = 1, size(pairs)
+         ! the sum over all pairs of the coefficient times the jump is 1/m of the gap: a share of it
+         ! that is a square of rounding errors is 0
+         participates(k) = any(abs(equations%by_offset(:, k)*equations%balance(k, :))* &
+            structure%effective(gaps) > (64*size(of_x, 1)*epsilon(1.0_wp))**2)
+         if (participates(k)) cycle
+         equations%by_offset(:, k) = 0
+         equations%balance(k, :) = 0
+         if (abs(equations%supplied(k)) > 1.0e-12_wp*period*(norm2(regime%modes%force) &
+            + 2*norm2(regime%modes%damping*regime%modes%drift))) status = stat%no_motion
+         equations%supplied(k) = 0
+      end do
+      equations%apart = .not. participates
    end subroutine new_equations
 
    !> Time from impact j to the next instant of impact i; the whole period for the same impact, so
@@ -197,8 +208,8 @@ contains
       end associate
    end subroutine residuals
 
-   !> Approach speeds and offsets that satisfy the equations best (DGELS), for constant coefficients
-   !! of restitution.
+   !> Approach speeds and offsets that satisfy the equations best (DGELS); repeated about the last
+   !! speeds where coefficients of restitution depend on them.
    !!
    !! Approach speeds are compared with gaps as if they lasted for a radian of the period.
    pure subroutine solve_linear(structure, equations, speeds, offsets, residual, status)
@@ -216,33 +227,37 @@ contains
       real(wp), dimension(2*size(speeds) + size(offsets), 2*size(speeds) + size(offsets)) :: &
          jacobian
       real(wp), allocatable :: a(:, :), work(:)
+      integer, parameter :: most = 40
       real(wp) :: unit(size(right)), columns(size(speeds) + size(offsets)), length
-      integer :: i, n
+      integer :: i, n, pass
 
       n = size(speeds)
       speeds = 0
       offsets = 0
-      call residuals(structure, equations, speeds, offsets, value, scale, jacobian)
-      unit(:n) = 1
-      unit(n + 1:2*n) = equations%period/(2*acos(-1.0_wp))
-      do i = 2*n + 1, size(unit)
-         length = maxval(abs(jacobian(i, n + 1:)))
-         unit(i) = unit(n + 1)
-         if (length > 0) unit(i) = unit(n + 1)/length
+      allocate (work(least_squares_work(size(value), size(columns))))
+      do pass = 1, merge(1, most, all(structure%laws(equations%gaps)%kind == constant_law))
+         call residuals(structure, equations, speeds, offsets, value, scale, jacobian)
+         unit(:n) = 1
+         unit(n + 1:2*n) = equations%period/(2*acos(-1.0_wp))
+         do i = 2*n + 1, size(unit)
+            length = maxval(abs(jacobian(i, n + 1:)))
+            unit(i) = unit(n + 1)
+            if (length > 0) unit(i) = unit(n + 1)/length
+         end do
+         a = jacobian(:, n + 1:)
+         right = -unit*value
+         do i = 1, size(a, 2)
+            a(:, i) = unit*a(:, i)
+            columns(i) = norm2(a(:, i))
+            if (columns(i) > 0) a(:, i) = a(:, i)/columns(i)
+         end do
+         call least_squares(a, right, work, length, status)
+         if (status /= stat%ok) return
+         right(:size(columns)) = right(:size(columns))/columns
+         speeds = speeds + right(:n)
+         offsets = offsets + right(n + 1:size(columns))
+         if (maxval(abs(right(:n))) <= 1.0e-13_wp*maxval(abs(speeds))) exit
       end do
-      a = jacobian(:, n + 1:)
-      right = -unit*value
-      do i = 1, size(a, 2)
-         a(:, i) = unit*a(:, i)
-         columns(i) = norm2(a(:, i))
-         if (columns(i) > 0) a(:, i) = a(:, i)/columns(i)
-      end do
-      allocate (work(least_squares_work(size(a, 1), size(a, 2))))
-      call least_squares(a, right, work, length, status)
-      if (status /= stat%ok) return
-      right(:size(columns)) = right(:size(columns))/columns
-      speeds = right(:n)
-      offsets = right(n + 1:size(columns))
       call residuals(structure, equations, speeds, offsets, value, scale)
       residual = relative(value, scale)
    end subroutine solve_linear

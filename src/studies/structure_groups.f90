@@ -207,10 +207,10 @@ contains
          end if
          if (all(allowed == 0)) then
             if (i == 1) then
-               call structure%refuse(given_as(structure, i), 'it has '//whole(size( &
+               call structure%refuse(trim(given_as(structure, i)), 'it has '//whole(size( &
                   structure%numbers('mass')))//' numbers')
             else
-               call structure%refuse(given_as(structure, i), 'it has '//whole(size( &
+               call structure%refuse(trim(given_as(structure, i)), 'it has '//whole(size( &
                   structure%numbers(trim(matrices(i)))))//' numbers, which does not fit the '// &
                   whole(size(structure%numbers('mass')))//' of mass')
             end if
@@ -232,10 +232,10 @@ contains
       type(values_type), intent(in) :: structure
       !> Place of the matrix in `matrices`.
       integer, intent(in) :: i
-      character(len_trim(matrices(i)) + merge(5, 0, structure%has(trim(matrices(i))//'_file'))) :: &
-         name
+      character(24) :: name
 
-      name = trim(matrices(i))//'_file'
+      name = matrices(i)
+      if (structure%has(trim(matrices(i))//'_file')) name = trim(matrices(i))//'_file'
    end function given_as
 
    !> Checks the matrices, and completes them: each is a diagonal, or else the whole symmetric
@@ -264,7 +264,7 @@ contains
          if (apart > 1.0e-12_wp*scale) then
             j = minval(at)
             k = maxval(at)
-            call structure%refuse(given_as(structure, i), 'row '//whole(j)//', column '// &
+            call structure%refuse(trim(given_as(structure, i)), 'row '//whole(j)//', column '// &
                whole(k)//' holds '//trim(number_text(matrix(j, k), .false.))//', and row '// &
                whole(k)//', column '//whole(j)//' '//trim(number_text(matrix(k, j), .false.)))
             return
@@ -272,11 +272,12 @@ contains
          matrix = 0.5_wp*(matrix + transpose(matrix))
          call least_eigenvalue(matrix, least)
          if (i == 1 .and. .not. least > 0) then
-            call structure%refuse(given_as(structure, i), 'it must be positive definite, and &
+            call structure%refuse(trim(given_as(structure, i)), 'it must be positive definite, and &
                &its least eigenvalue is '//trim(number_text(least, .false., 3)))
             return
          else if (least < -1.0e-12_wp*scale*n) then
-            call structure%refuse(given_as(structure, i), 'it must have no negative eigenvalue, &
+            call structure%refuse(trim(given_as(structure, i)), &
+               'it must have no negative eigenvalue, &
                &and the least one is '//trim(number_text(least, .false., 3)))
             return
          end if

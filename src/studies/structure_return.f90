@@ -60,6 +60,9 @@ contains
       !! `stat%no_impacts`; `stat%no_motion` where it has more than `most_events` events in a
       !! period, or no flight without rest; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
+      !> How far the motion may be from the simulated one: in phase (rad), and in speed relative to
+      !! the largest one.
+      real(wp), parameter :: near = 0.05_wp
       type(run_type) :: run
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
@@ -98,6 +101,12 @@ contains
          own = structure
          call periodic_structure(own, load, found%gaps, phases_of(run, events(:n)), found%cycles, &
             exact, found%motion, status)
+         if (status /= stat%ok) return
+         ! another motion is not the one on which the simulation settles
+         if (any(abs(found%motion%phases - phases_of(run, events(:n))) > near) .or. &
+            any(abs(found%motion%speeds - events(:n)%speed) > near*maxval(events(:n)%speed))) then
+            status = stat%no_convergence
+         end if
       end if
    end subroutine settle
 

@@ -101,7 +101,7 @@ contains
          associate (direction => run%structure%directions(:, j))
             gap = run%structure%openings(j) - dot_product(direction, q)
             speed = dot_product(direction, rate)
-            scale = abs(run%structure%openings(j)) + dot_product(abs(direction), abs(q))
+            scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
             if (gap < -rounding*scale) status = stat%gap_closed
             if (abs(gap) > rounding*scale) cycle
             ! a state at the end of a simulation that rests has a speed of rounding
@@ -129,13 +129,14 @@ contains
       integer, allocatable :: set(:)
       real(wp), allocatable :: forces(:)
       real(wp) :: phase, d(0:3)
-      integer :: i
+      integer :: i, number
 
       allocate (set, source=closed)
       phase = run%load%frequency*state%elapsed
       do
-         call find_regime(run, set, state%regime, status)
+         call find_regime(run, set, number, status)
          if (status /= stat%ok) return
+         state%regime = number
          if (run%load%step > 0) call set_forces(run%regimes(state%regime), run%load, state%cycle, &
             state%elapsed)
          associate (regime => run%regimes(state%regime))
@@ -181,6 +182,8 @@ contains
       allocate (more(n + 1))
       more(:n) = run%regimes
       call new_regime(run%structure, run%load, set, more(n + 1), status)
+      ! one that failed is incomplete
+      if (status /= stat%ok) return
       call move_alloc(more, run%regimes)
    end subroutine find_regime
 
@@ -543,7 +546,7 @@ contains
       integer, intent(out) :: status
       real(wp) :: q(size(run%structure%mass, 1)), rate(size(run%structure%mass, 1)), phase
       integer, allocatable :: set(:)
-      integer :: gap
+      integer :: gap, number
 
       call move(run, state, reached%time)
       phase = run%load%frequency*state%elapsed
@@ -552,8 +555,9 @@ contains
          set = pack(regime%resting, regime%resting /= gap)
          call state_of(regime, phase, state%x, state%v, q, rate)
       end associate
-      call find_regime(run, set, state%regime, status)
+      call find_regime(run, set, number, status)
       if (status /= stat%ok) return
+      state%regime = number
       deallocate (state%x, state%v)
       associate (regime => run%regimes(state%regime))
          allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))

@@ -369,3 +369,25 @@ def test_a_gap_that_is_less_than_closed():
     s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1.0)])
     with pytest.raises(vi.SingularError, match="less than closed"):
         vi.simulate(s, duration=1, state=([1.5], [0.0]))
+
+
+def test_events_before_a_rest_that_cannot_be_computed_are_kept():
+    """While the particle rests, the second body is critically damped and coupled, so that modes coincide."""
+    damping = [[1.0, 1e-3, 0.0], [1e-3, 2.42, 0.0], [0.0, 0.0, 0.0]]
+    gaps = [vi.Gap([0, -1, 1], 0.1, 0.0)]
+    structure = vi.Structure([1.0, 1.0, 0.21], damping, [1.0, 1.21, 0.0], gaps)
+    with pytest.raises(vi.SingularError, match="coincide") as error:
+        vi.simulate(structure, vi.Load(None, constant=[0, 0, 0.5]), duration=5)
+    assert error.value.result.events["kind"].tolist() == ["impact"]
+    assert not error.value.result.complete
+
+
+def test_damping_proportional_to_stiffness_of_a_free_chain():
+    stiffness = np.array([[1, -1, 0], [-1, 2, -1], [0, -1, 1.0]])
+    gaps = [vi.Gap([1, -1, 0], 0.2, 0.7), vi.Gap([-1, 1, 0], 0.25, 0.7)]
+    structure = vi.Structure([1, 0.7, 0.6], 0.1 * stiffness, stiffness, gaps)
+    run = vi.simulate(structure, vi.Load(1.2, cosine=[0.5, -0.5, 0]), cycles=20)
+    assert run.complete
+    # forces and impulses are internal: the centre of mass keeps its momentum
+    mass = np.array([1, 0.7, 0.6])
+    np.testing.assert_allclose(mass @ run.states[:, 1].T, 0, atol=1e-11)

@@ -379,3 +379,38 @@ def test_resonance_with_the_period_is_refused():
     structure = damper(xi=0.0)
     with pytest.raises(SingularError, match="resonates"):
         vi.periodic(structure, vi.Load(1.0, sine=[0, 0.1]), [1.6, 5.9], [0, 1])
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_mode_that_no_gap_meets_has_no_part_in_the_equations(seed):
+    """A body without stiffness, coupled by mass alone: gaps meet its mode of frequency 0 only by rounding."""
+    spread = 0.1 * np.random.default_rng(seed).normal(size=(3, 3))
+    gaps = [vi.Gap([1, 0, 0], 0.3, 0.7), vi.Gap([0, -1, 0], 0.3, 0.7)]
+    structure = vi.Structure(np.eye(3) + spread @ spread.T, [0.1, 0.1, 0.1], [1, 1.5, 0], gaps)
+    load = vi.Load(1.1, cosine=[0.5, 0.3, 0.2])
+    run = vi.simulate(structure, load, cycles=400)
+    motion = vi.exact(structure, load, run)
+    assert motion.consistent
+    assert np.abs(motion.states).max() < 1e3
+    last = run.events["speed"][-len(motion.speeds) :]
+    np.testing.assert_allclose(np.sort(motion.speeds), np.sort(last), rtol=1e-6)
+    # the position of that body is free: a multiplier is 1
+    assert np.abs(motion.multipliers - 1).min() < 1e-9
+    assert motion.stable is None
+
+
+def test_exact_from_a_simulation_with_a_steep_law():
+    law = vi.TabulatedRestitution([0, 0.3, 1, 3], [0.9, 0.7, 0.6, 0.3])
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, law)])
+    load = vi.Load(0.5847457627118644, cosine=[3.0])
+    run = vi.simulate(wall, load, cycles=300)
+    motion = vi.exact(wall, load, run)
+    assert motion.admissible
+    assert motion.stable
+    n = len(motion.speeds)
+    np.testing.assert_allclose(np.sort(motion.speeds), np.sort(run.events["speed"][-n:]), rtol=1e-8)
+
+
+def test_a_load_without_frequency_has_no_period():
+    with pytest.raises(ParameterError, match="must have a frequency"):
+        vi.exact(damper(), vi.Load(None, constant=[1, 0]), ([1.6, 5.9], [0, 1]))

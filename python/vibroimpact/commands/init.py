@@ -56,8 +56,8 @@ OWN_UNITS = "Units are your own, consistent ones"
 
 
 def kinds() -> tuple[str, ...]:
-    """The kinds of cases, and a structure."""
-    return (*case.kinds(), "structure")
+    """The kinds of cases of an oscillator, and a structure."""
+    return (*case.kinds(structures=False), "structure")
 
 
 def example(kind: str) -> tuple[str, Groups]:
