@@ -252,12 +252,12 @@ contains
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates.
       integer, intent(out) :: status
       type(decoupled_type) :: parts
-      real(wp), allocatable :: basis(:, :), forces(:, :), drifts(:, :)
+      real(wp), allocatable :: basis(:, :), inverse(:, :), forces(:, :), drifts(:, :)
       integer :: h
 
       regime%resting = resting
       regime%frequency = load%frequency
-      call constraint(structure, resting, basis, regime%offset, status)
+      call constraint(structure, resting, basis, inverse, regime%offset, status)
       if (status /= stat%ok) return
       call decouple(between(structure%mass), between(structure%damping), &
          between(structure%stiffness), parts, status)
@@ -278,11 +278,10 @@ contains
          regime%qv = matmul(basis, parts%qv)
          regime%dx = matmul(basis, parts%dx)
          regime%dv = matmul(basis, parts%dv)
-         ! the basis is orthonormal, so its transpose gives the coordinates of vectors in its span
-         regime%xq = matmul(parts%xq, transpose(basis))
-         regime%xd = matmul(parts%xd, transpose(basis))
-         regime%vq = matmul(parts%vq, transpose(basis))
-         regime%vd = matmul(parts%vd, transpose(basis))
+         regime%xq = matmul(parts%xq, inverse)
+         regime%xd = matmul(parts%xd, inverse)
+         regime%vq = matmul(parts%vq, inverse)
+         regime%vd = matmul(parts%vd, inverse)
       end if
       ! the constant force and the harmonics as accelerations, and as inputs of the pairs
       associate (harmonics => size(load%sine, 2))
@@ -383,19 +382,24 @@ contains
    end subroutine solve
 
    !> The motions that closed gaps allow: q = offset + basis.xi.
-   pure subroutine constraint(structure, resting, basis, offset, status)
+   !!
+   !! Coordinates are scaled by the square roots of their masses, so that the digits do not depend
+   !! on
+   !! their units.
+   pure subroutine constraint(structure, resting, basis, inverse, offset, status)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The closed gaps.
       integer, intent(in) :: resting(:)
-      !> (n, n - gaps) Orthonormal columns.
-      real(wp), allocatable, intent(out) :: basis(:, :)
-      !> (n) The shortest q at which these gaps are closed.
+      !> (n, n - gaps) Columns, orthonormal in scaled coordinates; (n - gaps, n) xi from vectors in
+      !! their span, not set without closed gaps.
+      real(wp), allocatable, intent(out) :: basis(:, :), inverse(:, :)
+      !> (n) The shortest q, in scaled coordinates, at which these gaps are closed.
       real(wp), allocatable, intent(out) :: offset(:)
       !> `stat%ok`, or `stat%singular` where the gaps cannot be closed independently.
       integer, intent(out) :: status
-      real(wp), allocatable :: q(:, :), work(:), gram(:, :), needed(:, :)
-      real(wp) :: tau(size(resting))
+      real(wp), allocatable :: directions(:, :), q(:, :), work(:), gram(:, :), needed(:, :)
+      real(wp) :: tau(size(resting)), unit(size(structure%mass, 1))
       integer :: i, n, s, info
 
       n = size(structure%mass, 1)
@@ -409,25 +413,38 @@ contains
          basis = q
          return
       end if
-      q(:, :s) = structure%directions(:, resting)
+      unit = [(1/sqrt(structure%mass(i, i)), i=1, n)]
+      allocate (directions(n, s))
+      do i = 1, s
+         directions(:, i) = unit*structure%directions(:, resting(i))
+         directions(:, i) = directions(:, i)/norm2(directions(:, i))
+      end do
+      q(:, :s) = directions
       allocate (work(64*n))
       call dgeqrf(n, s, q, n, tau, work, size(work), info)
       if (info /= 0) status = stat%lapack_failed
       do i = 1, s
          ! the part of this direction that is independent of those before it
-         if (abs(q(i, i)) <= 1.0e-10_wp*norm2(structure%directions(:, resting(i)))) then
-            status = stat%singular
-         end if
+         if (abs(q(i, i)) <= 1.0e-10_wp) status = stat%singular
       end do
       if (status /= stat%ok) return
       call dorgqr(n, n, s, q, n, tau, work, size(work), info)
       if (info /= 0) status = stat%lapack_failed
-      basis = q(:, s + 1:)
+      allocate (basis, source=q(:, s + 1:))
       where (abs(basis) <= 4*epsilon(1.0_wp)) basis = 0
-      gram = matmul(transpose(structure%directions(:, resting)), structure%directions(:, resting))
-      needed = reshape(structure%openings(resting), [s, 1])
+      allocate (inverse, source=transpose(basis))
+      do i = 1, n
+         basis(i, :) = unit(i)*basis(i, :)
+         inverse(:, i) = inverse(:, i)/unit(i)
+      end do
+      gram = matmul(transpose(directions), directions)
+      allocate (needed(s, 1))
+      do i = 1, s
+         needed(i, 1) = structure%openings(resting(i))/norm2(unit*structure%directions(:, &
+            resting(i)))
+      end do
       call solve(gram, needed, status)
-      if (status == stat%ok) offset = matmul(structure%directions(:, resting), needed(:, 1))
+      if (status == stat%ok) offset = unit*matmul(directions, needed(:, 1))
    end subroutine constraint
 
    !> The steady motion under one harmonic of the load.
