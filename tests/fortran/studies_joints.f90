@@ -24,7 +24,7 @@ contains
       do turned = 0, 3
          ! both gaps are small: one ring
          gaps = [5.0e-5_wp, 8.0e-5_wp]
-         zone = two_arcs(gaps, turned)
+         call two_arcs(gaps, turned, zone)
          call join_loose_ends(zone)
          call check(zone%n == 1 .and. zone%loops(1)%closed, 'two arcs become one ring')
          associate (loop => zone%loops(1))
@@ -39,12 +39,12 @@ contains
                'a piece ends where the next begins')
          end associate
          ! one is not: a longer arc, which stays open
-         zone = two_arcs([5.0e-5_wp, 1.0e-3_wp], turned)
+         call two_arcs([5.0e-5_wp, 1.0e-3_wp], turned, zone)
          call join_loose_ends(zone)
          call check(zone%n == 1 .and. .not. zone%loops(1)%closed, 'a wide gap stays open')
          call check(count(zone%loops(1)%conditions%kind == joint) == 2, 'one joint')
          ! motions that differ are not joined, whatever the parameters
-         zone = two_arcs(gaps, turned)
+         call two_arcs(gaps, turned, zone)
          zone%loops(2)%points(1, :) = 1
          call join_loose_ends(zone)
          call check(zone%n == 2 .and. .not. any(zone%loops(:2)%closed), 'other motions')
@@ -52,12 +52,13 @@ contains
    end subroutine test_joints
 
    !> Two arcs of the unit circle, of a fold and of a flip.
-   function two_arcs(gaps, turned) result(zone)
+   subroutine two_arcs(gaps, turned, zone)
       !> Angles of the gaps at angle 0 and about pi.
       real(wp), intent(in) :: gaps(2)
       !> Which arcs go clockwise: bits 0 and 1.
       integer, intent(in) :: turned
-      type(zone_type) :: zone
+      !> The zone.
+      type(zone_type), intent(out) :: zone
 
       zone%n = 2
       allocate (zone%loops(4), zone%inside(2, 4))
@@ -68,7 +69,7 @@ contains
       zone%loops(2) = arc(pi + 0.5_wp*gaps(2), 2*pi - 0.5_wp*gaps(1), flip)
       if (btest(turned, 0)) zone%loops(1) = reversed(zone%loops(1))
       if (btest(turned, 1)) zone%loops(2) = reversed(zone%loops(2))
-   end function two_arcs
+   end subroutine two_arcs
 
    !> A part of the unit circle.
    function arc(low, high, kind) result(loop)
