@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -36,12 +37,12 @@ class ByValue:
         return hash(self._values())
 
 
-class _Law:
+class _Law(abc.ABC):
     """A law R(v)."""
 
+    @abc.abstractmethod
     def _numbers(self) -> tuple[float, _Array]:
         """Its kind and numbers, for the core."""
-        raise NotImplementedError
 
     def __call__(self, speed: ArrayLike) -> _Array:
         """R at approach speeds >= 0, of any shape."""

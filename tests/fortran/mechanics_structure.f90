@@ -2,6 +2,7 @@
 module mechanics_structure
    use checks, only: check, check_close
    use random_numbers, only: draw, random_type
+   use random_systems, only: determinant
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_restitution, only: new_restitution, power_law, restitution_at, restitution_type, table_law
@@ -112,29 +113,5 @@ contains
             + 0.5_wp*dot_product(q, matmul(matrices(:, :, 3), q))
       end function energy
    end subroutine test_flight
-
-   !> A determinant, by elimination with interchanges of rows.
-   real(wp) function determinant(matrix)
-      !> (n, n)
-      real(wp), intent(in) :: matrix(:, :)
-      real(wp) :: a(size(matrix, 1), size(matrix, 1)), row(size(matrix, 1))
-      integer :: i, j, p
-
-      a = matrix
-      determinant = 1
-      do i = 1, size(a, 1)
-         p = i - 1 + maxloc(abs(a(i:, i)), 1)
-         if (p /= i) then
-            row = a(p, :)
-            a(p, :) = a(i, :)
-            a(i, :) = row
-            determinant = -determinant
-         end if
-         determinant = determinant*a(i, i)
-         do j = i + 1, size(a, 1)
-            a(j, i:) = a(j, i:) - a(j, i)/a(i, i)*a(i, i:)
-         end do
-      end do
-   end function determinant
 
 end module mechanics_structure
