@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 INTERVAL = 0.05
 #: Bytes of the stack of a thread that runs the core, whatever `ulimit -s` and `threading.stack_size` are.
 STACK = 8 * 2**20
+#: The flag to stop that also makes the core give up the file that it writes, `give_up_file` in vi_batch.
+GIVE_UP = 4
 #: In a thread that runs a call: whether its caller no longer waits for it (`event`).
 _HERE = threading.local()
 
@@ -41,8 +43,9 @@ def interruptible(
     """The result of a function of the core, during which the main thread can react to Ctrl-C.
 
     Meanwhile `watch`, if given, is called a few times a second. After an interrupt or an exception of `watch`
-    the result is discarded. The progress counters tell the core to stop, if they are among its arguments or if
-    the function calls `stoppable` with `progress`; otherwise it continues in a thread that ends with the program.
+    the result is discarded. With `counters`, the progress counters among the arguments, the core is told to stop
+    and to give up the file that it writes, and this function waits until it has. If the function calls `stoppable`
+    with `progress`, that stops the core; otherwise it continues in a thread that ends with the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
@@ -52,7 +55,9 @@ def interruptible(
     except BaseException:
         call.abandoned.set()
         if counters is not None:
-            counters[2] = 1
+            counters[2] = GIVE_UP
+            while not call.done.wait(INTERVAL):
+                pass
         raise
 
 

@@ -94,7 +94,7 @@ def run_namelists(
         if progress is not None:
             progress(float(counters[0] / max(1, counters[1])))
 
-    handle, status = interruptible(_core.run_namelists, *arguments, watch=watch)
+    handle, status = interruptible(_core.run_namelists, *arguments, watch=watch, counters=counters)
     log = message_of(Handle(handle)).split("\0")[:-1]
     lines = [(line.startswith("!"), line[1:]) for line in log if line[0] in "-!"]
     return RunLog(lines, int(status), [Path(line[1:]) for line in log if line[0] == ">"])

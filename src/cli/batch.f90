@@ -22,7 +22,7 @@ module vi_batch
    !! a file is written: a signal then does not stop a study.
    integer, parameter :: reading = -8
    integer, parameter, public :: writing = 2
-   !> The flag after two signals during the writing of a file, which is then given up.
+   !> The flag after a signal during the writing of a file, which is then given up.
    integer, parameter, public :: give_up_file = 4
 
 contains
@@ -109,9 +109,9 @@ contains
       end if
       written = len(message) == 0
       if (.not. written .and. present(progress)) written = is_stopped(progress, give_up_file)
-      call change_flag(-writing, progress)
+      call end_writing(progress)
       if (written .and. len(message) > 0) then
-         call add_message(log, failed, case%name//': interrupted again; its file was not written')
+         call add_message(log, failed, case%name//': interrupted; its file was not written')
          return
       end if
       if (.not. written) then
@@ -141,6 +141,17 @@ contains
       !$omp atomic update
       progress(3) = progress(3) + change
    end subroutine change_flag
+
+   !> Sets the flag to its value without a file that is written: 1 if there was a signal, else 0.
+   subroutine end_writing(progress)
+      !> Progress counters; nothing is done without them.
+      integer, intent(inout), optional :: progress(3)
+
+      if (.not. present(progress)) return
+      !$omp atomic update
+      progress(3) = min(progress(3), writing + 1)
+      call change_flag(-writing, progress)
+   end subroutine end_writing
 
    !> Keeps the cases of one study; there must be at least one.
    subroutine keep(path, only, cases, message)

@@ -40,9 +40,9 @@ module vi_interrupt
 
 contains
 
-   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program,
-   !! once a file that is being written has been removed. While cases are read the first one ends
-   !! it. A write beyond the file size limit is an error.
+   !> From now on the first Ctrl-C (or SIGTERM) stops the study, and the second ends the program.
+   !! While a file is written, each of them makes the program give up and remove that file. While
+   !! cases are read, the first one ends it. A write beyond the file size limit is an error.
    subroutine catch_signals()
       type(c_funptr) :: before
       integer :: i
@@ -66,10 +66,10 @@ contains
 
       !$omp atomic read
       flag = progress(3)
-      if (flag == 0 .or. (flag >= writing .and. flag < give_up_file)) then
+      if (flag == 0 .or. flag >= writing) then
          before = c_signal(number, c_funloc(stop_study))    ! some systems set the default action
-         !$omp atomic update
-         progress(3) = progress(3) + 1
+         !$omp atomic write
+         progress(3) = merge(1, give_up_file, flag == 0)
       else
          before = c_signal(number, c_null_funptr)
          ended = c_raise(number)

@@ -21,14 +21,14 @@ LONG = "&simulate clearance = 9, discard = 100000000, cycles = 1, x_dot = 6, z_d
 
 
 def interrupted(cwd, words, until):
-    """Status and faults of the program, interrupted when a file is there (after a while, if none is named)."""
+    """Status and faults of the program, interrupted as soon as a file (a pattern) exists."""
     with subprocess.Popen(
         [find_command(), *words],
         cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:  # fmt: skip
         for _ in range(600):
-            if (cwd / until).exists() or process.poll() is not None:
+            if [*cwd.glob(until)] or process.poll() is not None:
                 break
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
@@ -53,6 +53,15 @@ def test_folders_that_stay_empty_go_again(form, tmp_path):
     write(tmp_path / "case.nml", EQUAL + LONG)
     words = ["run", "case.nml", "-o", "out/sub", "--format", form]
     status, faults = interrupted(tmp_path, words, "out/sub")
+    assert (status, faults) == (1, ["vibroimpact run: interrupted; nothing was finished"])
+    assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
+
+
+def test_no_file_is_left_half_written(tmp_path):
+    """Ctrl-C while the compiled program writes a table: the temporary file is removed before the command ends."""
+    table = "&simulate clearance = 5, cycles = 300000, max_events = 50000000 /\n"
+    write(tmp_path / "case.nml", EQUAL + table)
+    status, faults = interrupted(tmp_path, ["run", "case.nml", "-o", "out"], "out/case.csv.*.part")
     assert (status, faults) == (1, ["vibroimpact run: interrupted; nothing was finished"])
     assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
 
