@@ -42,6 +42,7 @@ from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
+from .studies.structure_lyapunov import StructureLyapunov, lyapunov_structure
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -86,6 +87,7 @@ __all__ = [
     "SpecialPoint",
     "StabilityFlags",
     "Structure",
+    "StructureLyapunov",
     "StructureMotion",
     "StructureMotions",
     "StructureTrajectory",
@@ -115,6 +117,7 @@ __all__ = [
     "linear_system",
     "load",
     "lyapunov",
+    "lyapunov_structure",
     "motion_images",
     "periodic",
     "periodic_batch",

@@ -9,6 +9,7 @@ module vi_study_list
    use vi_decay_study, only: declare_decay
    use vi_find_study, only: declare_find
    use vi_kinds, only: wp
+   use vi_lyapunov_structure_study, only: declare_lyapunov_structure
    use vi_lyapunov_study, only: declare_lyapunov
    use vi_motion_structure_study, only: declare_motion_structure
    use vi_motion_study, only: declare_motion
@@ -53,7 +54,8 @@ contains
          declare_type(declare_decay), &
          declare_type(declare_basins), &
          declare_type(declare_simulate_structure), &
-         declare_type(declare_motion_structure)], studies)
+         declare_type(declare_motion_structure), &
+         declare_type(declare_lyapunov_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.

@@ -11,11 +11,10 @@
 !! at the end of the flight. As u = R v at each impact, the sum of the logarithms telescopes to
 !! -2 xi t + 2 sum(log R) + log(u_first/u_last).
 module vi_attractor_lyapunov
-   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_quiet_nan, &
-      ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, orthonormalise, &
-      restitution_at
+   use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, restitution_at
+   use vi_exponents, only: bump, kaplan_yorke, orthonormalise, scatter
    use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
       release_event, state_type, two_pi
    use vi_kinds, only: wp
@@ -140,8 +139,8 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      real(wp) :: each(4, 0:batches), mean(4), sum_before
-      integer :: i, rank
+      real(wp) :: each(4, 0:batches)
+      integer :: rank
 
       call carry_along(system, start, discard, cycles, max_events, each, rank, counts, error, &
          work, status, progress)
@@ -151,27 +150,9 @@ contains
          dimension = exponents(1)
          return
       end if
-      mean = sum(each(:, 1:), dim=2)/batches
-      deviations = 0
-      do i = 1, batches
-         deviations = deviations + (each(:, i) - mean)**2
-      end do
-      deviations = sqrt(deviations/(batches - 1))/sqrt(real(batches, wp))
       exponents = each(:, 0)
-      exponents(rank + 1:) = ieee_value(error, ieee_negative_inf)
-      deviations(rank + 1:) = 0
-      ! Kaplan and Yorke: the number of directions whose volume does not shrink, and the fraction of
-      ! the next direction that balances the growth
-      dimension = 0
-      sum_before = 0
-      do i = 1, 4
-         if (.not. sum_before + exponents(i) >= 0) exit
-         sum_before = sum_before + exponents(i)
-         dimension = dimension + 1
-      end do
-      if (i <= 4) then
-         if (exponents(i) < 0) dimension = dimension - sum_before/exponents(i)
-      end if
+      call scatter(each(:, 1:), rank, exponents, deviations)
+      dimension = kaplan_yorke(exponents)
    end subroutine exponents_of
 
    !> The averages over all batches together and over each batch, along a trajectory.
@@ -311,17 +292,5 @@ contains
       tangent%difference = tangent%difference + sum(log(lengths)) + 2*system%osc%xi* &
          lapse(system, tangent%event, event) - 2*log(restitution) - log(speeds(1)/speeds(2))
    end subroutine compare
-
-   !> A weight that rises smoothly from 0 and falls smoothly back to 0 over [0, 1].
-   !!
-   !! With this weight, averages over periodic and quasi-periodic motions converge faster than any
-   !! power of the time; those over chaotic motions converge as fast as without it.
-   pure real(wp) function bump(s)
-      !> Place in the interval.
-      real(wp), intent(in) :: s
-
-      bump = 0
-      if (s > 1.0e-3_wp .and. s < 1 - 1.0e-3_wp) bump = exp(-1/(s*(1 - s)))
-   end function bump
 
 end module vi_attractor_lyapunov

@@ -14,8 +14,7 @@ module vi_attractor_tangent
    implicit none (type, external)
    private
 
-   public :: event_derivative, departure_speed, lapse, orthonormalise, period_derivative, &
-      restitution_at
+   public :: event_derivative, departure_speed, lapse, period_derivative, restitution_at
 
 contains
 
@@ -147,49 +146,5 @@ contains
 
       restitution = system%osc%restitution(merge(right, left, event%side > 0))
    end function restitution_at
-
-   !> Gram-Schmidt orthonormalisation, applied twice.
-   !!
-   !! A column that depends linearly on those before it, to rounding, gets length 0 and is replaced
-   !! by another direction, so that the columns are always a basis.
-   pure subroutine orthonormalise(q, lengths)
-      !> In: four columns. Out: orthonormal columns.
-      real(wp), intent(inout) :: q(4, 4)
-      !> Length of each column orthogonal to those before it: the diagonal of the triangular factor.
-      real(wp), intent(out) :: lengths(4)
-      real(wp) :: whole, rest
-      integer :: j, least
-
-      do j = 1, 4
-         whole = norm2(q(:, j))
-         call project_out(q, j)
-         rest = norm2(q(:, j))
-         lengths(j) = rest
-         if (.not. rest > 4*epsilon(1.0_wp)*whole) then
-            lengths(j) = 0
-            least = minloc(sum(q(:, :j - 1)**2, dim=2), dim=1)
-            q(:, j) = 0
-            q(least, j) = 1
-            call project_out(q, j)
-            rest = norm2(q(:, j))
-         end if
-         q(:, j) = q(:, j)/rest
-         call project_out(q, j)
-         q(:, j) = q(:, j)/sqrt(sum(q(:, j)**2))                  ! of the order of 1: no overflow
-      end do
-   end subroutine orthonormalise
-
-   !> Subtracts from a column its components along the columns before it.
-   pure subroutine project_out(q, j)
-      !> In and out: column j changes; those before it are orthonormal.
-      real(wp), intent(inout) :: q(4, 4)
-      !> Number of the column.
-      integer, intent(in) :: j
-      integer :: i
-
-      do i = 1, j - 1
-         q(:, j) = q(:, j) - dot_product(q(:, i), q(:, j))*q(:, i)
-      end do
-   end subroutine project_out
 
 end module vi_attractor_tangent

@@ -4,8 +4,8 @@ module vi_simulate_structure_study
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_groups, only: complete_coordinates, load_frequency, &
-      most_coordinates, structure_of
+   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_keys, only: check_start_state, longest, start_keys
    use vi_structure_run, only: impact_event, stick_event
    use vi_structure_tables, only: put_structure, structure_columns
    use vi_structure_trajectory, only: simulate_structure_case
@@ -17,21 +17,13 @@ module vi_simulate_structure_study
 
    public :: declare_simulate_structure
 
-   real(wp), parameter :: longest = 1.0e12_wp
-   character(*), parameter :: of_coordinates = 'one number for each coordinate'
-
    type(key_type), parameter :: simulate_keys(*) = [ &
       key_type('duration', low=0.0_wp, high=longest, or='cycles', &
       meaning='how long to simulate'), &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, or='duration', &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
       meaning='how long, as a number of cycles of the load; fractions are allowed'), &
-      key_type('q', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
-      meaning='coordinates at the start; 0 if it is left out'), &
-      key_type('q_dot', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
-      meaning='velocities at the start; 0 if it is left out'), &
-      key_type('start', low=0.0_wp, high=longest, default='0', &
-      meaning='time at the start'), &
+      start_keys, &
       key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
       meaning='events after which the simulation is cut short')]
 
@@ -92,8 +84,7 @@ contains
 
       associate (study => case%study)
          if (len(study%fault) > 0) return
-         call complete_coordinates(study, 'q', case%coordinates)
-         call complete_coordinates(study, 'q_dot', case%coordinates)
+         call check_start_state(case)
          if (.not. study%has('cycles') .or. len(study%fault) > 0) return
          if (.not. load_frequency(case) > 0) then
             call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &

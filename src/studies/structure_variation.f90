@@ -15,7 +15,17 @@ module vi_structure_variation
    implicit none (type, external)
    private
 
-   public :: derivative_of_run
+   public :: derivative_of_run, start_tangent, through_event, to_state
+
+   !> Changes of the state, carried along a simulation from event to event.
+   type, public :: tangent_type
+      !> The regime, and the time as whole periods and the remainder.
+      integer :: number = 1
+      integer(int64) :: cycle = 0
+      real(wp) :: elapsed = 0
+      !> (m) The pairs there; (2m, columns) changes of x, then of v.
+      real(wp), allocatable :: x(:), v(:), d(:, :)
+   end type tangent_type
 
 contains
 
@@ -36,10 +46,8 @@ contains
       real(wp), intent(out) :: largest
       !> `stat%ok`, `stat%zero_approach` or `stat%singular`.
       integer, intent(out) :: status
-      real(wp), allocatable :: d(:, :), x(:), v(:), x_before(:), v_before(:)
-      real(wp) :: elapsed, time, phase
-      integer(int64) :: cycle
-      integer :: i, number
+      type(tangent_type) :: tangent
+      integer :: i
 
       p = 0
       do i = 1, size(p, 1)
@@ -47,56 +55,108 @@ contains
       end do
       status = stat%ok
       largest = 1
-      number = first%regime
-      cycle = first%cycle
-      elapsed = first%elapsed
-      allocate (d(2*size(first%x), size(p, 2)))
-      call from_coordinates(run%regimes(number), p, d)
-      x = first%x
-      v = first%v
+      call start_tangent(run, first, p, tangent)
       do i = 1, size(events)
-         associate (event => events(i), regime => run%regimes(number))
-            time = max(0.0_wp, real(event%cycle - cycle, wp)*run%period + (event%elapsed - elapsed))
-            select case (event%kind)
-            case (impact_event)
-               phase = run%load%frequency*event%elapsed
-               x_before = x
-               v_before = v
-               call advance(regime%modes, time, x, v, x_before, v_before)
-               call apply_flight(regime, time, d)
-               call apply_impact(run%structure, regime, event%gap, phase, event%speed, x_before, &
-                  v_before, event%x, event%v, d, status)
-               if (status /= stat%ok) return
-            case (stick_event)
-               ! the accumulation is completed at its last impact, and the rest begins there
-               call to_coordinates(regime, d, p)
-               call apply_rest(run%structure, run%regimes(event%regime)%resting, event%gap, p, &
-                  status)
-               if (status /= stat%ok) return
-               deallocate (d)
-               allocate (d(2*size(event%x), size(p, 2)))
-               call from_coordinates(run%regimes(event%regime), p, d)
-               call apply_flight(run%regimes(event%regime), time, d)
-            case (release_event)
-               call apply_flight(regime, time, d)
-               call to_coordinates(regime, d, p)
-               deallocate (d)
-               allocate (d(2*size(event%x), size(p, 2)))
-               call from_coordinates(run%regimes(event%regime), p, d)
-            case default    ! there is no other kind
-            end select
-            number = event%regime
-            cycle = event%cycle
-            elapsed = event%elapsed
-            x = event%x
-            v = event%v
-         end associate
+         call through_event(run, events(i), tangent, status)
+         if (status /= stat%ok) return
       end do
-      time = max(0.0_wp, real(last%cycle - cycle, wp)*run%period + (last%elapsed - elapsed))
-      call apply_flight(run%regimes(number), time, d)
-      call to_coordinates(run%regimes(number), d, p)
+      call to_state(run, last, tangent)
+      call to_coordinates(run%regimes(tangent%number), tangent%d, p)
       largest = spread_of_speeds(events)
    end subroutine derivative_of_run
+
+   !> Begins to carry changes of a state.
+   pure subroutine start_tangent(run, first, p, tangent)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: first
+      !> (2n, columns) Changes of q, then of q'.
+      real(wp), intent(in) :: p(:, :)
+      !> The changes there.
+      type(tangent_type), intent(out) :: tangent
+
+      tangent%number = first%regime
+      allocate (tangent%d(2*size(first%x), size(p, 2)))
+      call from_coordinates(run%regimes(first%regime), p, tangent%d)
+      call set_place(first%cycle, first%elapsed, first%x, first%v, tangent)
+   end subroutine start_tangent
+
+   !> Time and pairs of a tangent.
+   pure subroutine set_place(cycle, elapsed, x, v, tangent)
+      !> Whole periods, and the remainder.
+      integer(int64), intent(in) :: cycle
+      !> As in `cycle`.
+      real(wp), intent(in) :: elapsed
+      !> (m) The pairs.
+      real(wp), intent(in) :: x(:), v(:)
+      !> In and out: the tangent.
+      type(tangent_type), intent(inout) :: tangent
+
+      tangent%cycle = cycle
+      tangent%elapsed = elapsed
+      tangent%x = x
+      tangent%v = v
+   end subroutine set_place
+
+   !> Carries changes to the next event and through it.
+   pure subroutine through_event(run, event, tangent, status)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> In: the changes before it. Out: those just after it.
+      type(tangent_type), intent(inout) :: tangent
+      !> `stat%ok`, `stat%zero_approach` or `stat%singular`.
+      integer, intent(out) :: status
+      real(wp), allocatable :: p(:, :), x_before(:), v_before(:)
+      real(wp) :: time
+
+      status = stat%ok
+      time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
+         tangent%elapsed))
+      associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime))
+         if (event%kind == impact_event) then
+            allocate (x_before, source=tangent%x)
+            allocate (v_before, source=tangent%v)
+            call advance(regime%modes, time, tangent%x, tangent%v, x_before, v_before)
+            call apply_flight(regime, time, tangent%d)
+            call apply_impact(run%structure, regime, event%gap, run%load%frequency*event%elapsed, &
+               event%speed, x_before, v_before, event%x, event%v, tangent%d, status)
+         else
+            allocate (p(2*size(run%structure%mass, 1), size(tangent%d, 2)))
+            if (event%kind == release_event) call apply_flight(regime, time, tangent%d)
+            call to_coordinates(regime, tangent%d, p)
+            ! the accumulation is completed at its last impact, and the rest begins there
+            if (event%kind == stick_event) call apply_rest(run%structure, next%resting, &
+               event%gap, p, status)
+            if (status == stat%ok) then
+               deallocate (tangent%d)
+               allocate (tangent%d(2*size(event%x), size(p, 2)))
+               call from_coordinates(next, p, tangent%d)
+               if (event%kind == stick_event) call apply_flight(next, time, tangent%d)
+            end if
+         end if
+      end associate
+      ! the place is set where an impact without approach speed has no derivative, too
+      if (status == stat%singular) return
+      tangent%number = event%regime
+      call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
+   end subroutine through_event
+
+   !> Carries changes to a later state of the same flight or rest.
+   pure subroutine to_state(run, last, tangent)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: last
+      !> In and out: the changes.
+      type(tangent_type), intent(inout) :: tangent
+
+      call apply_flight(run%regimes(tangent%number), max(0.0_wp, real(last%cycle - tangent%cycle, &
+         wp)*run%period + (last%elapsed - tangent%elapsed)), tangent%d)
+      call set_place(last%cycle, last%elapsed, last%x, last%v, tangent)
+   end subroutine to_state
 
    !> The largest approach speed over the least one, without impacts that an accumulation follows.
    pure real(wp) function spread_of_speeds(events) result(spread)

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..errors import ParameterError
+from ..studies.structure_lyapunov import StructureLyapunov
 from ..tables import language
 from .cases import run_kind
 from .options import Option, options_of, shown
@@ -66,7 +67,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def details(result: Any) -> list[str]:
-    """The exponents of each point."""
+    """The exponents of each point, or of a structure."""
+    if isinstance(result, StructureLyapunov):
+        values = zip(result.per_cycle, result.error_per_cycle, strict=True)
+        return [f"{i}:  {value:10.6f} +- {error:.6f}" for i, (value, error) in enumerate(values, 1)]
     points = zip(
         result.r.ravel(), result.clearance.ravel(), result.per_cycle.reshape(4, -1).T, strict=True
     )

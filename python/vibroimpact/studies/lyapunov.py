@@ -13,6 +13,8 @@ from ..errors import ParameterError, SingularError
 from ..model import Oscillator
 from ..noun import Noun, column
 from ..states import NEEDED, checked_state
+from ..structure import or_structure
+from .structure_lyapunov import lyapunov_structure
 
 __all__ = ["Lyapunov", "lyapunov"]
 
@@ -110,6 +112,7 @@ class Lyapunov(Noun, study="lyapunov"):
         )
 
 
+@or_structure(lyapunov_structure)
 def lyapunov(
     osc: Oscillator,
     r: ArrayLike,

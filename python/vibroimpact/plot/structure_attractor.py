@@ -1,0 +1,50 @@
+"""Attractors of structures: exponents."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import style
+
+if TYPE_CHECKING:
+    from ..studies.structure_lyapunov import StructureLyapunov
+
+
+def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0) -> Any:
+    """The given Axes, or those of a new figure with a line that identifies the structure."""
+    if ax is not None:
+        return ax
+    plt = style.pyplot()
+    with plt.rc_context(style.SETTINGS):
+        ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
+    s, load = result.structure, result.load
+    n, gaps = s.coordinates, len(s.gaps)
+    text = f"{n} coordinate{'s' if n != 1 else ''}, {gaps} gap{'s' if gaps != 1 else ''}"
+    if load is not None and load.frequency:
+        text += rf", $\Omega$ = {load.frequency:.6g}"
+    ax.set_title(text, fontsize=7)
+    return ax
+
+
+def draw_exponents(result: StructureLyapunov, ax: Any = None) -> Any:
+    """The exponents per load cycle by their number, with three standard errors."""
+    ax = axes(ax, result)
+    numbers = np.arange(1, result.per_cycle.size + 1)
+    good = np.isfinite(result.per_cycle)
+    ax.axhline(0, color="0.6", lw=0.6)
+    ax.errorbar(
+        numbers[good], result.per_cycle[good], 3 * result.error_per_cycle[good], fmt="o", ms=3, lw=0.8,
+        color=style.PRIMARY,
+    )  # fmt: skip
+    if not good.all():  # an exponent of -inf: an open mark at the lower edge
+        ax.plot(
+            numbers[~good], np.full((~good).sum(), 0.02), "v", ms=4, mfc="none", color=style.PRIMARY,
+            transform=ax.get_xaxis_transform(),
+        )  # fmt: skip
+        ax.text(1.01, 0.0, r"$-\infty$", transform=ax.transAxes, va="bottom", fontsize=7)
+    ax.set_xlim(0.5, numbers[-1] + 0.5)
+    ax.set_xlabel("number of the exponent")
+    ax.set_ylabel("exponent per load cycle")
+    return ax

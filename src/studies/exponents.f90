@@ -1,0 +1,112 @@
+!> What Lyapunov exponents of oscillators and of structures have in common: directions that are
+!! orthonormalised, weights of averages, and what follows from the exponents.
+module vi_exponents
+   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_value
+   use vi_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: bump, kaplan_yorke, orthonormalise, scatter
+
+contains
+
+   !> Gram-Schmidt orthonormalisation, applied twice.
+   !!
+   !! A column that depends linearly on those before it, to rounding, gets length 0 and is replaced
+   !! by another direction, so that the columns stay linearly independent.
+   pure subroutine orthonormalise(q, lengths)
+      !> In: columns, at most as many as rows. Out: orthonormal columns.
+      real(wp), contiguous, intent(inout) :: q(:, :)
+      !> Length of each column orthogonal to those before it: the diagonal of the triangular factor.
+      real(wp), intent(out) :: lengths(:)
+      real(wp) :: whole, rest
+      integer :: j, least
+
+      do j = 1, size(q, 2)
+         whole = norm2(q(:, j))
+         call project_out(q, j)
+         rest = norm2(q(:, j))
+         lengths(j) = rest
+         if (.not. rest > 4*epsilon(1.0_wp)*whole) then
+            lengths(j) = 0
+            least = minloc(sum(q(:, :j - 1)**2, dim=2), dim=1)
+            q(:, j) = 0
+            q(least, j) = 1
+            call project_out(q, j)
+            rest = norm2(q(:, j))
+         end if
+         q(:, j) = q(:, j)/rest
+         call project_out(q, j)
+         q(:, j) = q(:, j)/sqrt(sum(q(:, j)**2))                  ! of the order of 1: no overflow
+      end do
+   end subroutine orthonormalise
+
+   !> Subtracts from a column its components along the columns before it.
+   pure subroutine project_out(q, j)
+      !> In and out: column j changes; those before it are orthonormal.
+      real(wp), contiguous, intent(inout) :: q(:, :)
+      !> Number of the column.
+      integer, intent(in) :: j
+      integer :: i
+
+      do i = 1, j - 1
+         q(:, j) = q(:, j) - dot_product(q(:, i), q(:, j))*q(:, i)
+      end do
+   end subroutine project_out
+
+   !> Standard errors of exponents from their batches; directions that are lost have exponent -inf.
+   pure subroutine scatter(each, rank, exponents, deviations)
+      !> (n, batches) The exponents of each batch.
+      real(wp), intent(in) :: each(:, :)
+      !> Number of directions that are not lost.
+      integer, intent(in) :: rank
+      !> (n) In: the exponents over all batches together. Out: -inf where the direction is lost.
+      real(wp), intent(inout) :: exponents(:)
+      !> (n) Their standard errors.
+      real(wp), intent(out) :: deviations(:)
+      real(wp) :: mean(size(exponents))
+      integer :: i, batches
+
+      batches = size(each, 2)
+      mean = sum(each, dim=2)/batches
+      deviations = 0
+      do i = 1, batches
+         deviations = deviations + (each(:, i) - mean)**2
+      end do
+      deviations = sqrt(deviations/(batches - 1))/sqrt(real(batches, wp))
+      exponents(rank + 1:) = ieee_value(1.0_wp, ieee_negative_inf)
+      deviations(rank + 1:) = 0
+   end subroutine scatter
+
+   !> The dimension of Kaplan and Yorke: the number of directions whose volume does not shrink, and
+   !! the fraction of the next direction that balances the growth.
+   pure real(wp) function kaplan_yorke(exponents) result(dimension)
+      !> All exponents, the greatest first.
+      real(wp), intent(in) :: exponents(:)
+      real(wp) :: sum_before
+      integer :: i
+
+      dimension = 0
+      sum_before = 0
+      do i = 1, size(exponents)
+         if (.not. sum_before + exponents(i) >= 0) exit
+         sum_before = sum_before + exponents(i)
+         dimension = dimension + 1
+      end do
+      if (i > size(exponents)) return
+      if (exponents(i) < 0) dimension = dimension - sum_before/exponents(i)
+   end function kaplan_yorke
+
+   !> A weight that rises smoothly from 0 and falls smoothly back to 0 over [0, 1].
+   !!
+   !! With this weight, averages over periodic and quasi-periodic motions converge faster than any
+   !! power of the time; those over chaotic motions converge as fast as without it.
+   pure real(wp) function bump(s)
+      !> Place in the interval.
+      real(wp), intent(in) :: s
+
+      bump = 0
+      if (s > 1.0e-3_wp .and. s < 1 - 1.0e-3_wp) bump = exp(-1/(s*(1 - s)))
+   end function bump
+
+end module vi_exponents

@@ -1,0 +1,45 @@
+!> Keys that several studies of structures share, and the checks that go with them.
+module vi_structure_keys
+   use vi_kinds, only: wp
+   use vi_structure_groups, only: complete_coordinates, load_frequency, most_coordinates
+   use vi_study, only: case_type, key_type
+   implicit none (type, external)
+   private
+
+   public :: check_start_state, needs_frequency
+
+   !> The longest time that a simulation may take.
+   real(wp), parameter, public :: longest = 1.0e12_wp
+   character(*), parameter :: of_coordinates = 'one number for each coordinate'
+
+   !> An initial state.
+   type(key_type), parameter, public :: start_keys(3) = [ &
+      key_type('q', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
+      meaning='coordinates at the start; 0 if it is left out'), &
+      key_type('q_dot', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
+      meaning='velocities at the start; 0 if it is left out'), &
+      key_type('start', low=0.0_wp, high=longest, default='0', meaning='time at the start')]
+
+contains
+
+   !> Completes the initial state of a case, and checks its length.
+   subroutine check_start_state(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+
+      call complete_coordinates(case%study, 'q', case%coordinates)
+      call complete_coordinates(case%study, 'q_dot', case%coordinates)
+   end subroutine check_start_state
+
+   !> Checks that the load has a frequency.
+   subroutine needs_frequency(case, key)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> The key that is refused if it has none.
+      character(*), intent(in) :: key
+
+      if (.not. load_frequency(case) > 0) call case%study%refuse(key, &
+         'it goes with a &load that has a frequency')
+   end subroutine needs_frequency
+
+end module vi_structure_keys
