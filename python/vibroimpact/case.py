@@ -17,6 +17,7 @@ from .model import Oscillator
 from .motion import Motion, MotionSet
 from .namelist import keys_of, parts_of
 from .noun import RESULTS, Noun
+from .record import Record
 from .structure import Load, Structure, from_groups
 from .tables import Handle, language, message_of
 
@@ -54,7 +55,7 @@ class Case(NamedTuple):
         The complete case as a namelist, as the header of its result has it.
     structure : Structure or None
         Of a &structure, with its gaps.
-    load : Load or None
+    load : Load, Record or None
         Its &load, if it has one.
     """
 
@@ -65,7 +66,7 @@ class Case(NamedTuple):
     keys: dict[str, Any]
     text: str
     structure: Structure | None = None
-    load: Load | None = None
+    load: Load | Record | None = None
 
     @property
     def motion_kind(self) -> str:

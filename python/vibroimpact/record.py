@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import checks
 from .errors import ParameterError
+from .restitution import ByValue
 from .structure import Load, Structure, _numbers
 
 __all__ = ["Record", "base_motion", "base_record"]
@@ -20,7 +21,7 @@ MOST = 10**8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Record:
+class Record(ByValue):
     """Forces by samples: linear between them, from time 0 on, and 0 after the last one.
 
     Motions under a record are exact for the forces that are linear between the samples. Samples of a sine give
@@ -31,9 +32,21 @@ class Record:
     step : float
         Time between samples, > 0.
     force : array_like (samples, n)
-        At least two samples of the force at each coordinate; sample i is at time i * step.
+        At least two samples of the force at each coordinate; sample i is at time i * step. With
+        `weights` (samples, columns).
     constant : array_like (n,), optional
         A constant force that is added, such as gravity. It does not end with the record.
+    weights : array_like (columns, n), optional
+        The forces on the coordinates for 1 in each column, as where one signal acts on many coordinates.
+
+    Attributes
+    ----------
+    force : ndarray (samples, n)
+        The force at each coordinate.
+    samples : ndarray (samples, columns)
+        The columns as they were given, without weights those that act.
+    weights : ndarray (columns, n)
+        The forces on the coordinates for 1 in each.
 
     Raises
     ------
@@ -55,8 +68,13 @@ class Record:
     step: float
     force: _Array
     constant: _Array
+    samples: _Array = field(compare=False)
+    weights: _Array = field(compare=False)
 
-    def __init__(self, step: float, force: ArrayLike, constant: ArrayLike | None = None) -> None:
+    def __init__(
+        self, step: float, force: ArrayLike, constant: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+    ) -> None:  # fmt: skip
         wanted = "a finite number > 0"
         step = checks.to_float(step, "step", wanted)
         if not 0 < step < np.inf:
@@ -68,6 +86,18 @@ class Record:
             )
         if force.size > MOST:
             raise ParameterError(f"force of shape {force.shape}: must be at most {MOST} numbers")
+        if weights is None:
+            acting = np.flatnonzero(force.any(axis=0)) if force.any() else np.array([0])
+            samples, matrix = force[:, acting], np.eye(force.shape[1])[acting]
+        else:
+            columns = force.shape[1]
+            matrix = _numbers(weights, "weights", f"an array ({columns}, n)", (columns, -1))
+            samples, force = force, np.zeros((len(force), matrix.shape[1]))
+            # column by column, as the core does, so that the digits do not depend on a library
+            for k, j in zip(*np.nonzero(matrix), strict=True):
+                force[:, j] += matrix[k, j] * samples[:, k]
+        for array in (samples, matrix, force):
+            array.flags.writeable = False
         n = force.shape[1]
         if constant is None:
             constant = np.zeros(n)
@@ -75,6 +105,8 @@ class Record:
             constant, "constant", "one force a coordinate, as many as force has", (n,)
         )
         object.__setattr__(self, "step", step)
+        object.__setattr__(self, "samples", samples)
+        object.__setattr__(self, "weights", matrix)
         object.__setattr__(self, "force", force)
         object.__setattr__(self, "constant", constant)
 
@@ -91,6 +123,16 @@ class Record:
     def _arrays(self) -> tuple[float, _Array, _Array]:
         """As of a load without harmonics."""
         return 0.0, np.zeros((self.coordinates, 2, 0)), self.constant
+
+    def _groups(self) -> list[tuple[str, dict[str, Any]]]:
+        """The group of a namelist that describes it."""
+        keys: dict[str, Any] = {"record": self.samples.ravel().tolist(), "step": self.step}
+        on = np.argmax(self.weights, axis=1)
+        if len(set(on)) == len(on) and np.array_equal(self.weights, np.eye(self.coordinates)[on]):
+            keys["acts_on"] = on.tolist()
+        else:
+            keys["weights"] = self.weights.ravel().tolist()
+        return [("load", keys | {"constant": self.constant.tolist()})]
 
     def __repr__(self) -> str:
         return f"<Record of {len(self.force)} samples to t = {self.duration:g} on {self.coordinates} coordinates>"
@@ -230,9 +272,11 @@ def base_record(
         raise ParameterError(
             f"displacement of {len(arrays[0])} and velocity of {len(arrays[1])} samples: must be as many"
         )
-    if names == ["acceleration"]:
-        return Record(step, np.outer(arrays[0], -(structure.mass @ d)))
-    return Record(
-        step,
-        np.outer(arrays[0], structure.stiffness @ d) + np.outer(arrays[1], structure.damping @ d),
+    matrices = (
+        [-structure.mass] if names == ["acceleration"] else [structure.stiffness, structure.damping]
     )
+    weights = np.zeros((len(matrices), structure.coordinates))
+    for k, matrix in enumerate(matrices):
+        for factor, column in zip(d, matrix.T, strict=True):
+            weights[k] += factor * column
+    return Record(step, np.stack(arrays, axis=1), weights=weights)

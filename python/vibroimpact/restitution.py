@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -23,7 +23,7 @@ class ByValue:
 
     def _values(self) -> tuple[Any, ...]:
         """The fields; arrays with their shapes."""
-        items = [getattr(self, name) for name in self.__dataclass_fields__]  # type: ignore[attr-defined]
+        items = [getattr(self, item.name) for item in fields(self) if item.compare]  # type: ignore[arg-type]
         # adding 0.0 makes -0.0 equal to 0.0, as in a comparison of numbers
         return tuple(
             (item.shape, (item + 0.0).tobytes()) if isinstance(item, np.ndarray) else item

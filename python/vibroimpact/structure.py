@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,9 @@ from .restitution import (
     law_of_keys,
     numbers_of,
 )
+
+if TYPE_CHECKING:
+    from .record import Record
 
 __all__ = ["Gap", "Load", "Structure"]
 
@@ -387,8 +390,10 @@ def or_structure(
 
 def from_groups(
     groups: Sequence[tuple[str, Mapping[str, Any]]],
-) -> tuple[Structure, Load | None]:
+) -> tuple[Structure, Load | Record | None]:
     """The structure and the load of the groups of a namelist, as the core has completed them."""
+    from .record import Record
+
     (_, keys), *parts = groups
     gaps = [
         Gap(np.atleast_1d(part["direction"]), part["opening"], law_of_keys(part))
@@ -404,13 +409,20 @@ def from_groups(
             _square(keys[name], n) for name in ("mass", "damping", "stiffness")
         )
         structure = Structure(mass, damping, stiffness, gaps)
-    load = None
+    load: Load | Record | None = None
     for part in (part for name, part in parts if name == "load"):
         n = structure.coordinates
+        constant = np.atleast_1d(part["constant"]) if "constant" in part else None
+        if "record" in part:
+            weights = (
+                np.reshape(part["weights"], (-1, n)) if "weights" in part
+                else np.eye(n)[np.atleast_1d(part.get("acts_on", np.arange(n)))]
+            )  # fmt: skip
+            samples = np.reshape(part["record"], (-1, len(weights)))
+            return structure, Record(part["step"], samples, constant, weights)
         harmonics = {
             name: np.reshape(part[name], (-1, n)) for name in ("sine", "cosine") if name in part
         }
-        constant = np.atleast_1d(part["constant"]) if "constant" in part else None
         load = Load(part.get("frequency"), **harmonics, constant=constant)
     return structure, load
 

@@ -37,7 +37,8 @@ class StructureNoun(Noun):
     @property
     def load(self) -> Load | None:
         """The load."""
-        return from_groups(namelist.parts_of(self.case)[:-1])[1]
+        load = from_groups(namelist.parts_of(self.case)[:-1])[1]
+        return load if isinstance(load, Load) else None  # none of these studies takes a record
 
     @property
     def keys(self) -> dict[str, Any]:

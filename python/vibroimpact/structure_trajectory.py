@@ -116,8 +116,6 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             raise ParameterError(
                 f"{self!r}: has no namelist, since the file has none from which it was read"
             )
-        if isinstance(self.load, Record):
-            raise ParameterError(f"{self!r}: has no namelist, since its load is a record")
         load = [] if self.load is None else self.load._groups()
         return namelist.text([*self.structure._groups(), *load, ("simulate", self.request)])
 
@@ -125,10 +123,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     def _result(self) -> Result:
         """Its tables, with the columns that the core declares."""
         s, load = self.structure, self.load
-        if isinstance(load, Record):
-            raise ParameterError(
-                f"{self!r}: cannot be saved with a record; save its arrays `events` and `states`"
-            )
+        record = load if isinstance(load, Record) else None
         moments = (self.first_state, self.final_state)
         names = ("time", "kind", "gap", "speed", "impulse")
         tables: dict[str, Any] = {
@@ -141,8 +136,13 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             }),
             **structure_tables(s, load),
             "run": ((), {
-                "frequency": 0.0 if load is None else load.frequency, "loaded": load is not None,
-                "finished": self.complete,
+                "frequency": load.frequency if isinstance(load, Load) else 0.0,
+                "loaded": load is not None, "finished": self.complete,
+                "step": record.step if record else 0.0,
+            }),
+            "record": (("sample",), {"value": record.samples if record else np.zeros((0, 0))}),
+            "channels": (("channel",), {
+                "weight": record.weights if record else np.zeros((0, s.coordinates)),
             }),
         }  # fmt: skip
         cut = "" if self.complete else self.cut or FULL
@@ -161,7 +161,13 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         frequency, loaded, finished = (
             item.item() for item in values("run", "frequency", "loaded", "finished")
         )
-        structure, load = structure_of(result, frequency, loaded)
+        structure, periodic = structure_of(result, frequency, loaded)
+        (samples,), (weights,), (step,) = (
+            values("record", "value"), values("channels", "weight"), values("run", "step"),
+        )  # fmt: skip
+        load: Load | Record | None = periodic
+        if periodic is not None and len(samples):
+            load = Record(step.item(), samples, periodic.constant, weights)
         columns = values("events", "time", "kind", "gap", "speed", "impulse")
         events = _events(len(columns[0]))
         for name, column in zip(events.dtype.names or (), columns, strict=True):
@@ -278,10 +284,11 @@ class StructureSimulation(OfStructure, study="simulate_structure"):
     part = StructureTrajectory
 
 
-def structure_tables(s: Structure, load: Load | None) -> dict[str, Any]:
+def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]:
     """The tables of a structure, its gaps and its load in a result."""
     n = s.coordinates
     nothing = np.zeros((0, n))
+    periodic = load if isinstance(load, Load) else None
     tabulated = [
         gap.restitution for gap in s.gaps if isinstance(gap.restitution, TabulatedRestitution)
     ]
@@ -299,7 +306,8 @@ def structure_tables(s: Structure, load: Load | None) -> dict[str, Any]:
             "constant": np.zeros(n) if load is None else load.constant,
         }),
         "harmonics": (("harmonic",), {
-            "cosine": nothing if load is None else load.cosine, "sine": nothing if load is None else load.sine,
+            "cosine": periodic.cosine if periodic else nothing,
+            "sine": periodic.sine if periodic else nothing,
         }),
     }  # fmt: skip
 

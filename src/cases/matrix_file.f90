@@ -1,18 +1,25 @@
-!> Reads matrices from Matrix Market and NumPy files.
+!> Reads matrices from Matrix Market and NumPy files, and tables of samples also from CSV files.
 module vi_matrix_file
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_lines, only: unify_line_ends
    use vi_parse, only: parse_numbers
    use vi_read_file, only: read_bytes
-   use vi_text, only: lower, whole
+   use vi_text, only: counted, lower, whole
    implicit none (type, external)
    private
 
-   public :: beside, read_matrix
+   public :: beside, read_matrix, read_samples
 
    character(*), parameter :: market = '%%matrixmarket', numpy = char(147)//'NUMPY'
    character, parameter :: line_feed = achar(10)
+
+   !> Which shapes a table may have.
+   type :: limits_type
+      !> Largest numbers of rows, of columns, and of numbers.
+      integer :: rows = 0, columns = 0, numbers = 0
+      logical :: square = .false.
+   end type limits_type
 
 contains
 
@@ -44,33 +51,206 @@ contains
       !> What is wrong with the file; empty if nothing is.
       character(:), allocatable, intent(out) :: message
       character(:), allocatable :: content
+      integer :: columns
+      logical :: found
 
-      allocate (numbers(0))
       call read_bytes(path, content, message)
+      allocate (numbers(0))
       if (len(message) > 0) return
-      if (lower(content(:min(len(market), len(content)))) == market) then
-         call read_market(content, most, numbers, message)
-      else if (index(content, numpy) == 1) then
-         call read_numpy(content, most, numbers, message)
-      else
-         message = 'it starts neither as a Matrix Market file (%%MatrixMarket) nor as a NumPy file'
-      end if
+      call read_binary_or_market(content, limits_type(most, most, most**2, .true.), numbers, &
+         columns, message, found)
+      if (.not. found) message = 'it starts neither as a Matrix Market file (%%MatrixMarket) nor &
+         &as a NumPy file'
    end subroutine read_matrix
 
-   !> Checks the shape of a matrix.
-   pure subroutine check_shape(rows, columns, most, message)
+   !> Reads a table of samples; a file with a list has one column.
+   subroutine read_samples(path, most_columns, most, numbers, columns, times, message)
+      !> The file.
+      character(*), intent(in) :: path
+      !> Largest numbers of columns and of numbers.
+      integer, intent(in) :: most_columns, most
+      !> Row by row, one row for each sample.
+      real(wp), allocatable, intent(out) :: numbers(:)
+      !> Number of columns.
+      integer, intent(out) :: columns
+      !> The times of the samples, if the file has a column `time`; else empty.
+      real(wp), allocatable, intent(out) :: times(:)
+      !> What is wrong with the file; empty if nothing is.
+      character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: content
+      logical :: found
+
+      call read_bytes(path, content, message)
+      allocate (numbers(0), times(0))
+      columns = 0
+      if (len(message) > 0) return
+      call read_binary_or_market(content, limits_type(most, most_columns, most), numbers, columns, &
+         message, found)
+      if (.not. found) call read_csv(content, most_columns, most, numbers, columns, times, message)
+   end subroutine read_samples
+
+   !> Reads a file in the format of Matrix Market or of NumPy.
+   pure subroutine read_binary_or_market(content, limits, numbers, columns, message, found)
+      !> The file.
+      character(*), intent(in) :: content
+      !> The shapes that are allowed.
+      type(limits_type), intent(in) :: limits
+      !> The numbers, row by row; of a list in a square file only its diagonal.
+      real(wp), allocatable, intent(inout) :: numbers(:)
+      !> Number of columns.
+      integer, intent(out) :: columns
+      !> Out: what is wrong with it; not changed if nothing is.
+      character(:), allocatable, intent(inout) :: message
+      !> Whether it has one of the formats.
+      logical, intent(out) :: found
+
+      columns = 0
+      found = .true.
+      if (lower(content(:min(len(market), len(content)))) == market) then
+         call read_market(content, limits, numbers, columns, message)
+      else if (index(content, numpy) == 1) then
+         call read_numpy(content, limits, numbers, columns, message)
+      else
+         found = .false.
+      end if
+   end subroutine read_binary_or_market
+
+   !> Samples as text: numbers with commas or blanks between them, a line for each sample. Lines
+   !! that start with # or % are comments; the first other line may hold names.
+   pure subroutine read_csv(content, most_columns, most, numbers, columns, times, message)
+      !> The file.
+      character(*), intent(in) :: content
+      !> Largest numbers of columns and of numbers.
+      integer, intent(in) :: most_columns, most
+      !> The numbers, row by row.
+      real(wp), allocatable, intent(inout) :: numbers(:)
+      !> Number of columns, without that of the times.
+      integer, intent(out) :: columns
+      !> The times, if the first name is time or t; else empty.
+      real(wp), allocatable, intent(inout) :: times(:)
+      !> Out: what is wrong with it; not changed if nothing is.
+      character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: text, words
+      real(wp), allocatable :: values(:), table(:)
+      integer :: at, empty, first, i, line, n, rows, width
+      logical :: good, timed
+
+      columns = 0
+      call unify_line_ends(content, text)
+      text = text//line_feed
+      at = 1
+      line = 0
+      call skip_names(text, at, line, timed)
+      allocate (table(1024))
+      rows = 0
+      width = 0
+      n = 0
+      empty = 0
+      do while (at <= len(text))
+         first = at
+         at = first + index(text(first:), line_feed)
+         line = line + 1
+         words = text(first:at - 2)
+         do i = 1, len(words)
+            if (words(i:i) == achar(9)) words(i:i) = ' '
+         end do
+         if (len_trim(words) == 0) then
+            empty = line
+            cycle
+         end if
+         if (scan(words(1:1), '#%') > 0) cycle
+         good = scan(words, '*') == 0 .and. (empty == 0 .or. rows == 0)
+         if (good) call parse_numbers(words, .false., most_columns + 1, values, good)
+         if (good .and. width > 0) good = size(values) == width
+         if (.not. good) then
+            if (empty > 0 .and. rows > 0) line = empty
+            message = 'line '//whole(line)//': must hold '
+            if (width > 0) message = message//counted(width, 'finite number')// &
+               ', as the lines before'
+            if (width == 0) message = message//'finite numbers, at most '//whole(most_columns)
+            return
+         end if
+         width = size(values)
+         rows = rows + 1
+         if (rows > most/width) then
+            message = 'it has more than '//whole(most)//' numbers'
+            return
+         end if
+         if (n + width > size(table)) table = [table, table]
+         table(n + 1:n + width) = values
+         n = n + width
+      end do
+      if (rows == 0) then
+         message = 'it holds no numbers'
+         return
+      end if
+      columns = width
+      if (timed) columns = width - 1
+      if (timed) times = table(1:n:width)
+      if (columns == 0) message = 'it has a column of times alone'
+      deallocate (numbers)
+      allocate (numbers(columns*rows))
+      do at = 1, rows
+         numbers((at - 1)*columns + 1:at*columns) = table(at*width - columns + 1:at*width)
+      end do
+   end subroutine read_csv
+
+   !> Skips comments and a line of names.
+   pure subroutine skip_names(text, at, line, timed)
+      !> The file, with a line feed at its end.
+      character(*), intent(in) :: text
+      !> In and out: position where a line begins, and the number of the line before.
+      integer, intent(inout) :: at, line
+      !> Whether the first name is time or t; a unit may follow it.
+      logical, intent(out) :: timed
+      character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
+      character, parameter :: quote = achar(39)
+      character(:), allocatable :: name
+      integer :: first, last
+
+      timed = .false.
+      if (index(text, byte_order_mark) == 1) at = at + len(byte_order_mark)
+      do while (at <= len(text))
+         first = at + verify(text(at:), ' '//achar(9)) - 1
+         last = at + index(text(at:), line_feed) - 2
+         if (first <= last) then
+            if (scan(text(first:first), '#%') == 0) exit
+         end if
+         at = last + 2
+         line = line + 1
+      end do
+      if (at > len(text)) return
+      ! a first word that begins with a letter is a name, unless it is meant as a number
+      name = lower(text(first:last))
+      if (scan(name(1:1), '"'//quote) > 0) name = name(2:)
+      if (len(name) == 0) return
+      if (scan(name(1:1), 'abcdefghijklmnopqrstuvwxyz') == 0) return
+      if (index(name, 'nan') == 1 .or. index(name, 'inf') == 1) return
+      timed = index(name, 'time') == 1
+      if (name(1:1) == 't' .and. .not. timed) timed = verify(name(2:min(2, len(name))), &
+         ' ,"([;'//quote//achar(9)) == 0
+      at = last + 2
+      line = line + 1
+   end subroutine skip_names
+
+   !> Checks the shape of a table.
+   pure subroutine check_shape(rows, columns, limits, message)
       !> Its shape.
       real(wp), intent(in) :: rows, columns
-      !> Largest number of rows.
-      integer, intent(in) :: most
+      !> The shapes that are allowed.
+      type(limits_type), intent(in) :: limits
       !> Out: what is wrong with it; not changed if nothing is.
       character(:), allocatable, intent(inout) :: message
 
-      if (rows < 1 .or. columns < 1 .or. rows > most .or. columns > most) then
-         message = 'it has '//shown(rows)//' rows and '//shown(columns)// &
-            ' columns; must be 1 to '//whole(most)
-      else if (abs(rows - columns) > 0) then
+      if (rows < 1 .or. columns < 1 .or. rows > limits%rows .or. columns > limits%columns) then
+         message = 'it has '//shown(rows)//' rows and '//shown(columns)//' columns; must be 1 to '
+         if (limits%square) message = message//whole(limits%rows)
+         if (.not. limits%square) message = message//whole(limits%rows)//' rows and 1 to '// &
+            whole(limits%columns)//' columns'
+      else if (limits%square .and. abs(rows - columns) > 0) then
          message = 'it has '//shown(rows)//' rows and '//shown(columns)//' columns; must be square'
+      else if (rows*columns > limits%numbers) then
+         message = 'it has more than '//whole(limits%numbers)//' numbers'
       end if
    end subroutine check_shape
 
@@ -84,21 +264,24 @@ contains
    end function shown
 
    !> A matrix in the format of Matrix Market: real, general or symmetric, coordinate or array.
-   pure subroutine read_market(content, most, numbers, message)
+   pure subroutine read_market(content, limits, numbers, columns, message)
       !> The file.
       character(*), intent(in) :: content
-      !> Largest number of rows.
-      integer, intent(in) :: most
-      !> The n*n numbers, row by row.
+      !> The shapes that are allowed.
+      type(limits_type), intent(in) :: limits
+      !> The numbers, row by row.
       real(wp), allocatable, intent(inout) :: numbers(:)
+      !> Number of columns.
+      integer, intent(out) :: columns
       !> Out: what is wrong with it; not changed if nothing is.
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: text
       real(wp), allocatable :: values(:), matrix(:, :)
       logical, allocatable :: given(:, :)
       logical :: coordinates, symmetric, good, ended
-      integer :: at, line, i, j, k, n, entries
+      integer :: at, line, i, j, k, rows, entries
 
+      columns = 0
       call unify_line_ends(content, text)
       text = text//line_feed
       at = index(text, line_feed)
@@ -114,19 +297,22 @@ contains
             trim(merge(', columns and entries', ' and columns         ', coordinates))
          return
       end if
-      call check_shape(values(1), values(2), most, message)
+      call check_shape(values(1), values(2), limits, message)
+      if (symmetric .and. abs(values(1) - values(2)) > 0) message = 'line '//whole(line)// &
+         ': must be square as it is symmetric'
       if (len(message) > 0) return
-      n = nint(values(1))
-      entries = n*n
-      if (symmetric) entries = n*(n + 1)/2
+      rows = nint(values(1))
+      columns = nint(values(2))
+      entries = rows*columns
+      if (symmetric) entries = rows*(rows + 1)/2
       if (coordinates) then
          if (values(3) > entries) message = 'line '//whole(line)//': it has more than '// &
             whole(entries)//' entries'
          if (len(message) > 0) return
          entries = nint(values(3))
       end if
-      allocate (matrix(n, n), source=0.0_wp)
-      allocate (given(n, n), source=.false.)
+      allocate (matrix(rows, columns), source=0.0_wp)
+      allocate (given(rows, columns), source=.false.)
       i = 0
       j = 1
       do k = 1, entries
@@ -140,18 +326,18 @@ contains
          end if
          if (coordinates) then
             good = all(abs(values(:2) - anint(values(:2))) <= 0 .and. values(:2) >= 1 .and. &
-               values(:2) <= n)
+               values(:2) <= [rows, columns])
             if (good) then
                i = nint(values(1))
                j = nint(values(2))
                good = .not. given(i, j)
             end if
             if (.not. good) then
-               message = 'line '//whole(line)//': must be another entry of the '//whole(n)// &
-                  ' rows and columns'
+               message = 'line '//whole(line)//': must be another entry of the '// &
+                  whole(rows)//' rows and '//whole(columns)//' columns'
                return
             end if
-         else if (i < n) then
+         else if (i < rows) then
             i = i + 1                                   ! column by column
          else
             j = j + 1
@@ -237,21 +423,24 @@ contains
    end subroutine next_numbers
 
    !> A matrix in NumPy's format, version 1 to 3: 8-byte numbers, row by row or column by column.
-   pure subroutine read_numpy(content, most, numbers, message)
+   pure subroutine read_numpy(content, limits, numbers, columns, message)
       !> The file.
       character(*), intent(in) :: content
-      !> Largest number of rows.
-      integer, intent(in) :: most
-      !> The n*n numbers, row by row, or the n numbers of a diagonal.
+      !> The shapes that are allowed.
+      type(limits_type), intent(in) :: limits
+      !> The numbers, row by row, or those of a list.
       real(wp), allocatable, intent(inout) :: numbers(:)
+      !> Number of columns.
+      integer, intent(out) :: columns
       !> Out: what is wrong with it; not changed if nothing is.
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: head, kind, order, shape
       real(wp), allocatable :: sizes(:)
       integer(int64) :: bits
-      integer :: start, length, i, j, n, place
+      integer :: start, length, i, j, rows, place
       logical :: good
 
+      columns = 0
       length = -1
       start = 0
       if (len(content) >= 12) then
@@ -288,15 +477,17 @@ contains
          call parse_numbers(shape(2:i), .true., 2, sizes, good)
       end if
       if (.not. good) then
-         message = 'it has the shape '//shape//'); must be a square matrix, or a list'
+         message = 'it has the shape '//shape//'); must be a '//trim(merge('square matrix', &
+            'table        ', limits%square))//', or a list'
          return
       end if
-      if (size(sizes) == 1) sizes = [sizes, sizes]
-      call check_shape(sizes(1), sizes(2), most, message)
+      if (size(sizes) == 1) sizes = [sizes(1), merge(sizes(1), 1.0_wp, limits%square)]
+      call check_shape(sizes(1), sizes(2), limits, message)
       if (len(message) > 0) return
-      n = nint(sizes(1))
-      length = n*n
-      if (index(shape, ',') == len(shape) .or. index(shape, ',') == 0) length = n
+      rows = nint(sizes(1))
+      columns = nint(sizes(2))
+      length = rows*columns
+      if (index(shape, ',') == len(shape) .or. index(shape, ',') == 0) length = rows
       if (len(content) - start /= 8*length) then
          message = 'it has '//whole(len(content) - start)//' bytes of numbers; must be '// &
             whole(8*length)
@@ -306,7 +497,8 @@ contains
       allocate (numbers(length))
       do i = 1, length
          place = i
-         if (length > n .and. order == 'True') place = 1 + modulo(i - 1, n)*n + (i - 1)/n
+         if (length > rows .and. order == 'True') place = 1 + modulo(i - 1, rows)*columns &
+            + (i - 1)/rows
          bits = 0
          do j = 0, 7
             bits = ior(bits, shiftl(int(iachar(content(start + 8*i - j:start + 8*i - j)), int64), &
@@ -315,7 +507,11 @@ contains
          if (kind(2:2) == '>') bits = swapped(bits)
          numbers(place) = transfer(bits, 1.0_wp)
       end do
-      if (.not. all(abs(numbers) <= huge(1.0_wp))) message = 'it holds a number that is not finite'
+      i = findloc(abs(numbers) <= huge(1.0_wp), .false., 1)
+      if (i == 0) return
+      message = 'it holds a number that is not finite, in row '//whole(1 + (i - 1)/columns)// &
+         ', column '//whole(1 + modulo(i - 1, columns))
+      if (length == rows) message = 'it holds a number that is not finite, number '//whole(i)
    end subroutine read_numpy
 
    !> The same bytes in the opposite order.

@@ -218,7 +218,7 @@ contains
       end if
       if (len(message) > 0) return
       call read_structure(path, groups(1), system%values)
-      if (len(system%values%fault) == 0) call read_parts(groups(2:n), system%values, &
+      if (len(system%values%fault) == 0) call read_parts(path, groups(2:n), system%values, &
          system%parts, system%coordinates)
       call pass_on(system%values, line, message)
       if (.not. allocated(system%parts)) return

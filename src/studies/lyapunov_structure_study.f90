@@ -4,7 +4,7 @@ module vi_lyapunov_structure_study
    use vi_kinds, only: wp
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_groups, only: load_frequency, most_coordinates, structure_of
+   use vi_structure_groups, only: load_frequency, most_coordinates, record_end, structure_of
    use vi_structure_keys, only: check_start_state, start_keys
    use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
@@ -82,6 +82,8 @@ contains
       associate (study => case%study)
          if (len(study%fault) > 0) return
          call check_start_state(case)
+         if (record_end(case) >= 0) call study%refuse('cycles', 'the load must be periodic or &
+            &constant, not a record')
          if (study%whole_number('cycles') < 2*study%whole_number('batches')) call &
             study%refuse('cycles', 'batches is '//whole(study%whole_number('batches')))
          if (.not. study%has('directions')) call study%set('directions', [2.0_wp* &

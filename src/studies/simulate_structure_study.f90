@@ -4,7 +4,7 @@ module vi_simulate_structure_study
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_groups, only: load_frequency, record_end, record_of, structure_of
    use vi_structure_keys, only: check_start_state, longest, start_keys
    use vi_structure_run, only: impact_event, stick_event
    use vi_structure_tables, only: put_structure, structure_columns
@@ -18,9 +18,9 @@ module vi_simulate_structure_study
    public :: declare_simulate_structure
 
    type(key_type), parameter :: simulate_keys(*) = [ &
-      key_type('duration', low=0.0_wp, high=longest, or='cycles', &
-      meaning='how long to simulate'), &
-      key_type('cycles', low=0.0_wp, high=1.0e9_wp, or='duration', &
+      key_type('duration', low=0.0_wp, high=longest, may_miss=.true., or='cycles', &
+      meaning='how long to simulate; with a record to its last sample if it is left out'), &
+      key_type('cycles', low=0.0_wp, high=1.0e9_wp, may_miss=.true., or='duration', &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
       meaning='how long, as a number of cycles of the load; fractions are allowed'), &
       start_keys, &
@@ -46,7 +46,13 @@ module vi_simulate_structure_study
       meaning='circular frequency of the load; 0 if there is none'), &
       column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &
       column_type('run', 'finished', truths, listed=.false., &
-      meaning='whether the end was reached before max_events events'), structure_columns]
+      meaning='whether the end was reached before max_events events'), &
+      column_type('run', 'step', listed=.false., &
+      meaning='time between the samples of a record; 0 without a record'), &
+      column_type('record', 'value', each='channel', listed=.false., &
+      meaning='samples of a record, linear between them'), &
+      column_type('channels', 'weight', each='coordinate', listed=.false., &
+      meaning='forces on the coordinates for 1 in a column of the record'), structure_columns]
 
 contains
 
@@ -81,12 +87,20 @@ contains
    subroutine check_simulate(case)
       !> The case.
       type(case_type), intent(inout) :: case
+      real(wp) :: end_of_record
 
       associate (study => case%study)
          if (len(study%fault) > 0) return
          call check_start_state(case)
-         if (.not. study%has('cycles') .or. len(study%fault) > 0) return
-         if (.not. load_frequency(case) > 0) then
+         if (len(study%fault) > 0 .or. study%has('duration')) return
+         if (.not. study%has('cycles')) then
+            end_of_record = record_end(case)
+            if (end_of_record < 0) then
+               call study%refuse('duration', 'or give cycles')
+            else
+               call study%set('duration', [max(0.0_wp, end_of_record - study%number('start'))])
+            end if
+         else if (.not. load_frequency(case) > 0) then
             call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &
                &duration')
          else if (.not. span(case) <= longest) then
@@ -115,7 +129,12 @@ contains
       !> The case, checked.
       type(case_type), intent(in) :: case
 
-      bytes = 400.0_wp*real(case%coordinates, wp)**2
+      real(wp), allocatable :: samples(:, :), weights(:, :)
+
+      call record_of(case, samples, weights)
+      ! the record stands in the case, the load and the run, and in the result
+      bytes = 400.0_wp*real(case%coordinates, wp)**2 + 24.0_wp*size(samples, 2)* &
+         (case%coordinates + size(samples, 1))
    end function simulate_memory
 
    !> Simulates a case.
@@ -170,6 +189,8 @@ contains
       call result%put('run', 'frequency', [load_frequency(case)])
       call result%put('run', 'loaded', [merge(1, 0, case%parts(size(case%parts))%name == 'load')])
       call result%put('run', 'finished', [merge(1, 0, status == stat%ok)])
+      call result%put('run', 'step', [load%step])
+      call put_record(result, case)
       if (status == stat%more_events) call result%remark('cut short: max_events was reached')
       call result%remark('final time: '//exact(end_time))
       call result%add_note(counted(count(labels(1, :n) == impact_event), 'impact')//', '// &
@@ -197,6 +218,21 @@ contains
       call result%put('events', 'q', [table(4:3 + n, :)], n)
       call result%put('events', 'q_dot', [table(4 + n:, :)], n)
    end subroutine put_events
+
+   !> Fills the tables of the record.
+   pure subroutine put_record(result, case)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> The case.
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: samples(:, :), weights(:, :)
+
+      call record_of(case, samples, weights)
+      call result%open('record', 'sample', [size(samples, 2)])
+      call result%put('record', 'value', [samples], size(samples, 1))
+      call result%open('channels', 'channel', [size(samples, 1)])
+      call result%put('channels', 'weight', [weights], case%coordinates)
+   end subroutine put_record
 
    !> Fills the table of the start and the end.
    pure subroutine put_moments(result, case, start, end_time, last_state)

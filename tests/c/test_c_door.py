@@ -39,6 +39,9 @@ CASES["structure"] = (
     "&gap direction = 1, -1, opening = .4, restitution = .9, law = 'power', law_speed = .5, law_exponent = .25 /\n"
     "&load frequency = 0.8, cosine = 1, 0, 0, 0.2 /\n&simulate cycles = 5, q_dot = 0, -1 /\n"
 )
+CASES["record"] = CASES["structure"].partition("&load")[0] + (
+    "&load record = 1, -1, .5, 2, -2, 1, step = 2, base = 'acceleration' /\n&simulate duration = 40 /\n"
+)
 # of other studies, but for two that take long, the case that `vibroimpact init` writes
 CASES |= {
     name: template(name, "case.nml") for name in STUDIES if name not in (*CASES, "chart", "atlas")

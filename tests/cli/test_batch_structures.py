@@ -46,8 +46,8 @@ FAULTS = [
         ("text.mtx", "starts neither as a Matrix Market file"), ("empty.mtx", "starts neither as"),
         ("short.mtx", "line 5: must hold row, column and value of entry 3 of 3"),
         ("complex.mtx", "line 1: must be matrix, coordinate or array"),
-        ("outside.mtx", "line 4: must be another entry of the 2 rows and columns"),
-        ("twice.mtx", "line 4: must be another entry of the 2 rows and columns"),
+        ("outside.mtx", "line 4: must be another entry of the 2 rows and 2 columns"),
+        ("twice.mtx", "line 4: must be another entry of the 2 rows and 2 columns"),
         ("long.mtx", "line 7: stands after the last entry"), ("large.mtx", "99999999 rows"),
         ("nan.mtx", "line 4: must hold one number of entry 2 of 4"),
         ("whole.npy", "it holds '<i8'; must be float64"), ("nan.npy", "not finite"),
@@ -67,6 +67,50 @@ FAULTS = [
         ("frequency = 0, sine = 1, 0", "0 < frequency"), ("frequency = 1", "or give cosine or sine"),
         ("constant = 1, 2, 3, 4", "it has 4 numbers for 2 coordinates"), ("", "constant: is missing"),
     )],
+    *[(CASE.replace(LOAD, f"&load {v}, step = 0.1 /\n"), "load", wanted, 3) for v, wanted in (
+        ("record_file = 'none.csv', acts_on = 1", "none.csv: No such file"),
+        ("record_file = 'words.csv', acts_on = 1", "line 2: must hold finite numbers"),
+        ("record_file = 'nan.csv', acts_on = 1", "nan.csv: line 3: must hold 1 finite number, as the"),
+        ("record_file = 'inf.csv', acts_on = 1", "inf.csv: line 2: must hold 1 finite number"),
+        ("record_file = 'blank.csv', acts_on = 1", "blank.csv: line 2: must hold 1 finite number"),
+        ("record_file = 'ragged.csv'", "ragged.csv: line 2: must hold 2 finite numbers, as the lines before"),
+        ("record_file = 'cell.csv'", "cell.csv: line 2: must hold 2 finite numbers"),
+        ("record_file = 'one.csv', acts_on = 1", "it has one sample"),
+        ("record_file = 'empty.mtx', acts_on = 1", "it holds no numbers"),
+        ("record_file = 'times.csv'", "it has a column of times alone"),
+        ("record_file = 'late.csv', acts_on = 1", "sample 1 is at time 1; must be 0"),
+        ("record_file = 'jump.csv', acts_on = 1", "sample 3 is at time 0.3; must be 0.2"),
+        ("record_file = 'nan.npy'", "that is not finite, in row 1, column 1"),
+        ("record_file = 'cube.npy'", "must be a table, or a list"),
+        ("record_file = 'twice.mtx'", "line 4: must be another entry of the 2 rows and 2 columns"),
+        ("record_file = 'three.npy'", "it has 3 columns, not the 2 of all coordinates; or give acts_on"),
+        ("record_file = 'three.npy', acts_on = 0", "it has 3 columns, not the 1 of acts_on"),
+        ("record_file = 'three.npy', base = 'acceleration'", "it has 3 columns, not the 1 of base"),
+        ("record_file = 'three.npy', base = 'motion'", "it has 3 columns, not the 2 of base"),
+        ("record_file = 'three.npy', weights = 1, 1", "it has 3 columns, not the 1 of weights"),
+        ("record = 1, 2, 3", "it has 3 numbers for the 2 columns of all coordinates"),
+        ("record = 1, 2", "it has one sample"), ("record = 1, nan", "must be one number for each column"),
+        ("record = 3*1, base = 'motion'", "it has 3 numbers for the 2 columns of base"),
+        ("record = 3*1, acts_on = 2", "there are 2 coordinates"),
+        ("record = 4*1, acts_on = 0, 0", "no number twice"),
+        ("record = 3*1, weights = 1, 2, 3", "it has 3 numbers for 2 coordinates"),
+        ("record = 3*1, weights = 1, 2, acts_on = 1", "acts_on = 1: must be left out beside weights"),
+        ("record = 3*1, weights = 1, 2, base = 'motion'", "weights = 1, 2: must be left out beside base"),
+        ("record = 3*1, base = 'yes'", "must be 'acceleration' (one column"),
+        ("record = 3*1, base_direction = 1, 1", "it goes with base"),
+        ("record = 3*1, base = 'acceleration', base_direction = 1", "it has 1 number for 2 coordinates"),
+        ("record = 4*1, frequency = 1", "must be left out beside frequency"),
+        ("record = 4*1, record_file = 'm.csv'", "must be left out beside record"),
+        ("constant = 1, 0", "step = 0.1: must be left out: it goes with record or record_file"),
+    )],
+    (CASE.replace(LOAD, "&load record = 4*1 /\n"), "load", "step: is missing; must be a number with 0 < step", 3),
+    (CASE.replace(LOAD, "&load record = 4*1, step = 0 /\n"), "load", "0 < step", 3),
+    (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace("duration", "cycles"), "simulate",
+     "a &load that has a frequency", 4),
+    (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace(RUN, "&lyapunov cycles = 100 /\n"), "lyapunov",
+     "must be periodic or constant, not a record", 4),
+    (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace(RUN, "&motion kind = 'settled' /\n"), "motion",
+     "a &load that has a frequency", 4),
     *[(CASE.replace(RUN, f"&simulate {v} /\n"), "simulate", wanted, 4) for v, wanted in (
         ("", "duration: is missing"), ("duration = 1, cycles = 1", "must be left out beside cycles"),
         ("duration = -1", "0 <= duration <= 1e12"), ("duration = 1, q = 1", "1 number for 2 coordinates"),
@@ -89,6 +133,11 @@ FILES = {
     "twice.mtx": f"{MARKET}coordinate real general\n2 2 2\n1 1 1\n1 1 2\n",
     "long.mtx": f"{MARKET}array real general\n2 2\n1\n0\n0\n1\n7\n",
     "large.mtx": f"{MARKET}array real general\n99999999 2\n",
+    "words.csv": "f\none\n1\n", "nan.csv": "f\n1\nnan\n2\n",
+    "inf.csv": "1\ninf\n2\n", "blank.csv": "1\n\n2\n",
+    "ragged.csv": "1,2\n3\n4,5\n", "cell.csv": "1,2\n3,\n4,5\n", "one.csv": "f\n1\n",
+    "times.csv": "time\n0\n0.1\n",
+    "late.csv": "t,f\n1,2\n1.1,2\n1.2,3\n", "jump.csv": "t f\n0,2\n0.1,2\n0.3,3\n0.4,3\n",
     "nan.mtx": f"{MARKET}array real general\n2 2\n1\nnan\n0\n1\n",
 }  # fmt: skip
 
@@ -171,13 +220,14 @@ def test_keys_of_the_groups(batch):
         assert f"\n  {key}: " in batch("--keys", group).out.decode()
 
 
-def test_periodic_motions_have_the_digits_of_python(batch):
-    path = Path(__file__).parents[2] / "inputs" / "structure_motion.nml"
+@pytest.mark.parametrize(("name", "cases"), [("structure_motion", 4), ("structure_frame", 1)])
+def test_inputs_have_the_digits_of_python(batch, name, cases):
+    path = Path(__file__).parents[2] / "inputs" / f"{name}.nml"
     assert batch(path, "-o", "program").status == 0
     log = vi.run_namelists([path], batch.cwd / "python")
     assert log.status == 0
     files = sorted(p.name for p in (batch.cwd / "program").glob("*.csv"))
-    assert len(files) == 4
+    assert len(files) == cases
     for name in files:
         ours, theirs = (batch.cwd / folder / name for folder in ("program", "python"))
         assert ours.read_bytes() == theirs.read_bytes()

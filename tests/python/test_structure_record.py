@@ -1,0 +1,216 @@
+"""Records of forces and of motions of the base, in namelists, files and saved results."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from scipy.integrate import solve_ivp
+from scipy.io import mmwrite
+from scipy.linalg import expm
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+STRUCTURE = """&structure mass = 2, 0.3, damping = 0.3, -0.1, -0.1, 0.1, stiffness = 3, -1, -1, 1 /
+&gap direction = -1, 1, opening = 0.2, restitution = 0.6 /
+&gap direction = 1, -1, opening = 0.3, restitution = 0.7 /
+"""
+
+
+def structure():
+    """That of STRUCTURE."""
+    gaps = [vi.Gap([-1, 1], 0.2, 0.6), vi.Gap([1, -1], 0.3, 0.7)]
+    return vi.Structure([2, 0.3], [[0.3, -0.1], [-0.1, 0.1]], [[3, -1], [-1, 1]], gaps)
+
+
+def bits(run):
+    """All numbers of a trajectory."""
+    return (
+        run.events.tobytes(),
+        run.states.tobytes(),
+        *(part.tobytes() for part in run.final_state),
+    )
+
+
+def computed(folder, load, study="&simulate duration = 30 /"):
+    """The case of a namelist in a folder, and its trajectory."""
+    path = folder / "case.nml"
+    path.write_text(f"{STRUCTURE}&load {load} /\n{study}\n", encoding="utf-8")
+    (case,) = vi.read_namelist(path)
+    (run,) = case.run()
+    return case, run
+
+
+def kanai_tajimi():
+    """The motion of the ground of inputs/structure_frame.csv."""
+    step, samples, omega, zeta, peak = 0.02, 1001, 15.6, 0.6, 3.0
+    t = step * np.arange(samples)
+    envelope = np.where(t < 3, (t / 3) ** 2, np.where(t < 9, 1.0, np.exp(-0.4 * (t - 9))))
+    noise = envelope * np.random.default_rng(1957).standard_normal(samples)
+    flow = expm(np.array([[0, 1, 0], [-(omega**2), -2 * zeta * omega, -1], [0, 0, 0]]) * step)
+    u, ground = np.zeros(2), [0.0]
+    for w in noise[:-1]:
+        u = flow[:2, :2] @ u + flow[:2, 2] * w
+        ground.append(-(omega**2 * u[0] + 2 * zeta * omega * u[1]))
+    return t, np.array(ground) * peak / np.abs(ground).max()
+
+
+def test_earthquake_of_the_inputs():
+    """Its file holds what its header says, and a motion under it obeys the equations of motion between impacts."""
+    t, ground = kanai_tajimi()
+    rows = np.loadtxt(INPUTS / "structure_frame.csv", delimiter=",", comments="#", skiprows=5)
+    assert np.abs(rows - np.stack([t, ground], axis=1)).max() <= 0.5001e-5
+    (case,) = vi.read_namelist(INPUTS / "structure_frame.nml")
+    (run,) = case.run()
+    s, first = case.structure, run.events[10]
+    begin, end = run.events["time"][10:12]
+    force = -s.mass @ np.ones(4)
+
+    def rate(time, state):
+        q, q_dot = np.split(state, 2)
+        f = force * np.interp(time, rows[:, 0], rows[:, 1])
+        return np.append(q_dot, np.linalg.solve(s.mass, f - s.damping @ q_dot - s.stiffness @ q))
+
+    assert first["kind"] == "impact"
+    found = solve_ivp(
+        rate, (begin, end), run.states[10].ravel(), rtol=1e-10, atol=1e-13, max_step=0.002
+    )  # fmt: skip
+    later = np.concatenate(run.sample(np.nextafter(end, 0)))[:, 0]
+    assert np.abs(found.y[:, -1] - later).max() < 1e-8
+
+
+def test_files_of_each_format_have_the_same_digits(tmp_path):
+    """CSV with commas or blanks, names, comments and times; Matrix Market; NumPy of both orders; plain numbers."""
+    force = np.random.default_rng(3).normal(size=(600, 2))
+    digits = [[repr(float(x)) for x in row] for row in force]
+    lines = [",".join(row) for row in digits]
+    (tmp_path / "plain.csv").write_text("\n".join(lines), encoding="utf-8")
+    blanks = "".join(line.replace(",", "\t ") + "\r\n" for line in lines)
+    named = '\ufeff# measured\n\n"f_0 [N]";f_1\n' + blanks + "\r\n"
+    (tmp_path / "names.csv").write_text(named, encoding="utf-8")
+    times = [f"{0.05 * i:.2f},{line}" for i, line in enumerate(lines)]
+    (tmp_path / "times.csv").write_text("\n".join(["Time (s),f0,f1", *times]), encoding="utf-8")
+    mmwrite(tmp_path / "array.mtx", force, precision=17)
+    np.save(tmp_path / "rows.npy", force)
+    np.save(tmp_path / "columns.npy", np.asfortranarray(force))
+    wanted = vi.simulate(structure(), vi.Record(0.05, force), duration=30)
+    assert len(wanted.events) > 10
+    loads = [f"record = {', '.join(map(repr, force.ravel().tolist()))}, step = 0.05"] + [
+        f"record_file = '{path.name}', step = 0.05" for path in sorted(tmp_path.iterdir())
+    ]
+    assert len(loads) == 7
+    for load in loads:
+        case, run = computed(tmp_path, load)
+        assert bits(run) == bits(wanted), load
+        assert case.load == wanted.load
+    case, run = computed(tmp_path, "record_file = 'times.csv'", "&simulate /")
+    assert case.load.step == pytest.approx(0.05, rel=1e-14)
+    assert run.end == case.load.duration
+
+
+def test_a_coordinate_or_weights(tmp_path):
+    """One column acts on the coordinates that are named, or on all by weights; a constant force remains."""
+    signal = np.random.default_rng(4).normal(size=500)
+    np.save(tmp_path / "one.npy", signal)
+    both = np.zeros((500, 2))
+    both[:, 1] = signal
+    wanted = vi.simulate(structure(), vi.Record(0.1, both, [0.1, 0]), duration=60)
+    named = "record_file = 'one.npy', step = 0.1, acts_on = 1, constant = 0.1, 0"
+    assert bits(computed(tmp_path, named, "&simulate duration = 60 /")[1]) == bits(wanted)
+    case, run = computed(tmp_path, "record_file = 'one.npy', step = 0.1, weights = -0.3, 0.7")
+    record = vi.Record(0.1, signal[:, None], weights=[[-0.3, 0.7]])
+    assert case.load == record
+    assert np.array_equal(record.force, np.outer(signal, [-0.3, 0.7]))
+    assert bits(run) == bits(vi.simulate(structure(), record, duration=30))
+    # the last sample of both is at the same time
+    assert vi.simulate(structure(), record).end == computed(
+        tmp_path, "record_file = 'one.npy', step = 0.1, weights = -0.3, 0.7", "&simulate /"
+    )[1].end  # fmt: skip
+
+
+@pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
+def test_motion_of_the_base(tmp_path, direction):
+    """As by `base_record`, bit by bit; the gap between two bodies is the same in both kinds of coordinates."""
+    t = 0.01 * np.arange(3001)
+    y, y_dot, acceleration = np.sin(t) - t * np.exp(-t), np.cos(t) - (1 - t) * np.exp(-t), None
+    acceleration = -np.sin(t) + (2 - t) * np.exp(-t)
+    np.savetxt(tmp_path / "relative.csv", acceleration, fmt="%.17g")
+    np.savetxt(tmp_path / "absolute.csv", np.stack([y, y_dot], axis=1), fmt="%.17g", delimiter=",")
+    s = structure()
+    end = "" if direction is None else f", base_direction = {direction[0]}, {direction[1]}"
+    runs = {}
+    for name, base, given in (
+        ("relative", "acceleration", {"acceleration": acceleration}),
+        ("absolute", "motion", {"displacement": y, "velocity": y_dot}),
+    ):
+        case, run = computed(
+            tmp_path, f"record_file = '{name}.csv', base = '{base}', step = 0.01{end}"
+        )
+        record = vi.base_record(s, 0.01, **given, direction=direction)
+        assert case.load == record
+        assert bits(run) == bits(vi.simulate(s, record, duration=30))
+        runs[name] = run
+    if direction is None:
+        times = np.linspace(0, 20, 401)
+        relative, absolute = (s.gaps[0].direction @ run.sample(times)[0] for run in runs.values())
+        assert np.abs(relative - absolute).max() < 2e-4  # linear between samples in one of them
+        assert np.ptp(relative) > 0.4
+
+
+@pytest.mark.parametrize("ending", ["json", "nc", "mat"])
+@pytest.mark.parametrize("kind", ["dense", "one", "base"])
+def test_saved_results_keep_the_record(tmp_path, ending, kind):
+    force = np.random.default_rng(5).normal(size=(400, 2))
+    record = {
+        "dense": vi.Record(0.05, force, [0.0, 0.1]),
+        "one": vi.Record(0.05, force * [0, 1]),
+        "base": vi.base_record(structure(), 0.05, displacement=force[:, 0], velocity=force[:, 1]),
+    }[kind]
+    run = vi.simulate(structure(), record)
+    path = tmp_path / f"run.{ending}"
+    run.save(path)
+    back = vi.load(path)
+    assert back.load == record
+    assert back.to_namelist() == run.to_namelist()
+    t = np.linspace(0, run.end, 777)
+    for one, other in zip(run.sample(t), back.sample(t), strict=True):
+        assert one.tobytes() == other.tobytes()
+    assert "<svg" in run._repr_html_() or "<img" in run._repr_html_()
+    back.plot()
+    (case,) = [*vi.read_namelist(written(tmp_path, run))]
+    assert bits(*case.run()) == bits(run)
+    run.save(tmp_path / "run.csv")
+    (case,) = vi.read_namelist(tmp_path / "run.csv")
+    assert bits(*case.run()) == bits(run)
+
+
+def written(folder, run):
+    """The namelist of a trajectory."""
+    path = folder / "again.nml"
+    path.write_text(run.to_namelist(), encoding="utf-8")
+    return path
+
+
+def test_modes_need_a_direction(tmp_path):
+    """-M d y'' with M = I: d holds the participation factors."""
+    text = """&structure frequencies = 1, 3, damping_ratios = 0.01, 0.01, shapes = 1, -1 /
+&gap direction = 1, opening = 0.1 /
+&load record = 0, 1, 0.5, step = 0.5, base = 'acceleration'{} /
+&simulate duration = 5 /
+"""
+    path = tmp_path / "case.nml"
+    path.write_text(text.format(", base_direction = 0.8, 0.4"), encoding="utf-8")
+    (case,) = vi.read_namelist(path)
+    assert case.load == vi.Record(0.5, [[0], [1], [0.5]], weights=[[-0.8, -0.4]])
+    path.write_text(text.format(""), encoding="utf-8")
+    with pytest.raises(vi.ParameterError, match="base_direction: is missing"):
+        vi.read_namelist(path)
+
+
+@pytest.mark.parametrize(("words", "wanted"), [
+    ({"weights": [1, 2]}, r"an array \(2, n\)"), ({"weights": [[1, 2, 3]]}, r"an array \(2, n\)"),
+    ({"weights": [[1, math.nan], [0, 1]]}, "finite"), ({"constant": [1]}, "as many as force has"),
+])  # fmt: skip
+def test_wrong_records(words, wanted):
+    with pytest.raises(vi.ParameterError, match=wanted):
+        vi.Record(0.1, np.ones((3, 2)), **words)
