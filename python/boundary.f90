@@ -580,6 +580,21 @@ subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap
       labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
 end subroutine settle_structure
 
+!> Whether the impacts of two periodic motions of a structure are the same: 1 or 0.
+subroutine same_impacts(n, m, gaps, phases, speeds, other_gaps, other_phases, other_speeds, &
+   cycles, rests, same)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure_found, only: motions_match => same_impacts
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, gaps(n), other_gaps(m), cycles, rests
+   real(c_double), intent(in) :: phases(n), speeds(n), other_phases(m), other_speeds(m)
+   integer(c_int), intent(out) :: same
+
+   same = merge(1, 0, motions_match(gaps, phases, speeds, other_gaps, other_phases, other_speeds, &
+      cycles, rests > 0))
+end subroutine same_impacts
+
 !> R(v) and its slope at m speeds, for a law given as in `new_restitution`.
 subroutine restitution_values(width, m, kind, numbers, speeds, values, slopes)
    use, intrinsic :: iso_c_binding, only: c_double, c_int

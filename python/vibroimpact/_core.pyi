@@ -343,6 +343,23 @@ class _RunNamelists(Protocol):
     ) -> tuple[int, int]: ...
 
 @type_check_only
+class _SameImpacts(Protocol):
+    # same
+    def __call__(
+        self,
+        gaps: ArrayLike,
+        phases: ArrayLike,
+        speeds: ArrayLike,
+        other_gaps: ArrayLike,
+        other_phases: ArrayLike,
+        other_speeds: ArrayLike,
+        cycles: int,
+        rests: int,
+        n: int = ...,
+        m: int = ...,
+    ) -> int: ...
+
+@type_check_only
 class _SameMotion(Protocol):
     # are_one
     def __call__(
@@ -658,6 +675,7 @@ read_namelist: _ReadNamelist
 restitution_values: _RestitutionValues
 run_case: _RunCase
 run_namelists: _RunNamelists
+same_impacts: _SameImpacts
 same_motion: _SameMotion
 sample: _Sample
 sample_structure: _SampleStructure

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-import itertools
-import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from . import checks
-from .errors import ParameterError, SingularError
+from . import _core, checks
+from .errors import SingularError
+from .status import VERDICT, sentence
 from .structure import Load, Structure
-from .structure_motion import StructureMotion, check_pair, exact_structure, settled
-from .structure_trajectory import simulate_structure
+from .structure_motion import StructureMotion, _rests
+from .structure_study import StructureNoun, run_structure
+from .tables import Result, runs
 
 __all__ = ["StructureMotions", "find_structure", "same_structure_motion"]
 
 _Array = NDArray[np.float64]
-_State = tuple[ArrayLike, ArrayLike]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class StructureMotions(Sequence[StructureMotion]):
+class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_structure"):
     """The admissible motions that a search has found, those on which simulations settle first.
 
     Attributes
     ----------
+    structure : Structure
+    load : Load
     motions : tuple of StructureMotion
     settled : tuple of int
         How many of the simulated states settle on each.
@@ -38,27 +36,107 @@ class StructureMotions(Sequence[StructureMotion]):
         search; those of the motion without impacts count here.
     failures : dict
         Messages of simulations and iterations that failed, and how often each occurred.
+    case : str
+        The case as a namelist.
+    complete : bool
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
     """
 
-    motions: tuple[StructureMotion, ...]
-    settled: tuple[int, ...]
-    unsettled: int
-    failures: dict[str, int]
+    __slots__ = ("_motions",)
+    _motions: tuple[StructureMotion, ...]
+
+    @property
+    def motions(self) -> tuple[StructureMotion, ...]:
+        if not hasattr(self, "_motions"):
+            object.__setattr__(self, "_motions", tuple(motions_of(self)))
+        return self._motions
+
+    @property
+    def settled(self) -> tuple[int, ...]:
+        return tuple(self._table("motions", "settled").tolist())
+
+    @property
+    def unsettled(self) -> int:
+        return int(self._table("search", "unsettled"))
+
+    @property
+    def failures(self) -> dict[str, int]:
+        codes, counts = (self._table("failures", name).tolist() for name in ("status", "count"))
+        return {sentence(code): count for code, count in zip(codes, counts, strict=True)}
 
     def __len__(self) -> int:
-        return len(self.motions)
+        return self._table("motions", "settled").size
 
     def __getitem__(self, index: Any) -> Any:
         return self.motions[index]
+
+    def require(self) -> None:
+        """SingularError if the search could not begin."""
+        if self._result.empty:
+            raise SingularError(self._result.notes[0][1])
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the multipliers of all motions in the complex plane (extra `plot`); returns the Axes."""
+        return self._draw(ax)
 
     def __repr__(self) -> str:
         lines = [
             f"  {motion!r}: {count} states"
             for motion, count in zip(self.motions, self.settled, strict=True)
         ]
+        cut = "" if self.complete else f"; cut short, {self.cut}"
         return "\n".join(
-            [f"<StructureMotions: {len(self)} found, {self.unsettled} states unsettled>", *lines]
+            [
+                f"<StructureMotions: {len(self)} found, {self.unsettled} states unsettled{cut}>",
+                *lines,
+            ]
         )
+
+
+def motions_of(noun: StructureNoun) -> list[StructureMotion]:
+    """The motions of the tables of a result."""
+    result, structure, load = noun._result, noun.structure, noun.load
+    assert load is not None
+    count = noun._table("motions", "motion").size
+    return [
+        _motion_of(result, i, structure, load, *(
+            runs(result.tables[name], count)[i] for name in ("impacts", "multipliers", "derivative", "rests")
+        ))
+        for i in range(count)
+    ]  # fmt: skip
+
+
+def _motion_of(
+    result: Result, i: int, structure: Structure, load: Load, impacts: slice, multipliers: slice,
+    derivative: slice, rests: slice,
+) -> StructureMotion:  # fmt: skip
+    """A motion of the tables of a result, from its rows."""
+
+    def rows(table: str, part: slice, *names: str) -> list[Any]:
+        return [result.column(table, name).decoded()[part] for name in names]
+
+    own = {
+        name: result.column("motions", name).decoded()[i].item()
+        for name in ("cycles", "residual", "determinant", "law", "consistent", "admissible", "stable")
+    }  # fmt: skip
+    gaps, phases, speeds, impulses = rows("impacts", impacts, "gap", "phase", "speed", "impulse")
+    states = np.stack(rows("impacts", impacts, "q", "q_dot"), axis=1)
+    gap, begin, end = rows("rests", rests, "gap", "begin", "end")
+    table = _rests(gap, (begin, end))
+    for array in (states, table):
+        array.flags.writeable = False
+    request: dict[str, Any] = {"kind": "exact", "gaps": gaps.tolist(), "phases": phases.tolist()}
+    if len(table):
+        request = {
+            "kind": "settled", "settling": 0, "q": states[0, 0].tolist(), "q_dot": states[0, 1].tolist(),
+            "start": float(phases[0] / load.frequency),
+        }  # fmt: skip
+    return StructureMotion(
+        structure, load, gaps, own["cycles"], phases, speeds, impulses, states, own["residual"],
+        rows("derivative", derivative, "P")[0], rows("multipliers", multipliers, "multiplier")[0],
+        own["determinant"], own["law"], VERDICT[own["consistent"]], VERDICT[own["admissible"]],
+        VERDICT[own["stable"]], table, request | {"cycles": own["cycles"]},
+    )  # fmt: skip
 
 
 def same_structure_motion(one: StructureMotion, other: StructureMotion) -> bool:
@@ -93,38 +171,10 @@ def same_structure_motion(one: StructureMotion, other: StructureMotion) -> bool:
     checks.instance(other, "other", StructureMotion)
     if one.cycles != other.cycles or len(one.rests) != len(other.rests):
         return False
-    first, second = _impacts(one), _impacts(other)
-    if first.shape != second.shape:
-        return False
-    whole = 2 * np.pi * one.cycles
-    largest = max(first[2].max(initial=0.0), second[2].max(initial=0.0))
-    for turn in range(one.cycles):
-        phases = second[1] + 2 * np.pi * turn
-        for i in range(second.shape[1]):
-            order = np.roll(np.arange(second.shape[1]), -i)
-            if (second[0, order] != first[0]).any():
-                continue
-            apart = np.abs(np.mod(phases[order] - first[1] + 0.5 * whole, whole) - 0.5 * whole)
-            if apart.max() < 1e-6 and np.abs(second[2, order] - first[2]).max() < 1e-6 * largest:
-                return True
-    return False
-
-
-def _impacts(motion: StructureMotion) -> _Array:
-    """(3, N) Gap, phase and approach speed of the impacts that are compared."""
-    table = np.array([motion.gaps, motion.phases, motion.speeds])
-    if len(motion.rests):
-        table = table[:, motion.speeds > 1e-3 * motion.speeds.max(initial=0.0)]
-    return table
-
-
-def _orders(gaps: int, most: int) -> Iterator[tuple[int, ...]]:
-    """Orders of impacts up to rotation, without those that repeat a shorter one."""
-    for n in range(1, most + 1):
-        for order in itertools.product(range(gaps), repeat=n):
-            turned = [order[i:] + order[:i] for i in range(n)]
-            if min(turned) == order and turned.count(order) == 1:
-                yield order
+    impacts = ((m.gaps, m.phases, m.speeds) for m in (one, other))
+    return bool(
+        _core.same_impacts(*next(impacts), *next(impacts), one.cycles, int(len(one.rests) > 0))
+    )
 
 
 def find_structure(
@@ -136,6 +186,7 @@ def find_structure(
     states: int = 24,
     settling: int = 300,
     seed: int = 0,
+    max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> StructureMotions:
@@ -161,10 +212,13 @@ def find_structure(
         Load cycles simulated before a motion is looked for, 0 to 10^6.
     seed : int
         Of the random numbers; the result depends on nothing else.
+    max_events : int
+        Events after which the simulation of a state is given up.
     threads : int, optional
-        By default as many as there are processors.
+        By default as many as there are processors. The result does not depend on it.
     progress : callable, optional
-        Called with the share done and the present task; an exception that it raises ends the search.
+        Called a few times a second with the share done and the present task; an exception that it raises ends
+        the search.
 
     Returns
     -------
@@ -175,7 +229,9 @@ def find_structure(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If no state with open gaps is found.
+        If a gap is closed at q = 0 and states are to be simulated.
+    StudyInterrupted
+        After Ctrl-C, with what was found as its attribute `result`.
 
     Examples
     --------
@@ -185,136 +241,10 @@ def find_structure(
     >>> len(motions), motions[0].stable, motions.settled
     (1, True, (4,))
     """
-    check_pair(structure, load)
-    max_impacts = checks.integer(max_impacts, "max_impacts", 0, 8)
-    max_cycles = checks.integer(max_cycles, "max_cycles", 1, 16)
-    guesses = checks.integer(guesses, "guesses", 1, 10_000)
-    states = checks.integer(states, "states", 0, 100_000)
-    settling = checks.integer(settling, "settling", 0, 10**6)
-    seed = checks.integer(seed, "seed", 0, 2**31 - 1)
-    if threads is not None:
-        threads = checks.integer(threads, "threads", 1, 1000)
-    orders = list(_orders(len(structure.gaps), max_impacts)) if structure.gaps else []
-    tries = len(orders) * max_cycles * guesses
-    if tries > 10**6:
-        raise ParameterError(
-            f"max_impacts = {max_impacts}: {len(orders)} orders of impacts on {len(structure.gaps)} gaps with "
-            f"max_cycles = {max_cycles} and guesses = {guesses} make {tries} iterations; must be at most 1000000"
-        )
-    rng = np.random.default_rng(seed)
-    begins = _initial_states(structure, load, states, rng)
-    times = []
-    for order in orders:
-        for cycles in range(1, max_cycles + 1):
-            for _ in range(guesses):
-                times.append(
-                    (order, cycles, np.sort(rng.uniform(0, 2 * np.pi * cycles, len(order))))
-                )
-
-    def from_state(state: _State) -> StructureMotion | str:
-        try:
-            return settled(structure, load, 0.0, state, settling, max_cycles)
-        except SingularError as error:
-            return str(error)
-
-    def from_order(guess: tuple[tuple[int, ...], int, _Array]) -> StructureMotion | str:
-        order, cycles, phases = guess
-        try:
-            return exact_structure(structure, load, (phases, order, cycles))
-        except SingularError as error:
-            return str(error)
-
-    motions: list[StructureMotion] = []
-    counts: list[int] = []
-    failures: dict[str, int] = {}
-    unsettled = done = 0
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        found = itertools.chain(pool.map(from_state, begins), pool.map(from_order, times))
-        try:
-            for i, motion in enumerate(found):
-                simulated = i < len(begins)
-                done += 1
-                if progress is not None:
-                    task = "simulated states" if simulated else "orders of impacts"
-                    progress(done / (len(begins) + len(times)), task)
-                if isinstance(motion, str):
-                    unsettled += simulated
-                    failures[motion] = failures.get(motion, 0) + 1
-                    continue
-                if not motion.consistent or motion.admissible is not True:
-                    unsettled += simulated
-                    continue
-                shorter = _shortest(motion)
-                for j, known in enumerate(motions):
-                    if same_structure_motion(known, shorter):
-                        counts[j] += simulated
-                        break
-                else:
-                    motions.append(shorter)
-                    counts.append(int(simulated))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    ranks = sorted(
-        range(len(motions)), key=lambda j: (-counts[j], motions[j].stable is not True, j)
-    )
-    return StructureMotions(
-        tuple(motions[j] for j in ranks), tuple(counts[j] for j in ranks), unsettled, failures
-    )
-
-
-def _shortest(motion: StructureMotion) -> StructureMotion:
-    """The motion over its shortest period, if its impacts repeat within the period given."""
-    n, k = len(motion.phases), motion.cycles
-    if len(motion.rests):
-        return motion
-    for parts in range(n, 1, -1):
-        if n % parts or k % parts:
-            continue
-        m = n // parts
-        gaps = motion.gaps.reshape(parts, m)
-        shift = 2 * np.pi * k / parts * np.arange(parts)[:, None]
-        phases = motion.phases.reshape(parts, m) - shift
-        if (gaps != gaps[0]).any() or np.abs(phases - phases[0]).max() > 1e-7:
-            continue
-        return exact_structure(
-            motion.structure, motion.load, (motion.phases[:m], motion.gaps[:m], k // parts)
-        )
-    return motion
-
-
-def _initial_states(
-    structure: Structure, load: Load, count: int, rng: np.random.Generator
-) -> list[_State]:
-    """Rest, and random states of the size of a simulated motion from rest, with all gaps open."""
-    n = structure.coordinates
-    nothing = np.zeros(n)
-    directions = np.array([gap.direction for gap in structure.gaps]).reshape(-1, n)
-    openings = np.array([gap.opening for gap in structure.gaps])
-    if not count:
-        return []
-    if (openings < 0).any():
-        raise SingularError(
-            "a gap is closed at q = 0: simulate from a state with open gaps, and use exact"
-        )
-    try:
-        run = simulate_structure(structure, load, cycles=40)
-        reached = np.abs(run.states).max(axis=0) if len(run.events) else np.zeros((2, n))
-        reached = np.maximum(reached, np.abs(np.array(run.final_state)))
-    except SingularError:
-        reached = np.zeros((2, n))
-    sizes = reached + 1e-3 * reached.max(axis=1, keepdims=True)
-    span = openings.max(initial=0.0)
-    sizes[0] += span
-    sizes[1] += span * load.frequency
-    begins: list[_State] = [(nothing, nothing)]
-    while len(begins) < count:
-        q, rate = 0.7 * sizes * rng.normal(size=(2, n))
-        # towards q = 0, where the gaps are open, as far as needed
-        closing = directions @ q
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.min(
-                np.where(closing > openings, 0.95 * openings / closing, 1.0), initial=1.0
-            )
-        begins.append((share * q, rate))
-    return begins
+    keys = {
+        "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
+        "settling": settling, "seed": seed, "max_events": max_events,
+    }  # fmt: skip
+    found = run_structure(StructureMotions, structure, load, keys, threads, progress)
+    found.require()
+    return found

@@ -7,6 +7,7 @@ module vi_study_list
    use vi_case, only: case_type, echo
    use vi_chart_study, only: declare_chart
    use vi_decay_study, only: declare_decay
+   use vi_find_structure_study, only: declare_find_structure
    use vi_find_study, only: declare_find
    use vi_kinds, only: wp
    use vi_lyapunov_structure_study, only: declare_lyapunov_structure
@@ -55,6 +56,7 @@ contains
          declare_type(declare_basins), &
          declare_type(declare_simulate_structure), &
          declare_type(declare_motion_structure), &
+         declare_type(declare_find_structure), &
          declare_type(declare_lyapunov_structure)], studies)
    end subroutine list_studies
 

@@ -11,6 +11,7 @@ module vi_structure_return
    use vi_kinds, only: wp
    use vi_lapack, only: solve
    use vi_motion, only: unknown, yes
+   use vi_progress, only: is_stopped
    use vi_status, only: stat
    use vi_structure, only: load_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
@@ -22,7 +23,7 @@ module vi_structure_return
    implicit none (type, external)
    private
 
-   public :: settle, settle_arrays
+   public :: settle, settle_arrays, settle_on
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000
@@ -41,12 +42,33 @@ module vi_structure_return
 contains
 
    !> Simulates from a state, and finds the periodic motion on which it settles.
-   pure subroutine settle(structure, load, start, q, rate, settling, most_cycles, cycles, found, &
-      status)
+   subroutine settle(structure, load, start, q, rate, settling, most_cycles, cycles, found, status)
       !> The structure and its load, with a frequency > 0.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
       type(load_type), intent(in) :: load
+      !> Time, coordinates (n) and velocities (n) at the start.
+      real(wp), intent(in) :: start, q(:), rate(:)
+      !> As in `settle_on`.
+      integer, intent(in) :: settling, most_cycles, cycles
+      !> The motion.
+      type(settled_type), intent(out) :: found
+      !> As in `settle_on`.
+      integer, intent(out) :: status
+      type(run_type) :: run
+
+      call new_run(structure, load, run, status)
+      if (status == stat%ok) call settle_on(structure, run, start, q, rate, settling, most_cycles, &
+         cycles, .false., huge(1), found, status)
+   end subroutine settle
+
+   !> As `settle`, with regimes that are known, a limit of events, and until it is stopped.
+   subroutine settle_on(structure, run, start, q, rate, settling, most_cycles, cycles, early, &
+      max_events, found, status, progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The structure under its load; regimes are added.
+      type(run_type), intent(inout) :: run
       !> Time, coordinates (n) and velocities (n) at the start.
       real(wp), intent(in) :: start, q(:), rate(:)
       !> Load cycles simulated first, and most load cycles in a period.
@@ -54,41 +76,131 @@ contains
       !> Load cycles in a period if they are known: then the state need not be on the motion; 0 if
       !! they are not.
       integer, intent(in) :: cycles
+      !> Whether a state that repeats to rounding on a stable motion is not simulated any further.
+      logical, intent(in) :: early
+      !> Events after which the simulation is given up.
+      integer, intent(in) :: max_events
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
       !! `stat%no_impacts`; `stat%no_motion` where it has more than `most_events` events in a
-      !! period, or no flight without rest; or a status of the simulation or of Newton's method.
+      !! period, or no flight without rest; `stat%event_limit`, `stat%not_computed` if it was
+      !! stopped; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
-      !> How far the motion may be from the simulated one: in phase (rad), and in speed relative to
-      !! the largest one.
-      real(wp), parameter :: near = 0.05_wp
-      type(run_type) :: run
-      type(run_state_type) :: state
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> How nearly a motion repeats once it has settled, and before that.
+      real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
+      type(run_state_type) :: state, at
       type(run_event_type), allocatable :: events(:)
-      type(structure_type) :: own
       real(wp), allocatable :: strobes(:, :)
       real(wp) :: elapsed
-      integer :: i, n
+      integer :: done, left
 
-      call new_run(structure, load, run, status)
-      if (status /= stat%ok) return
       call start_at(run, start, q, rate, state, status)
       if (status /= stat%ok) return
       allocate (events(most_events), strobes(2*size(q), 0:2*most_cycles))
       elapsed = state%elapsed
-      strobes(:, 0) = [q, rate]
-      do i = 1 - settling, merge(0, 2*most_cycles, cycles > 0)
-         call one_cycle(run, state, 1, elapsed, events, n, status)
+      left = max_events
+      done = 0
+      do while (early .and. done + 2*most_cycles <= settling)
+         call some_cycles(run, state, elapsed, 2*most_cycles, left, events, strobes, status, &
+            progress)
          if (status /= stat%ok) return
-         if (i >= 0) call state_now(run, state, strobes(:size(q), i), strobes(size(q) + 1:, i))
+         done = done + 2*most_cycles
+         call repetition(strobes, most_cycles, at_rounding, found%cycles)
+         if (found%cycles == 0) cycle
+         at = state
+         call conclude(structure, run, at, elapsed, events, found, status)
+         if (status == stat%no_impacts) return
+         if (status == stat%ok) then
+            if (found%motion%verdicts%stable == yes) return
+         end if
+         ! it passes by a motion that is not stable
+         call forget(found)
       end do
+      call some_cycles(run, state, elapsed, settling - done, left, events, strobes(:, :0), status, &
+         progress)
+      if (status /= stat%ok) return
       found%cycles = cycles
-      if (cycles == 0) call repetition(strobes, most_cycles, found%cycles)
+      if (cycles == 0) then
+         call some_cycles(run, state, elapsed, 2*most_cycles, left, events, strobes, status, &
+            progress)
+         if (status /= stat%ok) return
+         call repetition(strobes, most_cycles, near, found%cycles)
+      end if
       if (found%cycles == 0) then
          status = stat%no_period
          return
       end if
+      call conclude(structure, run, state, elapsed, events, found, status)
+   end subroutine settle_on
+
+   !> Makes a motion that was looked for too early empty again.
+   pure subroutine forget(found)
+      !> The motion.
+      type(settled_type), intent(out) :: found
+
+      found%cycles = 0
+   end subroutine forget
+
+   !> Simulates some cycles, one by one.
+   subroutine some_cycles(run, state, elapsed, cycles, left, events, strobes, status, progress)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> Time within the cycle at which each ends.
+      real(wp), intent(in) :: elapsed
+      !> How many.
+      integer, intent(in) :: cycles
+      !> In and out: events until it is given up.
+      integer, intent(inout) :: left
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> (2n, 0:) The states before and after the cycles, as many as there is room for.
+      real(wp), intent(inout) :: strobes(:, 0:)
+      !> As of `settle_on`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer :: i, m, n
+
+      status = stat%ok
+      m = size(strobes, 1)/2
+      call state_now(run, state, strobes(:m, 0), strobes(m + 1:, 0))
+      do i = 1, cycles
+         call one_cycle(run, state, 1, elapsed, events, n, status)
+         left = left - n
+         if (status == stat%ok .and. left < 0) status = stat%event_limit
+         if (is_stopped(progress)) status = stat%not_computed
+         if (status /= stat%ok) return
+         if (i <= ubound(strobes, 2)) call state_now(run, state, strobes(:m, i), strobes(m + 1:, i))
+      end do
+   end subroutine some_cycles
+
+   !> The motion near a state that repeats.
+   pure subroutine conclude(structure, run, state, elapsed, events, found, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> Time within the cycle.
+      real(wp), intent(in) :: elapsed
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> In: with its cycles. Out: the motion.
+      type(settled_type), intent(inout) :: found
+      !> As of `settle_on`.
+      integer, intent(out) :: status
+      !> How far the motion may be from the simulated one: in phase (rad), and in speed relative to
+      !! the largest one.
+      real(wp), parameter :: near = 0.05_wp
+      type(structure_type) :: own
+      integer :: n
+
       call one_cycle(run, state, found%cycles, elapsed, events, n, status)
       if (status /= stat%ok) return
       if (any(events(:n)%kind /= impact_event)) then
@@ -99,8 +211,8 @@ contains
          found%gaps = events(:n)%gap
          allocate (found%resting(0), found%rests(2, 0))
          own = structure
-         call periodic_structure(own, load, found%gaps, phases_of(run, events(:n)), found%cycles, &
-            exact, found%motion, status)
+         call periodic_structure(own, run%load, found%gaps, phases_of(run, events(:n)), &
+            found%cycles, exact, found%motion, status)
          if (status /= stat%ok) return
          ! another motion is not the one on which the simulation settles
          if (any(abs(found%motion%phases - phases_of(run, events(:n))) > near) .or. &
@@ -108,7 +220,7 @@ contains
             status = stat%no_convergence
          end if
       end if
-   end subroutine settle
+   end subroutine conclude
 
    !> Load phases of events, from the beginning of the cycle of the first one.
    pure function phases_of(run, events) result(phases)
@@ -153,14 +265,16 @@ contains
    !!
    !! Just past a period doubling the shorter period repeats approximately, too. Of the periods that
    !! repeat about as well as the best one, the shortest is taken.
-   pure subroutine repetition(strobes, most, cycles)
+   pure subroutine repetition(strobes, most, near, cycles)
       !> (2n, 0:2 most) States once a cycle.
       real(wp), intent(in) :: strobes(:, 0:)
       !> Most cycles.
       integer, intent(in) :: most
+      !> How nearly it repeats, relative to the largest coordinate or velocity.
+      real(wp), intent(in) :: near
       !> The period.
       integer, intent(out) :: cycles
-      real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
+      real(wp), parameter :: at_rounding = 1.0e-9_wp
       real(wp) :: apart(most), scale(2)
       integer :: k, n
 
@@ -344,7 +458,7 @@ contains
    end subroutine store_period
 
    !> The motion as arrays.
-   pure subroutine settle_arrays(structure, load, start, state, settling, most_cycles, cycles, &
+   subroutine settle_arrays(structure, load, start, state, settling, most_cycles, cycles, &
       counts, &
       labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
       !> The structure and its load.

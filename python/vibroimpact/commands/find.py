@@ -16,6 +16,7 @@ from ..motion import Motion
 from ..progress import Progress
 from ..studies.find import Findings, find
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
+from .cases import run_kind
 from .options import options_of
 from .request import Request, beside_files, read_cases, request_of
 
@@ -69,6 +70,10 @@ def run(options: argparse.Namespace) -> int:
 
 def search(options: argparse.Namespace) -> int:
     """Search at each point once, print, write and draw the motions."""
+    if options.files and any(
+        case.structure for file in options.files for case in read_namelist(file)
+    ):
+        return run_structures(options)
     points, status = _points(options)
     if options.stem and len(points) != 1:
         raise ParameterError(
@@ -77,6 +82,16 @@ def search(options: argparse.Namespace) -> int:
         )
     with contextlib.nullcontext() if options.folder is None else ready(Path(options.folder)):
         return max(status, search_at(options, points))
+
+
+def run_structures(options: argparse.Namespace) -> int:
+    """Run the &find cases of files with structures; the limits of the search are theirs."""
+    for name, option in options_of("find").items():
+        if option.typed(options) is not None:
+            raise ParameterError(beside_files(name, options.files))
+    if options.folder is None:
+        options.folder, options.format = "results", options.format or "csv"
+    return run_kind(options, request(options), lambda found: repr(found).split("\n"))
 
 
 def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:

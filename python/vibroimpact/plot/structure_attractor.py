@@ -1,4 +1,4 @@
-"""Attractors of structures: exponents."""
+"""Attractors and motions of structures: exponents, multipliers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ import numpy as np
 
 from . import style
 
+#: Colours of motions and attractors, in order.
+COLORS = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
+)  # fmt: skip
+
 if TYPE_CHECKING:
+    from ..structure_find import StructureMotions
     from ..studies.structure_lyapunov import StructureLyapunov
 
 
@@ -47,4 +53,26 @@ def draw_exponents(result: StructureLyapunov, ax: Any = None) -> Any:
     ax.set_xlim(0.5, numbers[-1] + 0.5)
     ax.set_xlabel("number of the exponent")
     ax.set_ylabel("exponent per load cycle")
+    return ax
+
+
+def draw_multipliers(result: StructureMotions, ax: Any = None) -> Any:
+    """The multipliers of all motions in the complex plane: filled marks belong to stable motions."""
+    ax = axes(ax, result, style.ONE_COLUMN + 1.0)
+    turn = np.linspace(0, 2 * np.pi, 200)
+    ax.plot(np.cos(turn), np.sin(turn), color="0.6", lw=0.6)
+    for i, motion in enumerate(result.motions):
+        n, k = len(motion.phases), motion.cycles
+        values = motion.multipliers
+        # far outside the unit circle only the direction counts
+        shown = values / np.maximum(1, np.abs(values) / 3)
+        ax.plot(
+            shown.real, shown.imag, linestyle="", marker="os^vD<>p"[i % 8], ms=4, color=COLORS[i % len(COLORS)],
+            mfc=None if motion.stable else "none", label=f"{i}: {n} impacts, {k} cycle{'s' if k != 1 else ''}",
+        )  # fmt: skip
+    ax.set_aspect("equal")
+    ax.set_xlabel(r"Re $\lambda$")
+    ax.set_ylabel(r"Im $\lambda$")
+    if len(result):
+        style.add_legend(ax, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False)
     return ax

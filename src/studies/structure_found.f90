@@ -1,0 +1,218 @@
+!> Lists of different periodic motions of a structure, and their tables in a result.
+module vi_structure_found
+   use vi_kinds, only: wp
+   use vi_motion, only: yes
+   use vi_status, only: stat
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_period, only: exact, periodic_structure
+   use vi_structure_return, only: settled_type
+   use vi_study, only: column_type, complexes, result_type, verdicts, wholes
+   implicit none (type, external)
+   private
+
+   public :: add_motion, put_found, same_impacts
+
+   !> Different motions.
+   type, public :: found_list_type
+      !> The first n of them are there.
+      type(settled_type), allocatable :: motions(:)
+      integer :: n = 0
+   end type found_list_type
+
+   !> The columns of these tables.
+   type(column_type), parameter, public :: found_columns(*) = [ &
+      column_type('motions', 'motion', wholes, meaning='number of the motion'), &
+      column_type('motions', 'cycles', wholes, meaning='load cycles in a period'), &
+      column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
+      column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
+      column_type('impacts', 'gap', wholes, meaning='number of the gap, from 0'), &
+      column_type('impacts', 'phase', unit='rad', meaning='load phase'), &
+      column_type('impacts', 'speed', meaning='approach speed'), &
+      column_type('impacts', 'impulse', meaning='impulse'), &
+      column_type('impacts', 'q', each='coordinate', label='q_#', meaning='coordinates'), &
+      column_type('impacts', 'q_dot', each='coordinate', label='q_dot_#', &
+      meaning='velocities just after the impact'), &
+      column_type('motions', 'residual', listed=.false., &
+      meaning='largest relative residual of the equations'), &
+      column_type('motions', 'determinant', listed=.false., meaning='det[P]'), &
+      column_type('motions', 'law', listed=.false., &
+      meaning='the value that the damping and the impacts give det[P]'), &
+      column_type('motions', 'consistent', verdicts, listed=.false., &
+      meaning='whether it solves all equations'), &
+      column_type('motions', 'admissible', verdicts, listed=.false., &
+      meaning='whether all gaps stay open between the impacts'), &
+      column_type('multipliers', 'multiplier', complexes, listed=.false., &
+      meaning='eigenvalues of [P], by decreasing modulus'), &
+      column_type('derivative', 'P', each='state', listed=.false., &
+      meaning='[P], the derivative of the period of coordinates and velocities'), &
+      column_type('rests', 'gap', wholes, listed=.false., meaning='gap that rests, from 0'), &
+      column_type('rests', 'begin', unit='rad', listed=.false., &
+      meaning='load phase at which it begins to rest'), &
+      column_type('rests', 'end', unit='rad', listed=.false., &
+      meaning='load phase at which it opens')]
+
+   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+
+contains
+
+   !> Adds a motion over its shortest period, if it is admissible, to those that are known.
+   pure subroutine add_motion(structure, load, found, list, place)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> In and out: the motions.
+      type(found_list_type), intent(inout) :: list
+      !> Its place among them; 0 if it is not consistent and admissible.
+      integer, intent(out) :: place
+      type(settled_type), allocatable :: longer(:)
+      type(settled_type) :: shorter
+
+      place = 0
+      associate (verdicts => found%motion%verdicts)
+         if (verdicts%consistent /= yes .or. verdicts%admissible /= yes) return
+      end associate
+      call shorten(structure, load, found, shorter)
+      do place = 1, list%n
+         if (same_motion(list%motions(place), shorter)) return
+      end do
+      if (.not. allocated(list%motions)) allocate (list%motions(8))
+      if (list%n == size(list%motions)) then
+         allocate (longer(2*list%n))
+         longer(:list%n) = list%motions
+         call move_alloc(longer, list%motions)
+      end if
+      list%n = place
+      list%motions(place) = shorter
+   end subroutine add_motion
+
+   !> A motion over its shortest period, if its impacts repeat within the period given.
+   pure subroutine shorten(structure, load, found, shorter)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> The same one.
+      type(settled_type), intent(out) :: shorter
+      real(wp), parameter :: near = 1.0e-7_wp
+      type(structure_type) :: own
+      integer :: parts, m, n, status
+
+      shorter = found
+      n = size(found%gaps)
+      if (size(found%resting) > 0) return
+      do parts = n, 2, -1
+         if (modulo(n, parts) > 0 .or. modulo(found%cycles, parts) > 0) cycle
+         m = n/parts
+         if (any(found%gaps(m + 1:) /= found%gaps(:n - m))) cycle
+         if (any(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - &
+            two_pi*found%cycles/parts) > near)) cycle
+         own = structure
+         shorter%gaps = found%gaps(:m)
+         shorter%cycles = found%cycles/parts
+         call periodic_structure(own, load, shorter%gaps, found%motion%phases(:m), shorter%cycles, &
+            exact, shorter%motion, status)
+         if (status /= stat%ok) shorter = found
+         return
+      end do
+   end subroutine shorten
+
+   !> Whether two motions are the same, whatever impact each is counted from.
+   pure logical function same_motion(one, other)
+      !> The motions.
+      type(settled_type), intent(in) :: one, other
+
+      same_motion = one%cycles == other%cycles .and. size(one%resting) == size(other%resting)
+      if (same_motion) same_motion = same_impacts(one%gaps, one%motion%phases, one%motion%speeds, &
+         other%gaps, other%motion%phases, other%motion%speeds, one%cycles, size(one%resting) > 0)
+   end function same_motion
+
+   !> Whether the impacts of two motions are the same: gaps in order, phases within 1e-6 rad and
+   !! speeds within 1e-6 of the largest one. Impacts of accumulations count down to 1e-3 of it.
+   pure logical function same_impacts(gaps, phases, speeds, other_gaps, other_phases, &
+      other_speeds, cycles, rests) result(same)
+      !> (N) Gaps, load phases (rad) and approach speeds of one motion.
+      integer, intent(in) :: gaps(:)
+      !> As in `gaps`.
+      real(wp), intent(in) :: phases(:), speeds(:)
+      !> (M) The same of the other.
+      integer, intent(in) :: other_gaps(:)
+      !> As in `other_gaps`.
+      real(wp), intent(in) :: other_phases(:), other_speeds(:)
+      !> Load cycles in the period of both.
+      integer, intent(in) :: cycles
+      !> Whether they have accumulations.
+      logical, intent(in) :: rests
+      real(wp), parameter :: near = 1.0e-6_wp, small = 1.0e-3_wp
+      integer, allocatable :: first(:), second(:)
+      real(wp) :: largest, whole
+      real(wp), allocatable :: apart(:)
+      integer :: i, n, turn
+
+      first = pack([(i, i=1, size(gaps))], .not. rests .or. speeds > small*maxval(speeds))
+      second = pack([(i, i=1, size(other_gaps))], .not. rests .or. other_speeds > &
+         small*maxval(other_speeds))
+      n = size(first)
+      same = n == size(second)
+      if (.not. same .or. n == 0) return
+      largest = max(maxval(speeds), maxval(other_speeds))
+      whole = two_pi*cycles
+      do turn = 0, cycles - 1
+         do i = 1, n
+            second = cshift(second, 1)
+            if (any(other_gaps(second) /= gaps(first))) cycle
+            if (any(abs(other_speeds(second) - speeds(first)) >= near*largest)) cycle
+            apart = other_phases(second) + two_pi*turn - phases(first)
+            if (all(abs(modulo(apart + 0.5_wp*whole, whole) - 0.5_wp*whole) < near)) return
+         end do
+      end do
+      same = .false.
+   end function same_impacts
+
+   !> Fills the tables of some motions.
+   pure subroutine put_found(result, found, n)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> The motions.
+      type(settled_type), intent(in) :: found(:)
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      integer :: impacts(size(found)), rests(size(found)), i, j, m
+
+      m = size(found)
+      impacts = [(size(found(i)%gaps), i=1, m)]
+      rests = [(size(found(i)%resting), i=1, m)]
+      call result%open('motions', 'motion', [m])
+      call result%put('motions', 'motion', [(i, i=1, m)])
+      call result%put('motions', 'cycles', [(found(i)%cycles, i=1, m)])
+      call result%put('motions', 'stable', [(found(i)%motion%verdicts%stable, i=1, m)])
+      call result%put('motions', 'residual', [(found(i)%motion%residual, i=1, m)])
+      call result%put('motions', 'determinant', [(found(i)%motion%verdicts%determinant, i=1, m)])
+      call result%put('motions', 'law', [(found(i)%motion%verdicts%law, i=1, m)])
+      call result%put('motions', 'consistent', [(found(i)%motion%verdicts%consistent, i=1, m)])
+      call result%put('motions', 'admissible', [(found(i)%motion%verdicts%admissible, i=1, m)])
+      call result%open('impacts', 'impact', [sum(impacts)], 'motions', [(spread(i, 1, &
+         impacts(i)), i=1, m)])
+      call result%put('impacts', 'impact', [((j, j=1, impacts(i)), i=1, m)])
+      call result%put('impacts', 'gap', [(found(i)%gaps - 1, i=1, m)])
+      call result%put('impacts', 'phase', [(found(i)%motion%phases, i=1, m)])
+      call result%put('impacts', 'speed', [(found(i)%motion%speeds, i=1, m)])
+      call result%put('impacts', 'impulse', [(found(i)%motion%impulses, i=1, m)])
+      call result%put('impacts', 'q', [(found(i)%motion%states(:n, :), i=1, m)], n)
+      call result%put('impacts', 'q_dot', [(found(i)%motion%states(n + 1:, :), i=1, m)], n)
+      call result%open('multipliers', 'multiplier', [2*n*m], 'motions', [(spread(i, 1, 2*n), &
+         i=1, m)])
+      call result%put('multipliers', 'multiplier', [(found(i)%motion%verdicts%multipliers, i=1, m)])
+      call result%open('derivative', 'state_row', [2*n*m], 'motions', [(spread(i, 1, 2*n), i=1, m)])
+      call result%put('derivative', 'P', [(transpose(found(i)%motion%verdicts%p), i=1, m)], 2*n)
+      call result%open('rests', 'rest', [sum(rests)], 'motions', [(spread(i, 1, rests(i)), i=1, m)])
+      call result%put('rests', 'gap', [(found(i)%resting - 1, i=1, m)])
+      call result%put('rests', 'begin', [(found(i)%rests(1, :), i=1, m)])
+      call result%put('rests', 'end', [(found(i)%rests(2, :), i=1, m)])
+   end subroutine put_found
+
+end module vi_structure_found

@@ -1,0 +1,109 @@
+"""Searches for motions of structures by all doors: namelists, the program, Python, files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact import _core
+from vibroimpact.interrupt import new_counters
+from vibroimpact.tables import from_core
+
+INPUT = Path(__file__).parents[2] / "inputs" / "structure_find.nml"
+
+
+def search(**options):
+    gaps = [vi.Gap([-1, 1], 3, 0.75), vi.Gap([1, -1], 3, 0.61)]
+    structure = vi.Structure([1, 0.028], [0.0228, 0], [1, 0], gaps)
+    load = vi.Load(0.9, sine=[1, 0])
+    return vi.find(structure, load, **{"states": 4, "max_cycles": 1, "guesses": 12, **options})
+
+
+def same(one, other):
+    """All digits are equal."""
+    assert repr(one) == repr(other)
+    assert (one.settled, one.failures) == (other.settled, other.failures)
+    for a, b in zip(one, other, strict=True):
+        for name in ("gaps", "phases", "speeds", "states", "matrix", "multipliers", "rests"):
+            np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
+
+
+@pytest.mark.parametrize("extension", ["json", "nc", "mat"])
+def test_files_and_namelists_give_it_back(extension, tmp_path):
+    found = search()
+    assert any(len(motion.rests) for motion in found)
+    path = tmp_path / f"found.{extension}"
+    found.save(path)
+    same(found, vi.load(path))
+    namelist = tmp_path / "case.nml"
+    namelist.write_text(found.to_namelist())
+    (case,) = vi.read_namelist(namelist)
+    (again,) = case.run()
+    same(found, again)
+
+
+def test_each_motion_has_a_namelist_of_its_own(tmp_path):
+    for motion in search():
+        path = tmp_path / "motion.nml"
+        path.write_text(motion.to_namelist())
+        (case,) = vi.read_namelist(path)
+        (again,) = case.run()
+        assert vi.same_structure_motion(motion, again)
+        assert abs(again.multipliers - motion.multipliers).max() < 1e-8
+
+
+def test_a_motion_of_the_search_solves_its_equations():
+    """The state after a period of simulation is the one before it."""
+    for motion in search():
+        if not motion.stable:
+            continue
+        start = motion.phases[0] / motion.load.frequency
+        run = vi.simulate(
+            motion.structure, motion.load, cycles=motion.cycles, state=(motion.q, motion.q_dot), start=start
+        )  # fmt: skip
+        np.testing.assert_allclose(run.final_state[0], motion.q, atol=1e-8)
+
+
+def test_states_that_settle_early_settle_on_the_motion_of_a_long_simulation():
+    found = search(states=1)
+    structure, load = found.structure, found.load
+    wanted = vi.exact(structure, load, vi.simulate(structure, load, cycles=600))
+    assert vi.same_structure_motion(wanted, found[0])
+    assert search(settling=0, states=1).unsettled == 1
+
+
+def test_inputs_run(tmp_path):
+    log = vi.run_namelists([INPUT], tmp_path)
+    assert log.status == 0, log
+    table = (tmp_path / "structure_find_table1.csv").read_text()
+    assert "motion,cycles,stable,settled,impact,gap" in table
+
+
+def test_picture():
+    pytest.importorskip("matplotlib")
+    found = search()
+    ax = found.plot()
+    assert len(ax.get_legend().get_texts()) == len(found)
+    assert "StructureMotions" in found._repr_html_()
+
+
+def test_it_stops_when_asked():
+    counters = new_counters()
+    counters[2] = 1
+    handle, _ = _core.run_case(np.frombuffer(search().to_namelist().encode(), "S1"), 1, counters)
+    result = from_core("find_structure", handle)
+    assert result.cut == "0 of 4 states and 0 sets of impact times were tried"
+
+
+def test_an_event_limit_is_kept():
+    found = search(max_events=100, max_impacts=0)
+    assert found.unsettled == 4
+    assert any("max_events" in text for text in found.failures)
+
+
+def test_what_fails_says_so():
+    ball = vi.Structure([1], [0], [0], [vi.Gap([-1], -0.1, 0.5)])
+    with pytest.raises(vi.SingularError, match="closed at q = 0"):
+        vi.find(ball, vi.Load(1.0, sine=[1]))
+    with pytest.raises(vi.ParameterError, match=r"^load = .* must have a frequency"):
+        vi.find(ball, vi.Load(constant=[1]))
