@@ -242,8 +242,7 @@ contains
             call sample_recorded(run, state, times(i), values(:n, i), values(n + 1:, i))
             cycle
          end if
-         call sample_one(run%regimes(number), load%frequency, starts(:, j), times(i), &
-            values(:n, i), values(n + 1:, i))
+         call sample_one(run, number, starts(:, j), times(i), values(:n, i), values(n + 1:, i))
       end do
    end subroutine sample_structure_arrays
 
@@ -308,24 +307,37 @@ contains
    end function sorted_with
 
    !> Coordinates and velocities at a time of a segment.
-   pure subroutine sample_one(regime, frequency, start, time, q, rate)
+   pure subroutine sample_one(run, number, start, time, q, rate)
+      !> The run.
+      type(run_type), intent(in) :: run
       !> The regime.
-      type(regime_type), intent(in) :: regime
-      !> Omega of the load.
-      real(wp), intent(in) :: frequency
+      integer, intent(in) :: number
       !> (1 + 2n) Time, coordinates and velocities at its start.
       real(wp), intent(in) :: start(:)
       !> The time.
       real(wp), intent(in) :: time
       !> (n)
       real(wp), contiguous, intent(out) :: q(:), rate(:)
-      real(wp), dimension(size(regime%xq, 1)) :: x, v, x_now, v_now
+      real(wp), dimension(size(run%regimes(number)%xq, 1)) :: x, v, x_now, v_now
       integer :: n
 
       n = size(q)
-      call to_pairs(regime, frequency*start(1), start(2:n + 1), start(n + 2:), x, v)
-      call advance(regime%modes, time - start(1), x, v, x_now, v_now)
-      call state_of(regime, frequency*time, x_now, v_now, q, rate)
+      associate (regime => run%regimes(number))
+         call to_pairs(regime, phase_at(run, start(1)), start(2:n + 1), start(n + 2:), x, v)
+         call advance(regime%modes, time - start(1), x, v, x_now, v_now)
+         call state_of(regime, phase_at(run, time), x_now, v_now, q, rate)
+      end associate
    end subroutine sample_one
+
+   !> The load phase, less whole periods: as of the events, whose times are sums of whole periods and
+   !! a remainder. Omega t would lose the digits that these sums keep.
+   pure real(wp) function phase_at(run, time) result(phase)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The time.
+      real(wp), intent(in) :: time
+
+      phase = run%load%frequency*(time - real(floor(time/run%period, int64), wp)*run%period)
+   end function phase_at
 
 end module vi_structure_trajectory
