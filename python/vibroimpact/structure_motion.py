@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from .structure_trajectory import (
     OfStructure,
     StructureTrajectory,
     core_arrays,
+    new_events,
     request_of,
     simulate_structure,
     structure_of,
@@ -123,34 +125,49 @@ class StructureMotion(Savable, study="motion_structure"):
         times = np.atleast_1d(checks.real_array(t, "t", "finite times"))
         if times.ndim != 1 or not np.isfinite(times).all():
             raise ParameterError(f"t = {t!r}: must be finite times")
-        n, m = self.structure.coordinates, len(self.phases)
-        first = self.phases[0] / self.load.frequency
-        inside = first + np.mod(times - first, self.period)
-        order = np.argsort(inside, kind="stable")
-        starts = np.empty((2 * n + 1, m), order="F")
-        starts[0] = self.phases / self.load.frequency
-        starts[1:] = self.states.reshape(m, 2 * n).T
-        labels = np.ones((2, m), dtype=np.int32, order="F")
-        labels[1] = self.gaps + 1
-        if len(self.rests):
-            return self._run().sample(inside)
-        values, status = _core.sample_structure(
-            *core_arrays(self.structure, self.load), starts, labels, inside[order]
-        )
-        raise_status(status)
-        found = np.empty((2 * n, len(times)))
-        found[:, order] = values
-        return found[:n], found[n:]
+        run = self._run()
+        return run.sample(run.start + np.mod(times - run.start, self.period))
 
     def _run(self) -> StructureTrajectory:
-        """The simulated period from just after the first impact."""
-        return simulate_structure(
-            self.structure,
-            self.load,
-            duration=self.period,
-            start=self.phases[0] / self.load.frequency,
-            state=(self.q, self.q_dot),
-        )
+        """The period from just after the first impact, by the flights of the motion.
+
+        A simulation of the period would leave an unstable motion, and would stop at the first gap that a motion
+        closes in between. Only flights in which a rest begins or ends are simulated, each from before the
+        accumulation: hops of the size of rounding cannot be started again.
+        """
+        times = np.append(self.phases / self.load.frequency, 0.0)
+        times[-1] = times[0] + self.period
+        changes = np.append(self.rests["begin"], self.rests["end"])
+        events: list[NDArray[Any]] = []
+        states: list[_Array] = []
+        for i, (begin, end) in enumerate(pairwise(times)):
+            later = (i + 1) % len(self.phases)
+            impact = new_events(1)
+            impact["time"], impact["kind"], impact["gap"] = end, "impact", self.gaps[later]
+            impact["speed"], impact["impulse"] = self.speeds[later], self.impulses[later]
+            events.append(impact)
+            states.append(self.states[later : later + 1])
+            since = np.mod(changes - self.phases[i], 2 * np.pi * self.cycles)
+            if not (since < self.load.frequency * (end - begin)).any():
+                continue
+            j = i
+            while j > 0 and times[j] - times[j - 1] < 1e-3 * self.period:
+                j -= 1
+            flights = simulate_structure(
+                self.structure, self.load, duration=end - times[j], start=times[j],
+                state=(self.states[j, 0], self.states[j, 1]),
+            )  # fmt: skip
+            last = np.flatnonzero(flights.events["kind"] != "impact").max(initial=-1) + 1
+            events[j:] = [np.append(flights.events[:last], impact)]
+            states[j:] = [np.append(flights.states[:last], states[-1], axis=0)]
+            # one entry for each flight, so that a later one finds its place
+            events += [new_events(0)] * (i - j)
+            states += [states[-1][:0]] * (i - j)
+        first = self.states[0]
+        return StructureTrajectory(
+            self.structure, self.load, float(times[0]), float(times[-1]), np.concatenate(events),
+            np.concatenate(states), (first[0], first[1]), (first[0], first[1]), True,
+        )  # fmt: skip
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""

@@ -169,7 +169,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         if periodic is not None and len(samples):
             load = Record(step.item(), samples, periodic.constant, weights)
         columns = values("events", "time", "kind", "gap", "speed", "impulse")
-        events = _events(len(columns[0]))
+        events = new_events(len(columns[0]))
         for name, column in zip(events.dtype.names or (), columns, strict=True):
             events[name] = column
         states = np.stack(values("events", "q", "q_dot"), axis=1)
@@ -383,7 +383,7 @@ def _laws_of(result: Result) -> list[Restitution]:
     return laws
 
 
-def _events(count: int) -> NDArray[Any]:
+def new_events(count: int) -> NDArray[Any]:
     """An empty table of events."""
     return np.zeros(count, dtype=[
         ("time", "f8"), ("kind", "U7"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
@@ -510,7 +510,7 @@ def simulate_structure(
     failed = status not in (0, MORE_EVENTS)
     if failed and count == 0:
         raise_status(status)
-    events = _events(count)
+    events = new_events(count)
     events["time"], events["speed"], events["impulse"] = table[:3, :count]
     events["kind"] = KINDS[labels[0, :count] - 1]
     events["gap"] = labels[1, :count] - 1

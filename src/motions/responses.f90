@@ -177,12 +177,12 @@ contains
       !> The response.
       real(wp), intent(out) :: x, v
       integer, parameter :: terms = 15
-      !> Bernoulli numbers B_0 to B_15.
-      real(wp), parameter :: bernoulli(0:terms) = [1.0_wp, -0.5_wp, 1.0_wp/6, 0.0_wp, &
-         -1.0_wp/30, 0.0_wp, 1.0_wp/42, 0.0_wp, -1.0_wp/30, 0.0_wp, 5.0_wp/66, 0.0_wp, &
-         -691.0_wp/2730, 0.0_wp, 7.0_wp/6, 0.0_wp]
+      !> B_i/i! of the Bernoulli numbers B_0 to B_15.
+      real(wp), parameter :: bernoulli(0:terms) = [1.0_wp, -0.5_wp, 1.0_wp/12, 0.0_wp, &
+         -1.0_wp/720, 0.0_wp, 1.0_wp/30240, 0.0_wp, -1.0_wp/1209600, 0.0_wp, 1.0_wp/47900160, &
+         0.0_wp, -691.0_wp/1307674368000.0_wp, 0.0_wp, 1.0_wp/74724249600.0_wp, 0.0_wp]
       real(wp) :: z, s, polynomial(0:terms), coefficient
-      integer :: i, n
+      integer :: i, last, n
 
       z = drag*period
       if (z >= 0.5_wp) then
@@ -191,18 +191,20 @@ contains
          return
       end if
       s = 1 - share
-      do n = 0, terms
+      ! without a drag only two terms count
+      last = merge(terms, 2, z > 0)
+      do n = 1, last
          ! B_n(s)/n! = sum over i of B_i/i! s^(n - i)/(n - i)!
          polynomial(n) = 0
          coefficient = 1
          do i = n, 0, -1
-            polynomial(n) = polynomial(n) + bernoulli(i)/gamma(real(i + 1, wp))*coefficient
+            polynomial(n) = polynomial(n) + bernoulli(i)*coefficient
             coefficient = coefficient*s/(n - i + 1)
          end do
       end do
       v = 0
       x = 0
-      do n = terms, 2, -1
+      do n = last, 2, -1
          v = v*z + polynomial(n)
          x = x*z - polynomial(n)
       end do

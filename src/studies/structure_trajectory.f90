@@ -219,8 +219,9 @@ contains
       values = 0
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      ! gaps may be at rest from the start
+      ! gaps may be at rest from the start; in a motion that is not admissible they may be negative
       call start_at(run, starts(1, 1), starts(2:n + 1, 1), starts(n + 2:, 1), first, status)
+      if (status == stat%gap_closed) status = stat%ok
       if (status /= stat%ok) return
       j = 1
       number = first%regime
@@ -329,8 +330,8 @@ contains
       end associate
    end subroutine sample_one
 
-   !> The load phase, less whole periods: as of the events, whose times are sums of whole periods and
-   !! a remainder. Omega t would lose the digits that these sums keep.
+   !> The load phase, less whole periods: as of the events, whose times are sums of whole periods
+   !! and a remainder. Omega t would lose the digits that these sums keep.
    pure real(wp) function phase_at(run, time) result(phase)
       !> The run.
       type(run_type), intent(in) :: run

@@ -408,7 +408,7 @@ def test_damping_proportional_to_stiffness_of_a_free_chain():
 
 
 def test_samples_after_many_cycles():
-    """With a period of 4, whole periods are exact: late samples are those of the first cycles, up to rounding of time."""
+    """With a period of 4, whole periods are exact: late samples are those of the first cycles."""
     gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
     host = vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps)
     load = vi.Load(math.pi / 2, sine=[[1, 0], [0.2, 0]])

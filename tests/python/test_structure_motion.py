@@ -8,6 +8,7 @@ import vibroimpact as vi
 from vibroimpact.errors import ParameterError, ParameterTypeError, SingularError
 
 scipy_linalg = pytest.importorskip("scipy.linalg")
+solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
 
 
 def damper(xi=0.005, mu=0.042, restitution=0.75, clearance=37.0):
@@ -333,6 +334,42 @@ def test_a_motion_through_a_wall_is_not_admissible():
     motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0], 6))
     assert motion.consistent
     assert motion.admissible is False
+
+
+def test_a_motion_is_drawn_by_its_own_flights():
+    """A simulation of its period would leave an unstable motion, and would stop where a gap is negative."""
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.1, 0.8)])
+    load = vi.Load(1.0, cosine=[1])
+    through = vi.exact(wall, load, ([0.1], [0], 6))
+    presumed = vi.periodic(damper(), vi.Load(0.94, sine=[1, 0]), [1.9, 5.9], [0, 1])
+    gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
+    host = vi.Structure([1.0, 0.1], [0.02, 0.0], [1.0, 0.0], gaps)
+    found = vi.find(host, vi.Load(1.1, sine=[0.1, 0.0]), max_cycles=1, states=0, guesses=64)
+    unstable = max(found, key=lambda motion: abs(motion.multipliers[0]))
+    assert abs(unstable.multipliers[0]) > 1000
+    for motion in (through, presumed, unstable):
+        run = motion._run()
+        n = len(motion.phases)
+        assert run.events["gap"].tolist() == [*motion.gaps[1:], motion.gaps[0]]
+        np.testing.assert_array_equal(run.states[: n - 1], motion.states[1:])
+        begin, end = run.start, run.events["time"][0]
+        t = np.linspace(begin, end, 9)[1:-1]
+        state = motion.states[0].ravel()
+        s, force = motion.structure, motion.load
+
+        def rate(time, y, s=s, force=force):
+            q, q_dot = np.split(y, 2)
+            angle = force.frequency * time
+            f = force.sine[0] * np.sin(angle) + force.cosine[0] * np.cos(angle)
+            return np.append(
+                q_dot, np.linalg.solve(s.mass, f - s.damping @ q_dot - s.stiffness @ q)
+            )
+
+        free = solve_ivp(rate, (begin, end), state, t_eval=t, rtol=1e-11, atol=1e-12).y
+        sampled = np.concatenate(motion.sample(t + 4 * motion.period))
+        np.testing.assert_allclose(sampled, free, atol=1e-8 * np.abs(free).max())
+        times, line = motion.plot(kind="history").lines[0].get_data()
+        np.testing.assert_array_equal(line, run.sample(times)[0][0])
 
 
 REFUSED = [

@@ -115,6 +115,24 @@ def test_sample_holds_the_gap_closed_during_rest():
     np.testing.assert_allclose(q_dot[0], q_dot[1], atol=1e-11)
 
 
+@pytest.mark.parametrize("system", [unequal_walls, host_with_dashpot])
+def test_flights_of_a_motion_with_rest(system):
+    """They are those of a simulation, with the rests of the motion."""
+    structure, load = system()
+    motion = settled_with_rest(structure, load)
+    run = motion._run()
+    for kind, name in (("stick", "begin"), ("release", "end")):
+        phases = run.events["time"][run.events["kind"] == kind] * load.frequency
+        apart = np.remainder(phases - motion.rests[name] + 1, 2 * np.pi * motion.cycles) - 1
+        np.testing.assert_allclose(apart, 0, atol=1e-9)
+    whole = vi.simulate(
+        structure, load, duration=motion.period, start=run.start, state=(motion.q, motion.q_dot)
+    )  # fmt: skip
+    t = np.linspace(run.start, run.end, 400, endpoint=False)
+    for ours, theirs in zip(run.sample(t), whole.sample(t), strict=True):
+        np.testing.assert_allclose(ours, theirs, atol=1e-9)
+
+
 def test_a_trajectory_without_repetition_is_refused():
     wall = vi.Structure([1], [0.02], [1], [vi.Gap([1], 0, 0.95)])
     load = vi.Load(2.76, cosine=[1.0])
