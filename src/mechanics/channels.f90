@@ -4,18 +4,17 @@
 !! All rows are watched together in cells of time. Over a cell a row differs from its cubic Hermite
 !! interpolant by f''''/24 t^2 (h - t)^2, so that its Bernstein coefficients, with a bound on
 !! f'''', prove that most rows stay within their limits. A row in doubt is searched by steps that
-!! cannot jump over a zero (vi_advance), up to the first event found so far in the cell.
+!! cannot jump over a zero, up to the first event found so far in the cell.
 !!
 !! A row in doubt is evaluated by its Taylor series about the beginning of the cell, as far as the
-!! omitted terms are below rounding. Just after departure from a wall the gap is a small difference
-!! of large numbers. There g(t) = t k(t), with k(0) the departure speed, is evaluated by the series
-!! of k.
+!! omitted terms are below rounding (vi_series).
 module vi_channels
-   use vi_advance, only: safe_step
    use vi_kinds, only: wp
    use vi_lane_rows, only: add_derivatives, side_by_side
    use vi_modes, only: advance, advance_pair, bound_on, levels
    use vi_rows, only: bound_values, row_values
+   use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
+      tolerated
    use vi_structure, only: regime_type
    implicit none (type, external)
    private
@@ -41,11 +40,8 @@ module vi_channels
       logical :: complete = .true.
    end type reached_type
 
-   integer, parameter :: budget = 10000000
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
-   !> Order of the last term of a Taylor series.
-   integer, parameter :: order = 20
 
    !> Room for a search.
    type, public :: space_type
@@ -53,24 +49,6 @@ module vi_channels
       complex(wp), allocatable :: turns(:, :)
       integer, allocatable :: doubtful(:, :)
    end type space_type
-
-   !> The Taylor series of a row.
-   type :: series_type
-      !> Time about which it is, and how far it is valid.
-      real(wp) :: centre = 0, reach = -1
-      real(wp) :: c(0:order) = 0
-      !> The last order that is used.
-      integer :: last = order
-      !> A bound on the derivative after it, if all orders are used.
-      real(wp) :: beyond = 0
-   end type series_type
-
-   !> The gap to the wall just left over the time since then, k(t) = g(t)/t.
-   type :: departure_type
-      real(wp) :: k(0:order - 1) = 0
-      !> Time up to which it is valid, and a bound on the fifth derivative of the gap.
-      real(wp) :: near = 0, fifth = 0
-   end type departure_type
 
 contains
 
@@ -91,20 +69,12 @@ contains
       !> The event.
       type(reached_type), intent(out) :: reached
       !> Kept by the caller, so that memory is not allocated anew for each flight.
-      type(space_type), intent(inout), optional :: space
-      type(space_type) :: own
+      type(space_type), intent(inout) :: space
 
-      if (present(space)) then
-         call make_room(regime, space)
-         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
-            phase, leaving, limit, level, space%pairs, space%work, space%values, space%turns, &
-            space%doubtful, reached)
-      else
-         call make_room(regime, own)
-         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
-            phase, leaving, limit, level, own%pairs, own%work, own%values, own%turns, &
-            own%doubtful, reached)
-      end if
+      call make_room(regime, space)
+      call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
+         phase, leaving, limit, level, space%pairs, space%work, space%values, space%turns, &
+         space%doubtful, reached)
    end subroutine first_event
 
    !> Allocates what a search needs.
@@ -124,7 +94,7 @@ contains
             space%turns, space%doubtful)
          allocate (space%pairs(pairs, 6), space%work(pairs + side_by_side, 4), &
             space%values(rows, 6), space%turns(harmonics, 2), &
-            space%doubtful(2, rows + 1))
+            space%doubtful(2, rows))
       end associate
    end subroutine make_room
 
@@ -155,7 +125,7 @@ contains
       !> (harmonics) e^(i h Omega t) at the beginning and at the end of a cell.
       complex(wp), intent(inout) :: turns(harmonics, 2)
       !> The rows in doubt, as in `find_doubts`.
-      integer, intent(inout) :: doubtful(2, rows + 1)
+      integer, intent(inout) :: doubtful(2, rows)
       !> The event.
       type(reached_type), intent(out) :: reached
       real(wp) :: h, time, found, speed, t, horizon, brief
@@ -183,7 +153,7 @@ contains
          hold = 0
          do while (t < limit)
             steps = steps + 1
-            reached%complete = steps < budget
+            reached%complete = steps < step_budget
             if (.not. reached%complete) return
             h = regime%steps%length(level)
             if (t + h > horizon) then
@@ -280,12 +250,12 @@ contains
       real(wp), dimension(:), intent(in) :: y, rate, y_next, rate_next
       !> (rows) Bounds on the fourth derivatives and on the rounding errors.
       real(wp), dimension(:), intent(in) :: bound, reserve
-      !> (2, rows + 1) The rows, and which limits they may reach: 1 the upper one, 2 the lower one,
+      !> (2, rows) The rows, and which limits they may reach: 1 the upper one, 2 the lower one,
       !! 3 both. Their number.
       integer, intent(inout) :: doubtful(:, :)
       integer, intent(out) :: n
       real(wp) :: first, second, third, fourth, middle, upper, lower, quarter, sixth, sag
-      integer :: i
+      integer :: departs, i, walls
 
       n = 0
       quarter = 0.25_wp*h
@@ -299,22 +269,17 @@ contains
          third = 0.5_wp*(first + y_next(i)) + sixth*(rate(i) - rate_next(i))
          middle = sag*bound(i)
          fourth = y_next(i) - quarter*rate_next(i)
-         doubtful(1, n + 1) = i
-         doubtful(2, n + 1) = 0
-         if (i == leaving%row .and. t <= 0) then
-            ! the row starts on its limit and leaves it: the first coefficient does not count there
-            if (.not. (leaving%wall > 0 .or. first < upper)) doubtful(2, n + 1) = 1
-            if (.not. (leaving%wall < 0 .or. first > lower)) doubtful(2, n + 1) = &
-               doubtful(2, n + 1) + 2
-         else
-            if (.not. first < upper) doubtful(2, n + 1) = 1
-            if (.not. first > lower) doubtful(2, n + 1) = doubtful(2, n + 1) + 2
-         end if
-         if (.not. (second < upper .and. third + middle < upper .and. fourth < upper .and. &
-            y_next(i) < upper)) doubtful(2, n + 1) = ior(doubtful(2, n + 1), 1)
-         if (.not. (second > lower .and. third - middle > lower .and. fourth > lower .and. &
-            y_next(i) > lower)) doubtful(2, n + 1) = ior(doubtful(2, n + 1), 2)
-         if (doubtful(2, n + 1) > 0) n = n + 1
+         ! where a row starts on its limit and leaves it, the first coefficient does not count
+         departs = 0
+         if (i == leaving%row .and. t <= 0) departs = leaving%wall
+         walls = 0
+         if (.not. ((departs > 0 .or. first < upper) .and. second < upper .and. &
+            third + middle < upper .and. fourth < upper .and. y_next(i) < upper)) walls = 1
+         if (.not. ((departs < 0 .or. first > lower) .and. second > lower .and. &
+            third - middle > lower .and. fourth > lower .and. y_next(i) > lower)) walls = walls + 2
+         if (walls == 0) cycle
+         n = n + 1
+         doubtful(:, n) = [i, walls]
       end do
    end subroutine find_doubts
 
@@ -435,8 +400,8 @@ contains
       end do
    end subroutine bound_fourth
 
-   !> A row and its first three derivatives, computed directly from the start of the flight.
-   pure subroutine row_derivatives(regime, x0, v0, phase, row, t, d)
+   !> A row and its first three derivatives at the start of a flight.
+   pure subroutine row_derivatives(regime, x0, v0, phase, row, d)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
@@ -445,43 +410,38 @@ contains
       real(wp), intent(in) :: phase
       !> Number of the row.
       integer, intent(in) :: row
-      !> Time after the start of the flight.
-      real(wp), intent(in) :: t
       !> The derivatives of order 0 to 3.
       real(wp), intent(out) :: d(0:3)
-      real(wp) :: x, v, before, omega
+      real(wp) :: x, v, before
       complex(wp) :: here
       integer :: h, i, j, k
 
-      d = 0
-      d(0) = regime%rows%offset(row) + t*regime%rows%offset_rate(row)
-      d(1) = regime%rows%offset_rate(row)
+      d = [regime%rows%offset(row), regime%rows%offset_rate(row), 0.0_wp, 0.0_wp]
       do j = regime%rows%begins(row), regime%rows%begins(row + 1) - 1
          k = regime%rows%touched(j)
-         if (t > 0) then
-            call advance_pair(regime%modes, k, t, x0(k), v0(k), x, v)
-         else
-            x = x0(k)
-            v = v0(k)
-         end if
-         associate (of_x => regime%rows%of_x(j), of_v => regime%rows%of_v(j))
+         x = x0(k)
+         v = v0(k)
+         associate (of_x => regime%rows%of_x(j), of_v => regime%rows%of_v(j), &
+            modes => regime%modes)
             d(0) = d(0) + of_x*x + of_v*v
             do i = 1, 3
                before = x
                x = v
-               v = -regime%modes%stiffness(k)*before - 2*regime%modes%damping(k)*v
-               if (i == 1) x = x + regime%modes%drift(k) + t*regime%modes%drift_rate(k)
-               if (i == 1) v = v + regime%modes%force(k) + t*regime%modes%force_rate(k)
-               if (i == 2) x = x + regime%modes%drift_rate(k)
-               if (i == 2) v = v + regime%modes%force_rate(k)
+               v = -modes%stiffness(k)*before - 2*modes%damping(k)*v
+               if (i == 1) x = x + modes%drift(k)
+               if (i == 1) v = v + modes%force(k)
+               if (i == 2) x = x + modes%drift_rate(k)
+               if (i == 2) v = v + modes%force_rate(k)
                d(i) = d(i) + of_x*x + of_v*v
             end do
          end associate
       end do
       do h = 1, size(regime%ripple, 2)
-         omega = h*regime%frequency
-         here = regime%ripple(row, h)*turned(h*(phase + regime%frequency*t))
-         d = d + [here%re, -omega*here%im, -omega**2*here%re, omega**3*here%im]
+         here = regime%ripple(row, h)*turned(h*phase)
+         do i = 0, 3
+            d(i) = d(i) + here%re
+            here = here*cmplx(0.0_wp, h*regime%frequency, wp)
+         end do
       end do
    end subroutine row_derivatives
 
@@ -518,53 +478,31 @@ contains
       !> False if the search exceeded its step budget.
       logical, intent(out) :: complete
       type(series_type) :: series
-      type(departure_type) :: departure
-      real(wp) :: d(0:3), t, h, step
-      integer :: i, side
-      logical :: departs
+      type(opening_type) :: opening
+      integer :: steps
 
-      wall = 0
-      speed = 0
-      time = end
-      complete = .true.
-      departs = doubt(1) == leaving%row .and. begin <= 0 .and. (doubt(2) == 3 .or. &
-         doubt(2) == merge(1, 2, leaving%wall > 0))
+      time = begin
+      steps = 0
       associate (row => doubt(1))
-         call expand(regime, x, v, turn, row, bound, begin, merge(-1.0_wp, end - begin, departs), &
-            work, series, departure%fifth)
-         if (departs) call depart(leaving, series, departure)
-         t = begin
-         do i = 1, budget
-            if (t > series%centre + series%reach) then
-               call expand_at(regime, x0, v0, phase, row, bound, t, end - t, work, series)
-            end if
-            call evaluate(series, t, d)
-            if (departs .and. t <= 0) d(:1) = [merge(regime%upper(row), &
-               regime%lower(row), leaving%wall > 0), -leaving%wall*leaving%speed]
-            step = huge(1.0_wp)
-            do side = 1, -1, -2
-               if (iand(doubt(2), merge(1, 2, side > 0)) == 0) cycle
-               if (departs .and. side == leaving%wall .and. t < departure%near) then
-                  h = series_step(departure, bound, leaving, t)
-                  if (h <= 2*epsilon(1.0_wp)*t) speed = max(0.0_wp, series_speed(departure%k, t))
-               else
-                  h = safe_step(max(0.0_wp, side*(merge(regime%upper(row), regime%lower(row), &
-                     side > 0) - d(0))), -side*d(1), -side*d(2), -side*d(3), bound, &
-                     longest)
-                  if (h <= 2*epsilon(1.0_wp)*t) speed = max(0.0_wp, side*d(1))
-               end if
-               if (h <= 2*epsilon(1.0_wp)*t) then
-                  wall = side
-                  time = t
-                  return
-               end if
-               step = min(step, h)
-            end do
-            t = t + step
-            if (t > end) return
+         opening%upper = regime%upper(row)
+         opening%lower = regime%lower(row)
+         if (row == leaving%row .and. begin <= 0 .and. (doubt(2) == 3 .or. &
+            doubt(2) == merge(1, 2, leaving%wall > 0))) then
+            opening%wall = leaving%wall
+            opening%speed = leaving%speed
+            opening%fourth = bound
+            call expand(regime, x, v, turn, row, bound, begin, -1.0_wp, work, series)
+            call new_opening(leaving%released, series, opening)
+         else
+            call expand(regime, x, v, turn, row, bound, begin, end - begin, work, series)
+         end if
+         do
+            call follow(series, opening, doubt(2), bound, longest, end, time, steps, wall, speed)
+            complete = steps < step_budget
+            if (wall /= 0 .or. time > end .or. .not. complete) return
+            call expand_at(regime, x0, v0, phase, row, bound, time, end - time, work, series)
          end do
       end associate
-      complete = .false.
    end subroutine search
 
    !> The Taylor series of a row about a time, from pairs computed directly.
@@ -584,7 +522,6 @@ contains
       real(wp), contiguous, intent(inout) :: work(:, :)
       !> The series.
       type(series_type), intent(out) :: series
-      real(wp) :: fifth
       complex(wp) :: turn(size(regime%ripple, 2))
       integer :: h, j
 
@@ -600,11 +537,11 @@ contains
       do h = 1, size(turn)
          turn(h) = turned(h*(phase + regime%frequency*t))
       end do
-      call expand(regime, work(:, 3), work(:, 4), turn, row, bound, t, wanted, work, series, fifth)
+      call expand(regime, work(:, 3), work(:, 4), turn, row, bound, t, wanted, work, series)
    end subroutine expand_at
 
    !> The Taylor series of a row about a time.
-   pure subroutine expand(regime, x0, v0, turn, row, bound, t, wanted, work, series, fifth)
+   pure subroutine expand(regime, x0, v0, turn, row, bound, t, wanted, work, series)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at that time; only those of the row are used.
@@ -620,8 +557,6 @@ contains
       real(wp), contiguous, intent(inout) :: work(:, :)
       !> The series.
       type(series_type), intent(out) :: series
-      !> A bound on the fifth derivative, if the series is wanted with as many terms as possible.
-      real(wp), intent(out) :: fifth
       real(wp) :: total(0:order), term, tolerance, size_now
       complex(wp) :: here
       integer :: begin, begun, h, i, j, k, n
@@ -632,7 +567,6 @@ contains
       total(0) = regime%rows%offset(row) + t*regime%rows%offset_rate(row)
       total(1) = regime%rows%offset_rate(row)
       size_now = abs(total(0))
-      fifth = 0
       associate (rows => regime%rows, modes => regime%modes, first => begin, &
          last => begin + n - 1, x => work(:, 1), v => work(:, 2))
          do j = 1, n
@@ -680,7 +614,7 @@ contains
          if (series%reach < 0) then
             call add_derivatives(n, begun, 5, rows%stiffness(first:last), rows%drag(first:last), &
                rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
-            fifth = bound_of(regime, row, work(:n, 1), work(:n, 2), 5)
+            series%fifth = bound_of(regime, row, work(:n, 1), work(:n, 2), 5)
             call add_derivatives(n, 6, order, rows%stiffness(first:last), rows%drag(first:last), &
                rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
          else
@@ -734,120 +668,5 @@ contains
          bound = bound + regime%rows%ripple_size(row, h)*(h*regime%frequency)**n
       end do
    end function bound_of
-
-   !> The t at which bound t^n/(order + 1)! equals a tolerance.
-   pure real(wp) function tolerated(tolerance, bound, n) result(t)
-      !> The tolerance, and the bound.
-      real(wp), intent(in) :: tolerance, bound
-      !> The power.
-      integer, intent(in) :: n
-      real(wp), parameter :: factorial = 51090942171709440000.0_wp
-
-      t = huge(1.0_wp)
-      if (bound > tiny(1.0_wp)) t = (tolerance*factorial/bound)**(1.0_wp/n)
-   end function tolerated
-
-   !> Value and first three derivatives of a series.
-   pure subroutine evaluate(series, t, d)
-      !> The series.
-      type(series_type), intent(in) :: series
-      !> The time.
-      real(wp), intent(in) :: t
-      !> The derivatives of order 0 to 3.
-      real(wp), intent(out) :: d(0:3)
-      real(wp) :: s
-      integer :: i
-
-      s = t - series%centre
-      d = 0
-      do i = series%last, 0, -1
-         d(3) = d(3)*s + d(2)
-         d(2) = d(2)*s + d(1)
-         d(1) = d(1)*s + d(0)
-         d(0) = d(0)*s + series%c(i)
-      end do
-      d(2) = 2*d(2)
-      d(3) = 6*d(3)
-   end subroutine evaluate
-
-   !> The gap to the wall just left over the time since then.
-   pure subroutine depart(leaving, series, departure)
-      !> The wall that is left.
-      type(leaving_type), intent(in) :: leaving
-      !> The series of the row about the start.
-      type(series_type), intent(in) :: series
-      !> In: with the bound on the fifth derivative. Out: complete.
-      type(departure_type), intent(inout) :: departure
-      integer :: m
-
-      departure%k = -leaving%wall*series%c(1:)
-      departure%k(0) = leaving%speed
-      if (leaving%released) departure%k(1) = 0
-      ! the first term of k that is not 0
-      m = 0
-      if (.not. leaving%speed > 0) m = merge(2, 1, leaving%released)
-      departure%near = 0
-      if (.not. abs(departure%k(m)) > 0) return
-      ! the omitted terms are below the rounding of the first one
-      departure%near = tolerated(epsilon(1.0_wp)*abs(departure%k(m)), series%beyond, order - m)
-   end subroutine depart
-
-   !> A safe step for the gap to the wall just left, from its series: |k''''| <= B/5 with B the
-   !! bound on g'''''.
-   pure real(wp) function series_step(departure, fourth, leaving, t) result(step)
-      !> The gap over time.
-      type(departure_type), intent(in) :: departure
-      !> A bound on the fourth derivative of the gap.
-      real(wp), intent(in) :: fourth
-      !> The wall that is left.
-      type(leaving_type), intent(in) :: leaving
-      !> Time after the start.
-      real(wp), intent(in) :: t
-      real(wp) :: value, slope, curvature, jerk, root
-      integer :: n
-
-      associate (k => departure%k)
-         if (t <= 0 .and. .not. leaving%speed > 0) then
-            ! k/t >= k1 + k2 t - B/24 t^2: positive up to the first zero of this parabola; after a
-            ! release k1 = 0
-            root = sqrt(max(0.0_wp, k(2)**2 + k(1)*fourth/6))
-            step = 0
-            if (k(1) > 0 .and. k(2) <= 0) then
-               step = 2*k(1)/max(root - k(2), tiny(root))
-            else if (k(1) >= 0 .and. k(2) > 0) then
-               step = 12*(k(2) + root)/max(fourth, tiny(fourth))
-            end if
-            step = min(departure%near, 0.99_wp*step)
-            return
-         end if
-         value = 0
-         slope = 0
-         curvature = 0
-         jerk = 0
-         do n = ubound(k, 1), 0, -1
-            jerk = jerk*t + curvature
-            curvature = curvature*t + slope
-            slope = slope*t + value
-            value = value*t + k(n)
-         end do
-      end associate
-      step = safe_step(max(0.0_wp, value), slope, 2*curvature, 6*jerk, 0.2_wp*departure%fifth, &
-         2*departure%near)
-   end function series_step
-
-   !> Approach speed -g' = -t k' at a zero of k.
-   pure real(wp) function series_speed(k, t) result(speed)
-      !> Coefficients of g(t)/t.
-      real(wp), intent(in) :: k(0:)
-      !> Time of the zero.
-      real(wp), intent(in) :: t
-      integer :: n
-
-      speed = 0
-      do n = ubound(k, 1), 1, -1
-         speed = speed*t + n*k(n)
-      end do
-      speed = -t*speed
-   end function series_speed
 
 end module vi_channels

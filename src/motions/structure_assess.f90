@@ -2,7 +2,7 @@
 module vi_structure_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, consistency, stability
-   use vi_channels, only: first_event, leaving_type, reached_type
+   use vi_channels, only: first_event, leaving_type, reached_type, space_type
    use vi_eigen_routines, only: dgesv
    use vi_exact, only: exact_acceptance
    use vi_kinds, only: wp
@@ -123,6 +123,7 @@ contains
       real(wp), intent(in) :: flight
       !> The contact.
       type(reached_type), intent(out) :: reached
+      type(space_type) :: space
       real(wp) :: impulse, slope
       integer :: level
 
@@ -132,7 +133,7 @@ contains
          call first_event(regime, x, v, regime%frequency*equations%times(i), &
             leaving_type(structure%channel(gap), structure%wall(gap), &
             impulse/structure%effective(gap) - speeds(i)), &
-            flight + agreement*equations%period, level, reached)
+            flight + agreement*equations%period, level, reached, space)
       end associate
    end subroutine first_contact
 

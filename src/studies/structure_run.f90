@@ -147,7 +147,7 @@ contains
             allocate (forces(size(set)))
             do i = 1, size(set)
                call row_derivatives(regime, state%x, state%v, phase, run%structure%channels + i, &
-                  0.0_wp, d)
+                  d)
                forces(i) = d(0)
             end do
          end associate
@@ -428,7 +428,7 @@ contains
       phase = run%load%frequency*state%elapsed
       duration = 0
       associate (regime => run%regimes(state%regime), leaving => state%leaving)
-         call row_derivatives(regime, state%x, state%v, phase, leaving%row, 0.0_wp, d)
+         call row_derivatives(regime, state%x, state%v, phase, leaving%row, d)
          closing = leaving%wall*d(2)
          if (.not. closing > 0) return
          gap = gap_of(regime, leaving%row, leaving%wall)
@@ -456,8 +456,7 @@ contains
       if (.not. stuck) return
       level = state%level
       call first_event(run%regimes(state%regime), state%x, state%v, phase, state%leaving, &
-         duration, &
-         level, reached)
+         duration, level, reached, state%space)
       if (reached%row == 0) call move(run, state, duration)
       call state_now(run, state, q, rate)
       call note(state, stick_event, gap, 0.0_wp, 0.0_wp, q, rate, event)
