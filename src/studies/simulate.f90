@@ -16,7 +16,7 @@ module vi_simulate
    implicit none (type, external)
    private
 
-   public :: simulate, simulate_cycles, simulate_on
+   public :: fly_on, simulate, simulate_cycles, simulate_on
    public :: forced_system_type, event_type, new_forced_system, state_time, state_type
    public :: impact_event, stick_event, release_event
 

@@ -2,10 +2,12 @@
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives, space_type
+   use vi_forced_system, only: state_type
    use vi_kinds, only: wp
    use vi_modes, only: advance_pair
    use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
+   use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
    use vi_structure_record, only: pass_intervals, set_forces
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, restitution_of, &
       state_of, structure_type, to_pairs
@@ -27,6 +29,8 @@ module vi_structure_run
       !> The unit of `cycle`: the period of the load, the time between the samples of a record, or
       !! 1.
       real(wp) :: period = 1
+      !> The oscillator of 1983, if the structure is one.
+      type(pair_type) :: pair
    end type run_type
 
    !> A state: time as whole periods and the remainder, so that its error does not grow.
@@ -74,6 +78,7 @@ contains
       if (status /= stat%ok) return
       allocate (run%regimes(1))
       call new_regime(run%structure, load, [integer :: ], run%regimes(1), status)
+      if (status == stat%ok) call recognise(run%structure, load, run%pair)
    end subroutine new_run
 
    !> A state from coordinates and velocities.
@@ -131,6 +136,7 @@ contains
       real(wp) :: phase, d(0:3)
       integer :: i, number
 
+      if (.not. allocated(state%q)) allocate (state%q(size(q)), state%rate(size(q)))
       allocate (set, source=closed)
       phase = run%load%frequency*state%elapsed
       do
@@ -211,6 +217,7 @@ contains
       n = 0
       status = stat%ok
       do
+         if (run%pair%known) call pass_impacts(run, state, last_cycle, last_elapsed, events, n)
          call begin_interval(run, state, last_cycle)
          remaining = real(last_cycle - state%cycle, wp)*run%period + (last_elapsed - state%elapsed)
          limit = remaining
@@ -255,6 +262,52 @@ contains
       state%cycle = last_cycle
       state%elapsed = last_elapsed
    end subroutine simulate_structure
+
+   !> Passes impacts of the oscillator of 1983, up to one from which another search has to go on.
+   pure subroutine pass_impacts(run, state, last_cycle, last_elapsed, events, n)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> As in `simulate_structure`.
+      integer(int64), intent(in) :: last_cycle
+      !> As in `simulate_structure`.
+      real(wp), intent(in) :: last_elapsed
+      !> In and out: the events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> In and out: their number.
+      integer, intent(inout) :: n
+      type(place_type) :: place
+      type(state_type) :: here
+      logical :: found
+
+      if (state%leaving%row == 0 .or. state%leaving%released .or. state%regime /= 1) return
+      associate (regime => run%regimes(1), structure => run%structure, h => run%pair%host, &
+         p => run%pair%particle)
+         call state_now(run, state, state%q, state%rate)
+         place = place_type(state%cycle, state%elapsed, state%q([h, p]), state%rate([h, p]), &
+            gap=gap_of(regime, 1, state%leaving%wall), departure=state%leaving%speed)
+         here = place_in(run%pair, place)
+         do while (n < size(events))
+            call next_impact(run%pair, real(last_cycle - place%cycle, wp)*run%period &
+               + (last_elapsed - place%elapsed), here, place, found)
+            if (.not. found) return
+            n = n + 1
+            state%cycle = place%cycle
+            state%elapsed = place%elapsed
+            state%q([h, p]) = place%q
+            state%rate([h, p]) = place%rate
+            ! the particle has no part that is due to the load
+            state%x(h) = regime%xq(h, h)*place%free(1)
+            state%v(h) = regime%vd(h, h)*place%free(2)
+            state%x(p) = regime%xq(p, p)*place%q(2)
+            state%v(p) = regime%vd(p, p)*place%rate(2)
+            state%leaving = leaving_type(1, structure%wall(place%gap), place%departure)
+            call note(state, impact_event, place%gap, place%approach, (place%approach &
+               + place%departure)*structure%effective(place%gap), state%q, state%rate, events(n))
+         end do
+      end associate
+   end subroutine pass_impacts
 
    !> With a record: passes intervals without events, and sets the forces of the flight.
    pure subroutine begin_interval(run, state, last_cycle)
@@ -317,8 +370,6 @@ contains
       integer :: j, gap
 
       status = stat%ok
-      if (.not. allocated(state%q)) allocate (state%q(size(run%structure%mass, 1)), &
-         state%rate(size(run%structure%mass, 1)))
       associate (regime => run%regimes(state%regime), structure => run%structure, q => state%q, &
          rate => state%rate)
          gap = gap_of(regime, reached%row, reached%wall)
