@@ -3,6 +3,7 @@ module vi_study_list
    use vi_atlas_study, only: declare_atlas
    use vi_basins_study, only: declare_basins
    use vi_bifurcation_study, only: declare_bifurcation
+   use vi_branch_structure_study, only: declare_branch_structure
    use vi_branch_study, only: declare_branch
    use vi_case, only: case_type, echo
    use vi_chart_study, only: declare_chart
@@ -57,7 +58,8 @@ contains
          declare_type(declare_simulate_structure), &
          declare_type(declare_motion_structure), &
          declare_type(declare_find_structure), &
-         declare_type(declare_lyapunov_structure)], studies)
+         declare_type(declare_lyapunov_structure), &
+         declare_type(declare_branch_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.

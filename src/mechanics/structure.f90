@@ -170,12 +170,16 @@ contains
 
    !> Completes a structure: effective masses and channels.
    pure subroutine check_structure(structure, status)
-      !> In: M, C, K, directions, openings and restitution. Out: also what follows from them.
+      !> In: M, C, K, directions, openings and restitution. Out: also what follows from them, anew
+      !! if it was set.
       type(structure_type), intent(inout) :: structure
       !> `stat%ok`, or `stat%mass_not_definite`.
       integer, intent(out) :: status
       integer :: i, j
 
+      if (allocated(structure%channel)) deallocate (structure%channel, structure%wall, &
+         structure%begins, structure%at, structure%part, structure%coupled_begins, &
+         structure%coupled)
       structure%mobility = structure%directions
       call solve(structure%mass, structure%mobility, status)
       if (status /= stat%ok) status = stat%mass_not_definite

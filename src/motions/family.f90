@@ -78,7 +78,8 @@ contains
       !> Coefficients of restitution R1 (right), R2 (left).
       real(wp), intent(in) :: walls(2)
 
-      can_be_symmetric = abs(walls(1) - walls(2)) <= 0 .and. mirrors_itself(pattern)
+      can_be_symmetric = abs(walls(1) - walls(2)) <= 0 .and. all(abs(pattern%sides) == 1)
+      if (can_be_symmetric) can_be_symmetric = mirrors_itself(pattern)
    end function can_be_symmetric
 
    !> Whether the impacts half a period later are on the opposite walls.
@@ -88,8 +89,7 @@ contains
       integer :: n
 
       n = size(pattern%sides)
-      mirrors_itself = mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1 .and. &
-         all(abs(pattern%sides) == 1)
+      mirrors_itself = mod(n, 2) == 0 .and. mod(pattern%cycles, 2) == 1
       if (mirrors_itself) mirrors_itself = all(cshift(pattern%sides, n/2) == -pattern%sides)
    end function mirrors_itself
 
@@ -142,6 +142,8 @@ contains
          slope(j) = slope(j) + repetition%sign*sign**turns*away(i)
          slope(n + j) = slope(n + j) + away(n + i)
       end do
+      j = size(unknowns)
+      slope(2*n + 1:j) = slope(2*n + 1:j) + (repetition%sign - 1)*away(2*n + 1:)
    end subroutine add_distance_slope
 
    !> The unknowns of the image of a motion under a repetition: it begins at a later impact, and is
@@ -151,7 +153,7 @@ contains
       type(family_type), intent(in) :: family
       !> The way of repeating itself.
       type(repetition_type), intent(in) :: repetition
-      !> (2n) u_i and theta_i of the orbit.
+      !> (2n) u_i and theta_i of the orbit; of a structure, further displacements follow.
       real(wp), intent(in) :: unknowns(:)
       real(wp) :: image(size(unknowns))
       real(wp) :: sign, span
@@ -167,6 +169,7 @@ contains
          image(i) = repetition%sign*sign**turns*unknowns(j)
          image(n + i) = unknowns(n + j) + turns*span - repetition%phase
       end do
+      image(2*n + 1:) = repetition%sign*unknowns(2*n + 1:)
    end function image_of
 
    !> The unknowns of all impacts of a family's pattern.

@@ -23,6 +23,8 @@ module vi_spectrum
       real(wp) :: product = 0
       !> False if an impact has no approach speed at all.
       logical :: regular = .false.
+      !> Of a structure, in place of the sums: the multipliers themselves.
+      complex(wp), allocatable :: multipliers(:)
    end type spectrum_type
 
    !> Size of the entries of [P] above which its minors are computed from those of the [P_i]:
@@ -210,6 +212,13 @@ contains
       !> The normalised sums, where `pair_product` is zero.
       type(spectrum_type), intent(in) :: spectrum
 
+      integer :: at(2)
+
+      if (allocated(spectrum%multipliers)) then
+         at = nearest_to_one(spectrum%multipliers, 3)
+         is_neutral_saddle = .not. abs(spectrum%multipliers(at(1))%im) > 0
+         return
+      end if
       associate (e => spectrum%e)
          is_neutral_saddle = abs(e(1) - e(3)) > 2*abs(e(0) - e(4))
       end associate
@@ -224,6 +233,12 @@ contains
       real(wp) :: c(0:4), t
       integer :: n, i
 
+      if (allocated(spectrum%multipliers)) then
+         outside = count(abs(spectrum%multipliers) > 1)
+         if (kind > 0) outside = outside - count([(abs(spectrum%multipliers(i)) > 1, &
+            i=1, size(spectrum%multipliers))] .and. are_critical(spectrum%multipliers, kind))
+         return
+      end if
       ! the characteristic polynomial, highest power first
       c = spectrum%e*[1, -1, 1, -1, 1]
       select case (kind)
@@ -244,6 +259,51 @@ contains
       end select
       outside = zeros_outside(c(0:n))
    end function outside_circle
+
+   !> Which multipliers lie on the unit circle where one of the three numbers is zero.
+   pure function are_critical(multipliers, kind) result(critical)
+      !> All of them.
+      complex(wp), intent(in) :: multipliers(:)
+      !> The number that is zero, as in `sums_with_slope`.
+      integer, intent(in) :: kind
+      logical :: critical(size(multipliers))
+      integer :: at(2)
+
+      at = nearest_to_one(multipliers, kind)
+      critical = .false.
+      critical(at(1)) = .true.
+      critical(at(2)) = .true.
+   end function are_critical
+
+   !> The multiplier nearest to 1 (kind 1) or to -1 (kind 2), twice; or the pair of real or of
+   !! conjugate multipliers whose product is nearest to 1 (kind 3).
+   pure function nearest_to_one(multipliers, kind) result(at)
+      !> All of them; conjugate ones are in succession.
+      complex(wp), intent(in) :: multipliers(:)
+      !> 1, 2 or 3.
+      integer, intent(in) :: kind
+      integer :: at(2)
+      real(wp) :: least, apart
+      integer :: i, j
+
+      if (kind < 3) then
+         at = minloc(abs(multipliers - merge(1, -1, kind == 1)), dim=1)
+         return
+      end if
+      least = huge(least)
+      at = 1
+      do i = 1, size(multipliers)
+         do j = i + 1, size(multipliers)
+            if (abs(multipliers(i)%im) > 0 .or. abs(multipliers(j)%im) > 0) then
+               if (.not. (j == i + 1 .and. multipliers(i)%im > 0)) cycle
+            end if
+            apart = abs(1 - multipliers(i)*multipliers(j))
+            if (apart >= least) cycle
+            least = apart
+            at = [i, j]
+         end do
+      end do
+   end function nearest_to_one
 
    !> Number of zeros of a polynomial outside the unit circle, by the Schur-Cohn recursion.
    pure integer function zeros_outside(coefficients) result(outside)

@@ -77,7 +77,8 @@ contains
       real(wp), intent(in) :: x(:), v(:), x_after(:), v_after(:)
       !> (2m, columns) In and out: derivatives of x, then of v.
       real(wp), intent(inout) :: d(:, :)
-      !> `stat%ok` or `stat%zero_approach`.
+      !> `stat%ok`; `stat%zero_approach` where the speed is not positive. For a negative one the
+      !! derivative continues smoothly.
       integer, intent(out) :: status
       real(wp), dimension(size(structure%mass, 1)) :: before, after, jump, turn
       real(wp), dimension(size(regime%modes%stiffness), 2) :: by_position, by_rate, kick, &
@@ -87,7 +88,7 @@ contains
 
       m = size(x)
       status = merge(stat%ok, stat%zero_approach, speed > 0)
-      if (status /= stat%ok) return
+      if (.not. abs(speed) > 0) return
       call impulse_of(structure, gap, speed, impulse, slope)
       associate (direction => structure%directions(:, gap), mobility => structure%mobility(:, gap))
          call accelerations(regime, phase, x, v, before)

@@ -16,7 +16,7 @@ module vi_branch
    implicit none (type, external)
    private
 
-   public :: follow_branch
+   public :: end_text, follow_branch
 
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
@@ -37,6 +37,37 @@ module vi_branch
    end type branch_type
 
 contains
+
+   !> The reason why a branch ends, in words.
+   pure function end_text(reason) result(text)
+      !> One of the codes above.
+      integer, intent(in) :: reason
+      character(len_trim(padded_end(reason))) :: text
+
+      text = padded_end(reason)
+   end function end_text
+
+   !> As `end_text`, padded with blanks.
+   pure function padded_end(reason) result(text)
+      !> One of the codes above.
+      integer, intent(in) :: reason
+      character(40) :: text
+
+      select case (reason)
+      case (end_bound)
+         text = 'bound of the parameter'
+      case (end_repetition)
+         text = 'meets a motion that repeats itself'
+      case (end_closed)
+         text = 'closed'
+      case (end_full)
+         text = 'full'
+      case (end_stopped)
+         text = 'stopped'
+      case default
+         text = 'cannot be followed'
+      end select
+   end function padded_end
 
    !> Follows a family in one direction from a point, until it leaves the bounds of the parameter.
    subroutine follow_branch(curve, stride, point, way, most, branch, work, reported, progress)
@@ -144,11 +175,14 @@ contains
       type(place_type), intent(in) :: found(:)
       !> The conditions that are zero, in order along the step.
       integer, intent(in) :: order(:)
-      integer :: i, kind, outside, beyond
-      logical :: possible(0:4), reached(0:4)
+      integer :: i, kind, outside, beyond, most
+      logical, allocatable :: possible(:), reached(:)
 
       explained = .true.
       if (.not. (now%spectrum%regular .and. next%spectrum%regular)) return
+      most = 4
+      if (allocated(now%spectrum%multipliers)) most = size(now%spectrum%multipliers)
+      allocate (possible(0:most), reached(0:most))
       ! where an approach speed passes zero, a multiplier passes infinity
       if (any(now%values*next%values < 0 .and. now%conditions%kind == zero_approach)) return
       possible = .false.

@@ -1,6 +1,6 @@
 !> The study &branch: motions along a parameter, from those of a &motion.
 module vi_branch_study
-   use vi_branch, only: end_bound, end_closed, end_full, end_repetition, end_stopped, end_stuck
+   use vi_branch, only: end_full, end_stopped, end_stuck, end_text
    use vi_branch_of, only: branch_of, points_type
    use vi_branch_table, only: branch_work
    use vi_chain, only: periodic_chain, refine
@@ -24,7 +24,7 @@ module vi_branch_study
 
    public :: declare_branch
 
-   type(key_type), parameter :: branch_keys(*) = [ &
+   type(key_type), parameter, public :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='parameter that changes'), &
       key_type('low', takes='a number, at most the value that the motion has', &
@@ -469,37 +469,6 @@ contains
       if (branch%special(1, k) > 0) name = condition_name(branch%special(1, k), &
          branch%special(2, k), branch%symmetric, branch%mirrored)
    end function special_name
-
-   !> The reason why a branch ends, in words.
-   pure function end_text(reason) result(text)
-      !> One of the codes of vi_branch.
-      integer, intent(in) :: reason
-      character(len_trim(padded_end(reason))) :: text
-
-      text = padded_end(reason)
-   end function end_text
-
-   !> As `end_text`, padded with blanks.
-   pure function padded_end(reason) result(text)
-      !> One of the codes of vi_branch.
-      integer, intent(in) :: reason
-      character(40) :: text
-
-      select case (reason)
-      case (end_bound)
-         text = 'bound of the parameter'
-      case (end_repetition)
-         text = 'meets a motion that repeats itself'
-      case (end_closed)
-         text = 'closed'
-      case (end_full)
-         text = 'full'
-      case (end_stopped)
-         text = 'stopped'
-      case default
-         text = 'cannot be followed'
-      end select
-   end function padded_end
 
    !> Points, special points and ends in words.
    pure subroutine summarize(branch, text)

@@ -16,12 +16,11 @@ module vi_branch_table
    implicit none (type, external)
    private
 
-   public :: branch_arrays
+   public :: branch_arrays, follow_both
 
    !> Units of work of one branch in the progress counters, and the part of them for following it in
    !! both directions; the rest is for the motions at its points.
-   integer, parameter, public :: branch_work = 1000
-   integer, parameter :: follow_work = 300
+   integer, parameter, public :: branch_work = 1000, follow_work = 300
 
    !> The motion to follow (x_i/D and theta_i) at parameters c, and the parameter that changes.
    type, public :: branch_request_type

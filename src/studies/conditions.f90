@@ -12,6 +12,7 @@ module vi_conditions
    use vi_orbit, only: orbit_type, set_orbit
    use vi_oscillation, only: derivatives
    use vi_rest_conditions, only: rest_condition, rest_conditions
+   use vi_structure_conditions, only: structure_condition, structure_conditions
    use vi_spectrum, only: multiplier_sums, outside_circle, pair_product, spectrum_type
    implicit none (type, external)
    private
@@ -38,6 +39,10 @@ contains
 
       if (frame%resting) then
          call rest_conditions(frame, unknowns, c, values, found)
+         return
+      else if (allocated(frame%structure)) then
+         call structure_conditions(frame, unknowns, c, values, found, sums)
+         if (present(spectrum)) spectrum = sums
          return
       end if
       call set_orbit(frame%family, unknowns, c, o)
@@ -79,6 +84,9 @@ contains
          return
       else if (frame%resting) then
          value = rest_condition(frame, unknowns, c, condition)
+         return
+      else if (allocated(frame%structure)) then
+         value = structure_condition(frame, unknowns, c, condition)
          return
       end if
       call set_orbit(frame%family, unknowns, c, o)

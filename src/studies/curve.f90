@@ -12,6 +12,7 @@ module vi_curve
       orbit_slopes, orbit_type, set_orbit, span_of
    use vi_rest_conditions, only: measure_in_period
    use vi_rest_family, only: measure_type, rest_period, rest_period_type
+   use vi_structure_family, only: member_equations, member_type, set_member
    use vi_slopes, only: has_slope, value_and_slope
    implicit none (type, external)
    private
@@ -166,6 +167,9 @@ contains
       if (curve%frame%resting) then
          call rest_equations(curve, conditions, point, b, a)
          return
+      else if (allocated(curve%frame%structure)) then
+         call structure_equations(curve, conditions, point, b, a)
+         return
       end if
       c = parameters_of(curve, point)
       call set_orbit(curve%frame%family, point(:n), c, o)
@@ -224,6 +228,66 @@ contains
       end do
       if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
    end subroutine rest_equations
+
+   !> As `equations`, for motions of a structure; the derivatives with respect to parameters are
+   !! central differences.
+   pure subroutine structure_equations(curve, conditions, point, b, a)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> Conditions that are to be zero.
+      type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
+      real(wp), intent(in) :: point(:)
+      !> Out: b(1, j): residual j, or huge where there is no motion; a(:, j): its gradient with
+      !! respect to the coordinates.
+      real(wp), intent(inout) :: b(2, most), a(most, most)
+      real(wp), parameter :: h = 1.0e-6_wp
+      type(member_type) :: member
+      real(wp) :: c(n_parameters), ahead(unknown_count(curve%frame)), behind(size(ahead)), &
+         jacobian(size(ahead), size(ahead))
+      integer :: j, k, m
+      logical :: exists
+
+      m = size(ahead)
+      b(1, :m + size(conditions)) = at_fault
+      a(:size(point), :m + size(conditions)) = 0
+      associate (s => curve%frame%structure, family => curve%frame%family)
+         c = parameters_of(curve, point)
+         call set_member(s, family, point(:m), c(:size(curve%active)), member)
+         if (.not. member%exists) return
+         call member_equations(s, family, member, ahead, jacobian)
+         b(1, :m) = ahead
+         a(:m, :m) = jacobian
+         do k = 1, size(curve%active)
+            c = parameters_of(curve, point)
+            c(k) = c(k) + h
+            call values_at(c, ahead, exists)
+            if (.not. exists) return
+            c(k) = c(k) - 2*h
+            call values_at(c, behind, exists)
+            if (.not. exists) return
+            a(m + k, :m) = (ahead - behind)/(2*h)
+         end do
+      end associate
+      do j = 1, size(conditions)
+         call condition_slope(curve, conditions(j), point, b(1, m + j), a(:size(point), m + j))
+      end do
+   contains
+      !> The residuals at other parameters.
+      pure subroutine values_at(c, values, exists)
+         !> The parameters.
+         real(wp), intent(in) :: c(:)
+         !> The residuals, and whether there are motions.
+         real(wp), intent(out) :: values(:)
+         logical, intent(out) :: exists
+         type(member_type) :: near
+
+         call set_member(curve%frame%structure, curve%frame%family, point(:m), &
+            c(:size(curve%active)), near)
+         exists = near%exists
+         if (exists) call member_equations(curve%frame%structure, curve%frame%family, near, values)
+      end subroutine values_at
+   end subroutine structure_equations
 
    !> The derivatives of the equations of motions with rest with respect to parameters other than r
    !! and log(D), by central differences.
@@ -293,6 +357,9 @@ contains
       c = parameters_of(curve, point)
       if (curve%frame%resting) then
          call rest_slope(curve, condition, point, c, value, slope)
+      else if (allocated(curve%frame%structure)) then
+         value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
+         call differences(curve, condition, point, 1, slope)
       else
          call set_orbit(curve%frame%family, unknowns_of(curve, point), c, o)
          call orbit_slope(curve, condition, point, c, o, value, whole)

@@ -5,6 +5,7 @@ module vi_frame
    use vi_kinds, only: wp
    use vi_orbit, only: family_type
    use vi_rest_family, only: rest_family_type, rest_unknowns
+   use vi_structure_family, only: free_unknowns, structure_family_type
    implicit none (type, external)
    private
 
@@ -43,11 +44,14 @@ module vi_frame
       !> Motions with rest: another family, with its own unknowns.
       logical :: resting = .false.
       type(rest_family_type) :: rest
+      !> Motions of a structure.
+      type(structure_family_type), allocatable :: structure
    end type frame_type
 
 contains
 
-   !> Number of unknowns of a motion: (u_i, theta_i), or those of vi_rest_family.
+   !> Number of unknowns of a motion: (u_i, theta_i), or those of vi_rest_family or
+   !! vi_structure_family.
    pure integer function unknown_count(frame)
       !> The family, of either kind.
       type(frame_type), intent(in) :: frame
@@ -56,6 +60,8 @@ contains
          unknown_count = rest_unknowns(frame%rest)
       else
          unknown_count = 2*size(frame%family%sides)
+         if (allocated(frame%structure)) unknown_count = unknown_count + free_unknowns( &
+            frame%structure, frame%family)
       end if
    end function unknown_count
 

@@ -14,7 +14,7 @@ module vi_motion_structure_study
    implicit none (type, external)
    private
 
-   public :: declare_motion_structure
+   public :: check_structure_motion, declare_motion_structure, find_structure_motion
 
    integer, parameter :: most_impacts = 1000
    real(wp), parameter :: pi = acos(-1.0_wp), largest_phase = 1.0e6_wp
@@ -114,40 +114,51 @@ contains
    subroutine check_motion(case)
       !> The case.
       type(case_type), intent(inout) :: case
+      type(values_type) :: group
+
+      group = case%study
+      call check_structure_motion(case, group)
+      case%study = group
+   end subroutine check_motion
+
+   !> Checks a &motion of a case, its own or the one from which its study starts.
+   subroutine check_structure_motion(case, group)
+      !> The case; its structure and load are used.
+      type(case_type), intent(in) :: case
+      !> In and out: the group.
+      type(values_type), intent(inout) :: group
       integer :: gaps, i
 
-      associate (study => case%study)
-         if (len(study%fault) > 0) return
-         if (.not. load_frequency(case) > 0) then
-            if (study%is('kind', 'settled')) then
-               call study%refuse('kind', 'it goes with a &load that has a frequency')
-            else
-               call study%refuse('gaps', 'they go with a &load that has a frequency')
-            end if
-            return
+      if (len(group%fault) > 0) return
+      if (.not. load_frequency(case) > 0) then
+         if (group%is('kind', 'settled')) then
+            call group%refuse('kind', 'it goes with a &load that has a frequency')
+         else
+            call group%refuse('gaps', 'they go with a &load that has a frequency')
          end if
-         if (study%is('kind', 'settled')) then
-            call complete_coordinates(study, 'q', case%coordinates)
-            call complete_coordinates(study, 'q_dot', case%coordinates)
-            return
+         return
+      end if
+      if (group%is('kind', 'settled')) then
+         call complete_coordinates(group, 'q', case%coordinates)
+         call complete_coordinates(group, 'q_dot', case%coordinates)
+         return
+      end if
+      if (.not. group%has('cycles')) call group%set('cycles', [1.0_wp])
+      gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
+      if (any(group%numbers('gaps') >= gaps)) then
+         call group%refuse('gaps', 'the structure has '//counted(gaps, 'gap'))
+         return
+      end if
+      call check_phases(group)
+      if (.not. group%is('kind', 'periodic')) return
+      do i = 1, gaps
+         if (.not. any(nint(group%numbers('gaps')) == i - 1)) cycle
+         if (case%parts(i)%has('law')) then
+            if (.not. case%parts(i)%is('law', 'constant')) call group%refuse('kind', &
+               '''exact'' where the restitution of a gap depends on the speed')
          end if
-         if (.not. study%has('cycles')) call study%set('cycles', [1.0_wp])
-         gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
-         if (any(study%numbers('gaps') >= gaps)) then
-            call study%refuse('gaps', 'the structure has '//counted(gaps, 'gap'))
-            return
-         end if
-         call check_phases(study)
-         if (.not. study%is('kind', 'periodic')) return
-         do i = 1, gaps
-            if (.not. any(nint(study%numbers('gaps')) == i - 1)) cycle
-            if (case%parts(i)%has('law')) then
-               if (.not. case%parts(i)%is('law', 'constant')) call study%refuse('kind', &
-                  '''exact'' where the restitution of a gap depends on the speed')
-            end if
-         end do
-      end associate
-   end subroutine check_motion
+      end do
+   end subroutine check_structure_motion
 
    !> Checks that the phases increase within a period.
    subroutine check_phases(study)
@@ -200,28 +211,12 @@ contains
       type(structure_type) :: structure
       type(load_type) :: load
       type(settled_type) :: found
-      integer :: cycles, status
+      integer :: status
 
       associate (not_used => threads)    ! one motion has one thread
       end associate
       if (present(progress)) progress(2) = 1
-      call structure_of(case, structure, load)
-      load%frequency = load_frequency(case)
-      associate (s => case%study)
-         if (s%is('kind', 'settled')) then
-            cycles = 0
-            if (s%has('cycles')) cycles = s%whole_number('cycles')
-            call settle(structure, load, s%number('start'), s%numbers('q'), s%numbers('q_dot'), &
-               s%whole_number('settling'), s%whole_number('max_cycles'), cycles, found, status)
-         else
-            found%gaps = nint(s%numbers('gaps')) + 1
-            found%cycles = s%whole_number('cycles')
-            allocate (found%resting(0), found%rests(2, 0))
-            call periodic_structure(structure, load, found%gaps, s%numbers('phases'), &
-               found%cycles, merge(eliminated, exact, s%is('kind', 'periodic')), found%motion, &
-               status)
-         end if
-      end associate
+      call find_structure_motion(case, case%study, .false., structure, load, found, status)
       if (status /= stat%ok) then
          result%empty = .true.
          call result%fail(status_text(status))
@@ -232,6 +227,41 @@ contains
       call result%add_note(counted(size(found%gaps), 'impact')//' and '// &
          counted(size(found%resting), 'rest')//' in '//counted(found%cycles, 'load cycle'))
    end subroutine run_motion
+
+   !> The motion that a &motion describes.
+   subroutine find_structure_motion(case, group, refined, structure, load, found, status)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> The group.
+      type(values_type), intent(in) :: group
+      !> Whether the phases of a periodic motion are taken as a guess of an exact one.
+      logical, intent(in) :: refined
+      !> The structure, completed, and its load.
+      type(structure_type), intent(out) :: structure
+      type(load_type), intent(out) :: load
+      !> The motion.
+      type(settled_type), intent(out) :: found
+      !> As in `settle` or `periodic_structure`.
+      integer, intent(out) :: status
+      integer :: cycles
+
+      call structure_of(case, structure, load)
+      load%frequency = load_frequency(case)
+      if (group%is('kind', 'settled')) then
+         cycles = 0
+         if (group%has('cycles')) cycles = group%whole_number('cycles')
+         call settle(structure, load, group%number('start'), group%numbers('q'), &
+            group%numbers('q_dot'), group%whole_number('settling'), &
+            group%whole_number('max_cycles'), cycles, found, status)
+      else
+         found%gaps = nint(group%numbers('gaps')) + 1
+         found%cycles = group%whole_number('cycles')
+         allocate (found%resting(0), found%rests(2, 0))
+         call periodic_structure(structure, load, found%gaps, group%numbers('phases'), &
+            found%cycles, merge(eliminated, exact, group%is('kind', 'periodic') .and. &
+            .not. refined), found%motion, status)
+      end if
+   end subroutine find_structure_motion
 
    !> Fills the tables of the motion.
    pure subroutine put_motion(result, found, frequency)

@@ -13,7 +13,7 @@ module vi_structure_period
    implicit none (type, external)
    private
 
-   public :: periodic_structure, periodic_structure_arrays
+   public :: describe_structure_motion, periodic_structure, periodic_structure_arrays
 
    !> What is wanted: the linear problem with the modes eliminated, in full, or the exact motion.
    integer, parameter, public :: eliminated = 0, full = 1, exact = 2
@@ -54,8 +54,8 @@ contains
       type(equations_type) :: equations
       real(wp), allocatable :: times(:), offsets(:), x(:), v(:)
       real(wp), allocatable :: value(:), scale(:)
-      real(wp) :: slope, period
-      integer :: i, n, steps
+      real(wp) :: period
+      integer :: n, steps
 
       call check_structure(structure, status)
       if (status /= stat%ok) return
@@ -67,9 +67,8 @@ contains
       n = size(gaps)
       period = cycles*two_pi/load%frequency
       times = phases/load%frequency
-      allocate (motion%speeds(n), motion%impulses(n), offsets(size(offset_pairs(regime))), &
+      allocate (motion%speeds(n), offsets(size(offset_pairs(regime))), &
          x(size(structure%mass, 1)), v(size(structure%mass, 1)))
-      allocate (motion%states(2*size(x), n))
       call new_equations(structure, regime, gaps, times, period, equations, status)
       if (status /= stat%ok) return
       if (wanted == full) then
@@ -90,9 +89,29 @@ contains
             if (status /= stat%ok) return
          end if
       end if
-      motion%phases = load%frequency*times
-      do i = 1, n
-         call impulse_of(structure, gaps(i), motion%speeds(i), motion%impulses(i), slope)
+      call describe_structure_motion(structure, regime, equations, offsets, motion)
+   end subroutine periodic_structure
+
+   !> Completes a motion: phases, impulses, states, multipliers and verdicts.
+   pure subroutine describe_structure_motion(structure, regime, equations, offsets, motion)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Its regime without resting gaps.
+      type(regime_type), intent(in) :: regime
+      !> The equations of the motion.
+      type(equations_type), intent(in) :: equations
+      !> (p) Offsets.
+      real(wp), intent(in) :: offsets(:)
+      !> In: approach speeds and residual. Out: complete.
+      type(structure_motion_type), intent(inout) :: motion
+      real(wp), dimension(size(regime%modes%stiffness)) :: x, v
+      real(wp) :: slope
+      integer :: i
+
+      motion%phases = regime%frequency*equations%times
+      allocate (motion%impulses(size(motion%speeds)), motion%states(2*size(x), size(motion%speeds)))
+      do i = 1, size(motion%speeds)
+         call impulse_of(structure, equations%gaps(i), motion%speeds(i), motion%impulses(i), slope)
          call state_after(structure, regime, equations, motion%speeds, offsets, i, x, v)
          associate (state => motion%states(:, i))
             call state_of(regime, motion%phases(i), x, v, state(:size(x)), state(size(x) + 1:))
@@ -100,7 +119,7 @@ contains
       end do
       call assess_structure(structure, regime, equations, motion%speeds, offsets, motion%residual, &
          motion%verdicts)
-   end subroutine periodic_structure
+   end subroutine describe_structure_motion
 
    !> A periodic motion as arrays.
    pure subroutine periodic_structure_arrays(given, load, gaps, phases, cycles, wanted, impacts, &

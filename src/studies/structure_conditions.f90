@@ -1,0 +1,368 @@
+!> The conditions under which a motion of a structure is stable and admissible, as numbers that are
+!! positive where they are met; for `vi_conditions`.
+!!
+!! With multipliers lambda_i, the numbers of fold, flip and Neimark-Sacker have the signs of the
+!! products of all 1 - lambda_i, of all 1 + lambda_i, and of all 1 - lambda_i lambda_j with i < j.
+!! Their magnitude is that of the least factor, which does not underflow for large structures.
+module vi_structure_conditions
+   use vi_family, only: repetition_distance
+   use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
+      neimark_sacker, repetition, zero_approach
+   use vi_kinds, only: wp
+   use vi_modes, only: advance
+   use vi_rows, only: row_values
+   use vi_spectrum, only: outside_circle, spectrum_type
+   use vi_structure_family, only: flight_duration, member_multipliers, member_type, set_flights, set_member
+   implicit none (type, external)
+   private
+
+   public :: structure_condition, structure_conditions
+
+   !> The least gap counts up to this value, in units of length of the family.
+   real(wp), parameter :: wide = 1
+
+contains
+
+   !> The values of all conditions; -1 where there is no such motion.
+   pure subroutine structure_conditions(frame, unknowns, c, values, found, spectrum)
+      !> The family, its repetitions, and its edges.
+      type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> (m) Value of each condition, positive where it is met.
+      real(wp), intent(out) :: values(:)
+      !> (m) The conditions; grazing with its wall and the share of the flight.
+      type(condition_type), intent(out) :: found(:)
+      !> The multipliers.
+      type(spectrum_type), intent(out) :: spectrum
+      type(member_type) :: member
+      real(wp) :: three(3)
+      integer :: j
+
+      call set_member(frame%structure, frame%family, unknowns, c(:size( &
+         frame%structure%path%changes)), member)
+      values = -1
+      if (member%exists) then
+         call set_flights(frame%family, member)
+         call stability_values(frame, unknowns, member, three, spectrum)
+         if (.not. frame%every_crossing .and. all(three > 0)) then
+            ! only stable motions are inside
+            if (outside_circle(spectrum, 0) > 0) three(neimark_sacker) = -three(neimark_sacker)
+         end if
+      end if
+      do j = 1, size(values)
+         found(j) = condition_at(frame, j)
+         associate (condition => found(j))
+            if (condition%kind == edge) then
+               values(j) = condition%side*(c(condition%index) - condition%bound)
+            else if (.not. member%exists) then
+               values(j) = -1
+            else if (condition%kind == grazing) then
+               call gap_of_flight(frame, member, condition, values(j))
+            else if (condition%kind <= neimark_sacker) then
+               values(j) = three(condition%kind)
+            else
+               values(j) = simple_value(frame, unknowns, member, condition)
+            end if
+         end associate
+      end do
+   end subroutine structure_conditions
+
+   !> The value of one condition; for grazing, at the stationary point given in it.
+   pure real(wp) function structure_condition(frame, unknowns, c, condition) result(value)
+      !> The family, its repetitions, and its edges.
+      type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      type(member_type) :: member
+      type(spectrum_type) :: spectrum
+      real(wp) :: three(3)
+
+      value = -1
+      call set_member(frame%structure, frame%family, unknowns, c(:size( &
+         frame%structure%path%changes)), member)
+      if (.not. member%exists) return
+      select case (condition%kind)
+      case (fold, flip, neimark_sacker)
+         call set_flights(frame%family, member)
+         call stability_values(frame, unknowns, member, three, spectrum)
+         value = three(condition%kind)
+      case (grazing)
+         call set_flights(frame%family, member)
+         value = touch_value(frame, member, condition)
+      case default
+         value = simple_value(frame, unknowns, member, condition)
+      end select
+   end function structure_condition
+
+   !> The value of an approach speed or of the distance to a motion that repeats itself.
+   pure real(wp) function simple_value(frame, unknowns, member, condition) result(value)
+      !> The family, and its repetitions.
+      type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+
+      if (condition%kind == zero_approach) then
+         value = member%speeds(condition%index)/frame%structure%speed
+      else
+         value = repetition_distance(frame%family, frame%repetitions(condition%index), unknowns) &
+            - condition%bound
+      end if
+   end function simple_value
+
+   !> The numbers of fold, flip and Neimark-Sacker.
+   pure subroutine stability_values(frame, unknowns, member, values, spectrum)
+      !> The family, and its repetitions.
+      type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> The numbers; 0 where an impact has no approach speed.
+      real(wp), intent(out) :: values(3)
+      !> The multipliers.
+      type(spectrum_type), intent(out) :: spectrum
+      real(wp) :: continued
+      logical :: one, two
+      integer :: i, j
+
+      values = 0
+      call member_multipliers(frame%family, member, spectrum%multipliers, spectrum%regular)
+      if (.not. spectrum%regular) return
+      values = huge(1.0_wp)
+      associate (lambda => spectrum%multipliers)
+         do i = 1, size(lambda)
+            one = .not. abs(lambda(i)%im) > 0
+            values(fold) = lesser(values(fold), lambda(i), one)
+            values(flip) = lesser(values(flip), -lambda(i), one)
+            do j = i + 1, size(lambda)
+               two = one .and. .not. abs(lambda(j)%im) > 0
+               ! DGEEV gives conjugate pairs in succession
+               if (j == i + 1 .and. lambda(i)%im > 0) two = .true.
+               values(neimark_sacker) = lesser(values(neimark_sacker), lambda(i)*lambda(j), two)
+            end do
+         end do
+      end associate
+      ! a multiplier passes infinity where an approach speed passes zero
+      continued = product(sign(1.0_wp, member%speeds(:size(frame%family%sides))))
+      values = continued*values
+      ! a multiplier approaches 1 where the motion repeats itself, as the square of the distance
+      do i = 1, size(frame%repetitions)
+         values(fold) = values(fold)/max(0.1_wp*frame%apart, &
+            repetition_distance(frame%family, frame%repetitions(i), unknowns))**2
+      end do
+   end subroutine stability_values
+
+   !> A number whose sign is that of a product and whose magnitude is that of its least factor, with
+   !! a further factor 1 - z.
+   pure real(wp) function lesser(value, z, alone)
+      !> The number so far.
+      real(wp), intent(in) :: value
+      !> z.
+      complex(wp), intent(in) :: z
+      !> Whether z is real; otherwise the conjugate factor follows, and their product is positive.
+      logical, intent(in) :: alone
+
+      if (alone) then
+         lesser = sign(min(abs(value), abs(1 - z%re)/(1 + abs(z%re))), value)
+         if (z%re > 1) lesser = -lesser
+      else
+         lesser = sign(min(abs(value), abs(1 - z)/(1 + abs(z))), value)
+      end if
+   end function lesser
+
+   !> The least gap within a flight: at stationary points, and at its ends of channels that are not
+   !! in contact there.
+   pure subroutine gap_of_flight(frame, member, touch, gap)
+      !> The family.
+      type(frame_type), intent(in) :: frame
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> In: the flight. Out: also the channel, with the sign of the wall, and the share of the
+      !! duration.
+      type(condition_type), intent(inout) :: touch
+      !> The gap, in units of length; negative beyond the wall.
+      real(wp), intent(out) :: gap
+      !> Nodes per time unit of the structure, and limits on their number.
+      integer, parameter :: density = 3, least = 12, most = 4000
+      real(wp), allocatable, dimension(:, :) :: y, rate
+      real(wp) :: duration, value, share, step, h
+      type(condition_type) :: here
+      integer :: i, k, nodes, row, wall
+
+      duration = flight_duration(member, touch%index)
+      nodes = max(least, min(most, ceiling(density*duration/member%regime%unit)))
+      associate (rows => size(member%regime%upper))
+         allocate (y(rows, 0:nodes), rate(rows, 0:nodes))
+      end associate
+      do k = 0, nodes
+         call rows_at(member, touch%index, k*duration/nodes, y(:, k), rate(:, k))
+      end do
+      h = duration/nodes
+      gap = wide
+      touch%side = 0
+      touch%share = 0
+      do row = 1, size(y, 1)
+         do i = 1, 2
+            wall = 3 - 2*i
+            if (.not. is_wall(member, row, wall)) cycle
+            do k = 0, nodes
+               here = touch
+               here%side = wall*row
+               here%share = k/real(nodes, wp)
+               if (k == 0 .or. k == nodes) then
+                  if (in_contact(frame, touch%index + merge(1, 0, k > 0), here%side)) cycle
+               end if
+               if (k < nodes) then
+                  ! the gap has a minimum between two nodes
+                  if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
+                     step = rate(row, k)/(rate(row, k) - rate(row, k + 1))
+                     share = (k + step)/nodes
+                     ! cubic interpolation decides which minima are refined
+                     value = hermite(y(row, k), y(row, k + 1), h*rate(row, k), h*rate(row, k + 1), &
+                        step)
+                     value = gap_at(frame, member, here%side, value)
+                     if (value < gap + 0.1_wp) then
+                        here%share = share
+                        value = touch_value(frame, member, here)
+                        if (value < gap) then
+                           gap = value
+                           touch = here
+                        end if
+                     end if
+                     here%share = k/real(nodes, wp)
+                  end if
+               end if
+               if (k > 0 .and. k < nodes) cycle
+               value = gap_at(frame, member, here%side, y(row, k))
+               if (value >= gap) cycle
+               gap = value
+               touch = here
+            end do
+         end do
+      end do
+   end subroutine gap_of_flight
+
+   !> Cubic interpolation between two nodes.
+   pure real(wp) function hermite(a, b, slope_a, slope_b, t) result(value)
+      !> Values and slopes at both ends, and the share of the way.
+      real(wp), intent(in) :: a, b, slope_a, slope_b, t
+
+      value = a + t*(slope_a + t*(3*(b - a) - 2*slope_a - slope_b + t*(2*(a - b) + slope_a &
+         + slope_b)))
+   end function hermite
+
+   !> Whether a channel has a wall on one side.
+   pure logical function is_wall(member, row, wall)
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> The channel, and +1 or -1 for its upper or lower wall.
+      integer, intent(in) :: row, wall
+
+      is_wall = merge(member%regime%upper_gap(row), member%regime%lower_gap(row), wall > 0) > 0
+   end function is_wall
+
+   !> Whether an impact of the family, or the one after the last, is on a wall.
+   pure logical function in_contact(frame, impact, side)
+      !> The family.
+      type(frame_type), intent(in) :: frame
+      !> Number of the impact, from 1 to n + 1.
+      integer, intent(in) :: impact
+      !> The channel with the sign of the wall.
+      integer, intent(in) :: side
+
+      associate (family => frame%family, n => size(frame%family%sides))
+         if (impact <= n) then
+            in_contact = family%sides(impact) == side
+         else
+            in_contact = family%sides(1) == merge(-side, side, family%mirror)
+         end if
+      end associate
+   end function in_contact
+
+   !> A gap in units of length.
+   pure real(wp) function gap_at(frame, member, side, y) result(gap)
+      !> The family.
+      type(frame_type), intent(in) :: frame
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> The channel with the sign of the wall.
+      integer, intent(in) :: side
+      !> The position of the channel.
+      real(wp), intent(in) :: y
+
+      if (side > 0) then
+         gap = member%regime%upper(side) - y
+      else
+         gap = y - member%regime%lower(-side)
+      end if
+      gap = gap/frame%structure%length
+   end function gap_at
+
+   !> The gap at the stationary point near a given share of the flight; at its ends, the gap there.
+   pure real(wp) function touch_value(frame, member, touch) result(gap)
+      !> The family.
+      type(frame_type), intent(in) :: frame
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> Flight, channel and wall, and approximate share of its duration.
+      type(condition_type), intent(in) :: touch
+      real(wp), dimension(size(member%regime%upper)) :: y, rate, ahead, unused
+      real(wp) :: duration, t, step, limit, h
+      integer :: i, row
+
+      row = abs(touch%side)
+      gap = wide
+      if (row == 0) return
+      duration = flight_duration(member, touch%index)
+      t = touch%share*duration
+      if (touch%share > 0 .and. touch%share < 1) then
+         limit = 0.2_wp*member%regime%unit
+         h = 1.0e-3_wp*member%regime%unit
+         do i = 1, 8
+            call rows_at(member, touch%index, t, y, rate)
+            call rows_at(member, touch%index, t + h, unused, ahead)
+            step = ahead(row) - rate(row)
+            if (.not. abs(step) > 0) exit
+            step = -h*rate(row)/step
+            t = t + max(-limit, min(limit, step))
+            ! an error of the time changes the gap by its square
+            if (abs(step) < 1.0e-9_wp*member%regime%unit) exit
+         end do
+      end if
+      call rows_at(member, touch%index, t, y, rate)
+      gap = gap_at(frame, member, touch%side, y(row))
+   end function touch_value
+
+   !> Positions and rates of all channels at a time after an impact.
+   pure subroutine rows_at(member, i, t, y, rate)
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> Number of the impact.
+      integer, intent(in) :: i
+      !> Time since then.
+      real(wp), intent(in) :: t
+      !> (rows) Positions and rates.
+      real(wp), contiguous, intent(out) :: y(:), rate(:)
+      real(wp), dimension(size(member%x_after, 1)) :: x, v
+      complex(wp) :: turn(size(member%regime%ripple, 2))
+      real(wp) :: phase
+      integer :: h
+
+      associate (regime => member%regime)
+         call advance(regime%modes, t, member%x_after(:, i), member%v_after(:, i), x, v)
+         phase = regime%frequency*(member%equations%times(i) + t)
+         do h = 1, size(turn)
+            turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
+         end do
+         call row_values(regime%rows, regime%frequency, x, v, turn, y, rate)
+      end associate
+   end subroutine rows_at
+
+end module vi_structure_conditions

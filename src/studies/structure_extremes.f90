@@ -1,0 +1,107 @@
+!> The least and greatest values of the coordinates of a structure over a period.
+module vi_structure_extremes
+   use vi_kinds, only: wp
+   use vi_modes, only: advance
+   use vi_orbit, only: family_type
+   use vi_rows, only: row_values
+   use vi_structure_family, only: flight_duration, member_type
+   implicit none (type, external)
+   private
+
+   public :: coordinate_extremes
+
+   !> Nodes per time unit of the structure, and limits on their number.
+   integer, parameter :: density = 4, fewest = 16, most = 20000
+
+contains
+
+   !> The extremes, from nodes close together and, between two of them, a cubic through positions
+   !! and velocities, whose error is of the fourth order in the distance of the nodes, divided by
+   !! 384.
+   pure subroutine coordinate_extremes(family, member, extremes)
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> (n, 2) Least and greatest value.
+      real(wp), intent(out) :: extremes(:, :)
+      real(wp), dimension(size(extremes, 1)) :: q, rate, before, rate_before
+      real(wp) :: h, low
+      integer :: i, j, k, nodes
+
+      extremes(:, 1) = huge(1.0_wp)
+      extremes(:, 2) = -huge(1.0_wp)
+      do i = 1, size(family%sides)
+         nodes = max(fewest, min(most, ceiling(density*flight_duration(member, i)/ &
+            member%regime%unit)))
+         h = flight_duration(member, i)/nodes
+         do k = 0, nodes
+            call coordinates_at(member, i, k*h, q, rate)
+            extremes(:, 1) = min(extremes(:, 1), q)
+            extremes(:, 2) = max(extremes(:, 2), q)
+            if (k > 0) then
+               do j = 1, size(q)
+                  if (.not. rate_before(j)*rate(j) < 0) cycle
+                  call turning_value(before(j), q(j), h*rate_before(j), h*rate(j), low)
+                  extremes(j, 1) = min(extremes(j, 1), low)
+                  extremes(j, 2) = max(extremes(j, 2), low)
+               end do
+            end if
+            before = q
+            rate_before = rate
+         end do
+      end do
+      if (.not. family%mirror) return
+      before = extremes(:, 1)
+      extremes(:, 1) = min(before, -extremes(:, 2))
+      extremes(:, 2) = max(extremes(:, 2), -before)
+   end subroutine coordinate_extremes
+
+   !> The extreme value of a cubic between two nodes at which its slopes have opposite signs.
+   pure subroutine turning_value(a, b, slope_a, slope_b, value)
+      !> Values and slopes at both nodes, their distance being 1.
+      real(wp), intent(in) :: a, b, slope_a, slope_b
+      !> The extreme value.
+      real(wp), intent(out) :: value
+      real(wp) :: low, high, middle, c2, c3
+      integer :: i
+
+      c2 = 3*(b - a) - 2*slope_a - slope_b
+      c3 = 2*(a - b) + slope_a + slope_b
+      low = 0
+      high = 1
+      do i = 1, 50
+         middle = 0.5_wp*(low + high)
+         if ((slope_a + middle*(2*c2 + 3*middle*c3))*slope_a > 0) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      value = a + middle*(slope_a + middle*(c2 + middle*c3))
+   end subroutine turning_value
+
+   !> Coordinates and velocities at a time after an impact.
+   pure subroutine coordinates_at(member, i, t, q, rate)
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> Number of the impact.
+      integer, intent(in) :: i
+      !> Time since then.
+      real(wp), intent(in) :: t
+      !> (n)
+      real(wp), contiguous, intent(out) :: q(:), rate(:)
+      real(wp), dimension(size(member%x_after, 1)) :: x, v
+      complex(wp) :: turn(size(member%regime%ripple, 2))
+      real(wp) :: phase
+      integer :: h
+
+      call advance(member%regime%modes, t, member%x_after(:, i), member%v_after(:, i), x, v)
+      phase = member%regime%frequency*(member%equations%times(i) + t)
+      do h = 1, size(turn)
+         turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
+      end do
+      call row_values(member%regime%coordinates, member%regime%frequency, x, v, turn, q, rate)
+   end subroutine coordinates_at
+
+end module vi_structure_extremes

@@ -1,0 +1,240 @@
+!> Periodic motions of a structure as a family, for the tracer of branches and zones.
+!!
+!! The unknowns of a motion are, for each impact, its approach speed with the sign of the wall, and
+!! its load phase; then the displacements of modes of frequency 0, whose mean positions are free. A
+!! motion that is its own mirror image half a period later is described by its first half. The first
+!! ones correspond to (u_i, theta_i) of the oscillator, so that both families have the same symmetries.
+module vi_structure_family
+   use vi_family, only: whole_unknowns
+   use vi_kinds, only: wp
+   use vi_lapack_routines, only: geev
+   use vi_modes, only: advance
+   use vi_orbit, only: family_type
+   use vi_responses, only: offset_pairs
+   use vi_status, only: stat
+   use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type
+   use vi_structure_map, only: apply_flight, apply_impact
+   use vi_structure_motion, only: equations_type, new_equations, residuals, since, state_after
+   use vi_structure_path, only: changed, structure_path_type
+   implicit none (type, external)
+   private
+
+   public :: flight_duration, free_unknowns, member_equations, member_multipliers, set_flights, set_member
+
+   !> What the members of a family have in common, besides the impacts (`family_type`, where a side
+   !! is the number of a channel with the sign of its wall).
+   type, public :: structure_family_type
+      type(structure_path_type) :: path
+      !> Units of speed and of length.
+      real(wp) :: speed = 1, length = 1
+      !> (n, p) Displacements of the modes of frequency 0 at the start.
+      real(wp), allocatable :: free(:, :)
+      !> Most pairs whose frequency is 0.
+      integer :: p = 0
+   end type structure_family_type
+
+   !> One member.
+   type, public :: member_type
+      !> False if the structure has no such motions there, as at a resonance.
+      logical :: exists = .false.
+      type(structure_type) :: structure
+      type(regime_type) :: regime
+      type(equations_type) :: equations
+      !> (N) Approach speeds, (p) offsets.
+      real(wp), allocatable :: speeds(:), offsets(:)
+      !> (p, p) Offsets due to the unknown displacements.
+      real(wp), allocatable :: turn(:, :)
+      !> (m, n + 1) The pairs just before and just after the impacts of the family and the next one,
+      !! if `set_flights` was called; the first columns of the former are not set.
+      real(wp), allocatable, dimension(:, :) :: x_before, v_before, x_after, v_after
+   end type member_type
+
+contains
+
+   !> Number of unknowns besides two for each impact: none in a family of mirror images.
+   pure integer function free_unknowns(s, family)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+
+      free_unknowns = merge(0, s%p, family%mirror)
+   end function free_unknowns
+
+   !> The gap of a side.
+   pure integer function gap_of(structure, side)
+      !> The structure, with its channels.
+      type(structure_type), intent(in) :: structure
+      !> The number of a channel with the sign of its wall.
+      integer, intent(in) :: side
+
+      gap_of = findloc(structure%channel*structure%wall, side, dim=1)
+   end function gap_of
+
+   !> The member with given unknowns at given parameters.
+   pure subroutine set_member(s, family, unknowns, shares, member)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      !> Each parameter, as a share of the way between its bounds.
+      real(wp), intent(in) :: shares(:)
+      !> The member.
+      type(member_type), intent(out) :: member
+      type(load_type) :: load
+      real(wp), allocatable :: whole(:), rows(:, :)
+      integer, allocatable :: pairs(:), sides(:)
+      real(wp) :: period
+      integer :: i, n, status
+
+      call changed(s%path, shares, member%structure, load)
+      call check_structure(member%structure, status)
+      if (status /= stat%ok .or. .not. load%frequency > 0) return
+      call new_regime(member%structure, load, [integer :: ], member%regime, status)
+      if (status /= stat%ok) return
+      member%regime%frequency = load%frequency
+      allocate (pairs, source=offset_pairs(member%regime))
+      if (size(pairs) /= s%p) return
+      sides = family%sides
+      if (family%mirror) sides = [sides, -sides]
+      n = size(sides)
+      whole = whole_unknowns(family, unknowns)
+      period = 2*acos(-1.0_wp)*family%cycles/load%frequency
+      call new_equations(member%structure, member%regime, [(gap_of(member%structure, sides(i)), &
+         i=1, n)], whole(n + 1:2*n)/load%frequency, period, member%equations, status)
+      if (status /= stat%ok) return
+      member%speeds = s%speed*sign(1, sides)*whole(:n)
+      rows = member%regime%xq(pairs, :)
+      member%turn = s%length*matmul(rows, s%free)
+      if (family%mirror) then
+         allocate (member%offsets(s%p), source=0.0_wp)
+      else
+         member%offsets = matmul(member%turn, whole(2*n + 1:))
+      end if
+      member%exists = .true.
+   end subroutine set_member
+
+   !> The equations of a member: gaps, approach speeds, and balances of modes of frequency 0.
+   pure subroutine member_equations(s, family, member, value, jacobian)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> The member.
+      type(member_type), intent(in) :: member
+      !> Residuals, as many as there are unknowns.
+      real(wp), intent(out) :: value(:)
+      !> (unknowns, unknowns) Derivative of residual j by unknown i, if wanted.
+      real(wp), intent(out), optional :: jacobian(:, :)
+      real(wp), dimension(2*size(member%speeds) + size(member%offsets)) :: whole, scale
+      real(wp), dimension(size(whole), size(whole)) :: by
+      integer :: rows(size(value))
+      integer :: i, k, m, n
+
+      n = size(family%sides)
+      m = size(member%speeds)
+      rows(:n) = [(i, i=1, n)]
+      rows(n + 1:2*n) = [(m + i, i=1, n)]
+      rows(2*n + 1:) = [(2*m + i, i=1, size(value) - 2*n)]
+      if (.not. present(jacobian)) then
+         call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
+            scale)
+         value = whole(rows)
+         return
+      end if
+      call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
+         scale, by)
+      value = whole(rows)
+      do i = 1, n
+         jacobian(i, :) = sign(1, family%sides(i))*s%speed*by(rows, m + i)
+         jacobian(n + i, :) = by(rows, i)/member%regime%frequency
+         if (.not. family%mirror) cycle
+         jacobian(i, :) = jacobian(i, :) + sign(1, family%sides(i))*s%speed*by(rows, m + n + i)
+         jacobian(n + i, :) = jacobian(n + i, :) + by(rows, n + i)/member%regime%frequency
+      end do
+      do k = 1, size(value) - 2*n
+         jacobian(2*n + k, :) = 0
+         do i = 1, size(member%offsets)
+            jacobian(2*n + k, :) = jacobian(2*n + k, :) + member%turn(i, k)*by(rows, 2*m + i)
+         end do
+      end do
+   end subroutine member_equations
+
+   !> The pairs at the impacts of a member.
+   pure subroutine set_flights(family, member)
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> In and out: the pairs are set.
+      type(member_type), intent(inout) :: member
+      integer :: i, m, n
+
+      n = size(family%sides)
+      m = size(member%regime%modes%stiffness)
+      allocate (member%x_before(m, n + 1), member%v_before(m, n + 1), member%x_after(m, n + 1), &
+         member%v_after(m, n + 1))
+      do i = 1, n + 1
+         call state_after(member%structure, member%regime, member%equations, member%speeds, &
+            member%offsets, modulo(i - 1, size(member%speeds)) + 1, member%x_after(:, i), &
+            member%v_after(:, i))
+         if (i == 1) cycle
+         call advance(member%regime%modes, flight_duration(member, i - 1), member%x_after(:, i - 1), &
+            member%v_after(:, i - 1), member%x_before(:, i), member%v_before(:, i))
+      end do
+   end subroutine set_flights
+
+   !> Duration of the flight after an impact.
+   pure real(wp) function flight_duration(member, i)
+      !> The member.
+      type(member_type), intent(in) :: member
+      !> Number of the impact.
+      integer, intent(in) :: i
+
+      flight_duration = since(member%equations%times, member%equations%period, &
+         modulo(i, size(member%speeds)) + 1, i)
+   end function flight_duration
+
+   !> The multipliers of a member; of a motion that is its own mirror image those of the map of half
+   !! a period, with the mirror.
+   pure subroutine member_multipliers(family, member, multipliers, good)
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> The member, with its flights.
+      type(member_type), intent(in) :: member
+      !> (2m) The multipliers.
+      complex(wp), allocatable, intent(out) :: multipliers(:)
+      !> False if an impact has no approach speed, or DGEEV failed.
+      logical, intent(out) :: good
+      real(wp), dimension(2*size(member%x_after, 1), 2*size(member%x_after, 1)) :: d
+      real(wp), dimension(size(d, 1)) :: re, im
+      real(wp) :: unused(1, 1), work(66*size(d, 1)), speed
+      integer :: i, n, next, info, status
+
+      n = size(family%sides)
+      d = 0
+      do i = 1, size(d, 1)
+         d(i, i) = 1
+      end do
+      do i = 1, n
+         next = modulo(i, size(member%speeds)) + 1
+         call apply_flight(member%regime, flight_duration(member, i), d)
+         ! beyond a zero of the approach speed the map continues smoothly
+         speed = member%speeds(next)
+         good = abs(speed) > 0
+         if (.not. good) return
+         call apply_impact(member%structure, member%regime, member%equations%gaps(next), &
+            member%regime%frequency*member%equations%times(next), speed, member%x_before(:, i + 1), &
+            member%v_before(:, i + 1), member%x_after(:, i + 1), member%v_after(:, i + 1), d, status)
+      end do
+      if (family%mirror) d = -d
+      good = all(abs(d) <= huge(1.0_wp))
+      if (.not. good) return
+      call geev('N', 'N', size(d, 1), d, size(d, 1), re, im, unused, 1, unused, 1, work, &
+         size(work), info)
+      good = info == 0
+      allocate (multipliers(size(d, 1)))
+      multipliers = cmplx(re, im, wp)
+   end subroutine member_multipliers
+
+end module vi_structure_family

@@ -1,0 +1,454 @@
+!> Structures and loads as functions of one or two parameters.
+!!
+!! A parameter is an entry of the structure or its load, a factor of some of them, or any smooth
+!! function of a parameter: then the entries that it changes are given as Chebyshev series.
+module vi_structure_path
+   use vi_kinds, only: wp
+   use vi_restitution, only: table_law
+   use vi_structure, only: load_type, structure_type
+   use vi_text, only: counted, whole
+   implicit none (type, external)
+   private
+
+   public :: changed, is_odd, new_change, new_function, value_at
+
+   !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
+   !! load.
+   integer, parameter :: of_mass = 1, of_damping = 2, of_stiffness = 3, of_direction = 4, &
+      of_opening = 5, of_restitution = 6, of_frequency = 7, of_cosine = 8, of_sine = 9, &
+      of_constant = 10
+
+   character(*), parameter, public :: parameter_takes = '''frequency'', ''load'', ''constant'', &
+      &''damping'' or ''stiffness'' (factors, 1 for the motion), ''opening'' or ''restitution'' &
+      &(of all gaps), ''opening_J'', ''restitution_J'' (of gap J), ''mass_I_J'', &
+      &''damping_I_J'', ''stiffness_I_J'', all from 0'
+
+   !> How one parameter p changes entries, between its bounds.
+   type, public :: change_type
+      !> (3, m) Kind of each entry and its place: row and column, coordinate and gap, gap,
+      !! coordinate and harmonic, or coordinate.
+      integer, allocatable :: entries(:, :)
+      !> (0:degree, m) Coefficients: in powers of p, or of the Chebyshev polynomials over the
+      !! bounds.
+      real(wp), allocatable :: series(:, :)
+      logical :: chebyshev = .false.
+      real(wp) :: low = 0, high = 1
+      !> The value of p at the start.
+      real(wp) :: start = 0
+   end type change_type
+
+   !> A structure and its load at the start, and the parameters that change them.
+   type, public :: structure_path_type
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(change_type), allocatable :: changes(:)
+   end type structure_path_type
+
+contains
+
+   !> The value of a parameter at a share of the way between its bounds; exact at both bounds.
+   pure real(wp) function value_at(change, share) result(value)
+      !> The parameter.
+      type(change_type), intent(in) :: change
+      !> 0 at the lower bound, 1 at the upper one.
+      real(wp), intent(in) :: share
+
+      value = change%low + share*(change%high - change%low)
+      if (abs(share - 1) <= 0) value = change%high
+   end function value_at
+
+   !> The structure and its load at given parameters.
+   pure subroutine changed(path, shares, structure, load)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+      !> Each parameter, as a share of the way between its bounds.
+      real(wp), intent(in) :: shares(:)
+      !> The structure: M, C, K and its gaps; what follows from them is not set.
+      type(structure_type), intent(out) :: structure
+      !> The load.
+      type(load_type), intent(out) :: load
+      integer :: i, k
+
+      structure = path%structure
+      load = path%load
+      do k = 1, size(path%changes)
+         do i = 1, size(path%changes(k)%entries, 2)
+            call set(structure, load, path%changes(k)%entries(:, i), entry_at(path%changes(k), &
+               path%changes(k)%series(:, i), shares(k)))
+         end do
+      end do
+   end subroutine changed
+
+   !> An entry at a value of the parameter.
+   pure real(wp) function entry_at(change, series, share) result(value)
+      !> The parameter.
+      type(change_type), intent(in) :: change
+      !> (0:degree) Its coefficients for this entry.
+      real(wp), intent(in) :: series(0:)
+      !> As in `value_at`.
+      real(wp), intent(in) :: share
+      real(wp) :: here, one, two, next
+      integer :: i
+
+      if (.not. change%chebyshev) then
+         value = series(0) + series(1)*value_at(change, share)
+         return
+      end if
+      ! Clenshaw's recurrence
+      here = 2*share - 1
+      one = 0
+      two = 0
+      do i = ubound(series, 1), 1, -1
+         next = 2*here*one - two + series(i)
+         two = one
+         one = next
+      end do
+      value = here*one - two + series(0)
+   end function entry_at
+
+   !> Sets an entry.
+   pure subroutine set(structure, load, entry, value)
+      !> In and out: the structure and the load.
+      type(structure_type), intent(inout) :: structure
+      !> As in `structure`.
+      type(load_type), intent(inout) :: load
+      !> (3) Kind and place.
+      integer, intent(in) :: entry(3)
+      !> Its value.
+      real(wp), intent(in) :: value
+
+      associate (i => entry(2), j => entry(3))
+         select case (entry(1))
+         case (of_mass)
+            structure%mass(i, j) = value
+            structure%mass(j, i) = value
+         case (of_damping)
+            structure%damping(i, j) = value
+            structure%damping(j, i) = value
+         case (of_stiffness)
+            structure%stiffness(i, j) = value
+            structure%stiffness(j, i) = value
+         case (of_direction)
+            structure%directions(i, j) = value
+         case (of_opening)
+            structure%openings(i) = value
+         case (of_restitution)
+            structure%restitution(i) = value
+            structure%laws(i)%numbers(1) = value
+         case (of_frequency)
+            load%frequency = value
+         case (of_cosine)
+            load%cosine(i, j) = value
+         case (of_sine)
+            load%sine(i, j) = value
+         case default
+            load%constant(i) = value
+         end select
+      end associate
+   end subroutine set
+
+   !> The value of an entry.
+   pure real(wp) function get(structure, load, entry) result(value)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> (3) Kind and place.
+      integer, intent(in) :: entry(3)
+
+      associate (i => entry(2), j => entry(3))
+         select case (entry(1))
+         case (of_mass)
+            value = structure%mass(i, j)
+         case (of_damping)
+            value = structure%damping(i, j)
+         case (of_stiffness)
+            value = structure%stiffness(i, j)
+         case (of_direction)
+            value = structure%directions(i, j)
+         case (of_opening)
+            value = structure%openings(i)
+         case (of_restitution)
+            value = structure%restitution(i)
+         case (of_frequency)
+            value = load%frequency
+         case (of_cosine)
+            value = load%cosine(i, j)
+         case (of_sine)
+            value = load%sine(i, j)
+         case default
+            value = load%constant(i)
+         end select
+      end associate
+   end function get
+
+   !> A parameter from its name.
+   pure subroutine new_change(name, bounds, structure, load, change, message)
+      !> One of the names of `parameter_takes`.
+      character(*), intent(in) :: name
+      !> Its bounds.
+      real(wp), intent(in) :: bounds(2)
+      !> The structure at the start.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> The parameter.
+      type(change_type), intent(out) :: change
+      !> What is wrong with it; empty if nothing is.
+      character(:), allocatable, intent(out) :: message
+      character(:), allocatable :: word
+      integer, allocatable :: entries(:, :)
+      integer :: places(2), i, j, kind, n, gaps
+      logical :: factor, good
+
+      n = size(structure%mass, 1)
+      gaps = size(structure%openings)
+      message = ''
+      factor = .false.
+      call split(name, word, places, good)
+      kind = findloc([character(11) :: 'mass', 'damping', 'stiffness', '', 'opening', &
+         'restitution', 'frequency', 'load', '', 'constant'] == word, .true., 1)
+      if (kind == 0 .or. .not. good) then
+         message = 'it has no such name'
+         return
+      end if
+      select case (kind)
+      case (of_opening, of_restitution)
+         if (places(2) >= 0) message = 'it has one number, that of a gap'
+         if (places(1) >= gaps) message = 'the structure has '//counted(gaps, 'gap')
+         if (places(1) < 0) then
+            entries = reshape([(kind, i, 0, i=1, gaps)], [3, gaps])
+         else
+            entries = reshape([kind, places(1) + 1, 0], [3, 1])
+         end if
+      case (of_mass, of_damping, of_stiffness)
+         if (any(places >= n)) message = 'the structure has '//counted(n, 'coordinate')
+         factor = all(places < 0)
+         if (any(places < 0) .and. (.not. factor .or. kind == of_mass)) message = &
+            'it has two numbers, row and column'
+         if (factor) then
+            entries = reshape([((kind, i, j, j=1, i), i=1, n)], [3, n*(n + 1)/2])
+         else
+            entries = reshape([kind, places(1) + 1, places(2) + 1], [3, 1])
+         end if
+      case (of_frequency)
+         entries = reshape([kind, 0, 0], [3, 1])
+      case (of_constant)
+         factor = .true.
+         entries = reshape([(kind, i, 0, i=1, n)], [3, n])
+      case default
+         factor = .true.
+         associate (h => size(load%sine, 2))
+            entries = reshape([((of_cosine, i, j, of_sine, i, j, i=1, n), j=1, h)], [3, 2*h*n])
+         end associate
+      end select
+      if (len(message) == 0 .and. any(kind == [of_frequency, of_constant, of_cosine]) .and. &
+         any(places >= 0)) message = 'it has no numbers'
+      if (len(message) > 0) return
+      ! a factor changes only what is not 0
+      if (factor) entries = nonzero(structure, load, entries)
+      if (size(entries) == 0) then
+         message = 'there is nothing that it could change'
+         return
+      end if
+      change%low = bounds(1)
+      change%high = bounds(2)
+      change%start = 1
+      if (.not. factor) change%start = get(structure, load, entries(:, 1))
+      allocate (change%series(0:1, size(entries, 2)), source=0.0_wp)
+      do i = 1, size(entries, 2)
+         change%series(1, i) = 1
+         if (factor) change%series(1, i) = get(structure, load, entries(:, i))
+         if (factor) cycle
+         if (abs(get(structure, load, entries(:, i)) - change%start) > 0) then
+            message = 'all gaps must have the same '//word
+            return
+         end if
+      end do
+      if (kind == of_restitution) then
+         if (any(structure%laws(entries(2, :))%kind == table_law)) message = &
+            'the restitution of the gap is a table'
+      end if
+      call move_alloc(entries, change%entries)
+      call check_range(kind, factor, change, message)
+   end subroutine new_change
+
+   !> Checks that the bounds are values that the parameter can have.
+   pure subroutine check_range(kind, factor, change, message)
+      !> Kind of entry.
+      integer, intent(in) :: kind
+      !> Whether the parameter is a factor.
+      logical, intent(in) :: factor
+      !> The parameter.
+      type(change_type), intent(in) :: change
+      !> Out: what is wrong, if anything is.
+      character(:), allocatable, intent(inout) :: message
+
+      if (kind == of_restitution .and. .not. (change%low >= 0 .and. change%high <= 1)) then
+         message = 'a coefficient of restitution lies between 0 and 1'
+      else if (kind == of_frequency .and. .not. change%low > 0) then
+         message = 'a frequency must be above 0'
+      else if (factor .and. any(kind == [of_damping, of_stiffness]) .and. .not. change%low >= 0) &
+         then
+         message = 'this factor must be at least 0'
+      end if
+   end subroutine check_range
+
+   !> The entries that are not 0.
+   pure function nonzero(structure, load, entries) result(kept)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> (3, m)
+      integer, intent(in) :: entries(:, :)
+      integer, allocatable :: kept(:, :)
+      logical :: wanted(size(entries, 2))
+      integer :: i
+
+      do i = 1, size(entries, 2)
+         wanted(i) = abs(get(structure, load, entries(:, i))) > 0
+      end do
+      allocate (kept(3, count(wanted)))
+      do i = 1, 3
+         kept(i, :) = pack(entries(i, :), wanted)
+      end do
+   end function nonzero
+
+   !> Splits a name such as 'stiffness_0_1' into its word and its numbers.
+   pure subroutine split(name, word, places, good)
+      !> The name.
+      character(*), intent(in) :: name
+      !> The word.
+      character(:), allocatable, intent(out) :: word
+      !> The numbers, -1 where there is none.
+      integer, intent(out) :: places(2)
+      !> Whether the name has this form.
+      logical, intent(out) :: good
+      integer :: begin, i, next, status
+
+      places = -1
+      good = .true.
+      begin = index(name, '_')
+      if (begin == 0) begin = len_trim(name) + 1
+      word = name(:begin - 1)
+      i = 0
+      do while (begin <= len_trim(name))
+         i = i + 1
+         next = index(name(begin + 1:), '_')
+         if (next == 0) next = len_trim(name) - begin + 1
+         associate (digits => name(begin + 1:begin + next - 1))
+            good = i <= 2 .and. len(digits) > 0 .and. len(digits) < 5 .and. &
+               verify(digits, '0123456789') == 0
+            if (.not. good) return
+            read (digits, '(i4)', iostat=status) places(i)
+            good = status == 0
+            if (.not. good) return
+         end associate
+         begin = begin + next
+      end do
+   end subroutine split
+
+   !> A parameter whose entries are Chebyshev series.
+   pure subroutine new_function(entries, series, bounds, start, structure, load, change, message)
+      !> (3, m) Kind of each entry and its place, counted from 1.
+      integer, intent(in) :: entries(:, :)
+      !> (degree + 1, m) The coefficients.
+      real(wp), intent(in) :: series(:, :)
+      !> Bounds of the parameter, and its value at the start.
+      real(wp), intent(in) :: bounds(2), start
+      !> The structure at the start.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> The parameter.
+      type(change_type), intent(out) :: change
+      !> What is wrong with it; empty if nothing is.
+      character(:), allocatable, intent(out) :: message
+      integer :: most(3), i
+
+      message = ''
+      do i = 1, size(entries, 2)
+         associate (n => size(structure%mass, 1), gaps => size(structure%openings))
+            select case (entries(1, i))
+            case (of_mass, of_damping, of_stiffness)
+               most = [0, n, n]
+            case (of_direction)
+               most = [0, n, gaps]
+            case (of_opening, of_restitution)
+               most = [0, gaps, 0]
+            case (of_frequency)
+               most = 0
+            case (of_cosine, of_sine)
+               most = [0, n, size(load%sine, 2)]
+            case (of_constant)
+               most = [0, n, 0]
+            case default
+               message = 'kinds are 1 to 10'
+               return
+            end select
+         end associate
+         if (any(entries(2:, i) < merge(1, 0, most(2:) > 0)) .or. any(entries(2:, i) > most(2:))) &
+            then
+            message = 'there is no entry of kind '//whole(entries(1, i))//' at '// &
+               whole(entries(2, i))//', '//whole(entries(3, i))
+            return
+         end if
+      end do
+      change%entries = entries
+      allocate (change%series(0:size(series, 1) - 1, size(series, 2)))
+      change%series(0:, :) = series
+      change%chebyshev = .true.
+      change%low = bounds(1)
+      change%high = bounds(2)
+      change%start = start
+   end subroutine new_function
+
+   !> Whether the mirror image -q(t + T/2) of every motion q(t) is a motion too, with odd numbers of
+   !! load cycles in T: gaps come in opposite pairs with the same opening and law, and the load has
+   !! odd harmonics alone.
+   pure logical function is_odd(path) result(odd)
+      !> The path; it is examined at two places.
+      type(structure_path_type), intent(in) :: path
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp), parameter :: shares(2) = [0.23_wp, 0.81_wp]
+      logical :: found
+      integer :: h, i, j, k
+
+      odd = .true.
+      do k = 1, size(shares)
+         call changed(path, spread(shares(k), 1, size(path%changes)), structure, load)
+         odd = odd .and. .not. any(abs(load%constant) > 0)
+         do h = 2, size(load%sine, 2), 2
+            odd = odd .and. .not. any(abs(load%sine(:, h)) + abs(load%cosine(:, h)) > 0)
+         end do
+         do i = 1, size(structure%openings)
+            found = .false.
+            do j = 1, size(structure%openings)
+               if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
+               if (abs(structure%openings(i) - structure%openings(j)) > 0) cycle
+               if (.not. same_law(structure, i, j)) cycle
+               found = .true.
+            end do
+            odd = odd .and. found
+         end do
+      end do
+   end function is_odd
+
+   !> Whether two gaps have the same law of restitution.
+   pure logical function same_law(structure, i, j) result(same)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Two gaps.
+      integer, intent(in) :: i, j
+
+      associate (a => structure%laws(i), b => structure%laws(j))
+         same = a%kind == b%kind .and. .not. any(abs(a%numbers - b%numbers) > 0)
+         if (.not. same .or. a%kind /= table_law) return
+         same = size(a%speeds) == size(b%speeds)
+         if (same) same = .not. any(abs(a%speeds - b%speeds) + abs(a%values - b%values) > 0)
+      end associate
+   end function same_law
+
+end module vi_structure_path

@@ -1,0 +1,189 @@
+!> The family of a known motion of a structure, and its place in it: where branches and zones start.
+module vi_structure_start
+   use vi_curve_point, only: curve_type, parameters_of, unknowns_of
+   use vi_family, only: new_family, repetition_distance, repetition_type
+   use vi_frame, only: condition_type, edge
+   use vi_kinds, only: wp
+   use vi_linear, only: most
+   use vi_orbit, only: family_type, most_impacts, n_parameters
+   use vi_pattern, only: pattern_type
+   use vi_responses, only: offset_pairs
+   use vi_status, only: stat
+   use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type, &
+      to_pairs
+   use vi_structure_extremes, only: coordinate_extremes
+   use vi_structure_family, only: member_type, set_flights, set_member, structure_family_type
+   use vi_structure_path, only: change_type, is_odd
+   use vi_structure_motion, only: relative, residuals
+   use vi_structure_period, only: describe_structure_motion, structure_motion_type
+   use vi_structure_return, only: settled_type
+   use vi_text, only: whole
+   implicit none (type, external)
+   private
+
+   public :: motion_at, start_curve
+
+   !> A motion nearer than this to one that repeats itself is that one.
+   real(wp), parameter :: same = 1.0e-6_wp
+
+contains
+
+   !> The curve or surface through a motion, and the point there.
+   subroutine start_curve(structure, load, found, changes, curve, point, mirrored, message)
+      !> The structure at the start.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> The one or two parameters that change.
+      type(change_type), intent(in) :: changes(:)
+      !> The curve: each parameter is 0 at its lower bound and 1 at the upper one.
+      type(curve_type), intent(out) :: curve
+      !> The unknowns of the motion, and the parameters.
+      real(wp), allocatable, intent(out) :: point(:)
+      !> Whether motions of this pattern can be their own mirror images although this one is not.
+      logical, intent(out) :: mirrored
+      !> Why there is no such family; empty if there is one.
+      character(:), allocatable, intent(out) :: message
+      type(structure_family_type) :: s
+      type(structure_type) :: complete
+      type(regime_type) :: regime
+      type(pattern_type) :: pattern
+      type(family_type) :: family
+      type(repetition_type), allocatable :: repetitions(:)
+      real(wp), allocatable :: unknowns(:), shares(:)
+      integer, allocatable :: pairs(:)
+      integer :: i, n, status
+      logical :: odd, possible, symmetric
+
+      mirrored = .false.
+      n = size(found%gaps)
+      message = ''
+      if (size(found%resting) > 0) then
+         message = 'the motion rests; only motions without rest can be followed'
+         return
+      end if
+      complete = structure
+      call check_structure(complete, status)
+      call new_regime(complete, load, [integer :: ], regime, status)
+      regime%frequency = load%frequency
+      allocate (pairs, source=offset_pairs(regime))
+      if (n > most_impacts .or. 2*n + size(pairs) + 2 > most) then
+         message = 'the motion has '//whole(n)//' impacts, and at most '// &
+            whole(min(most_impacts, (most - 2 - size(pairs))/2))//' can be followed'
+         return
+      end if
+      s%path%structure = complete
+      s%path%load = load
+      s%path%changes = changes
+      s%speed = maxval(found%motion%speeds)
+      s%length = s%speed/load%frequency
+      s%p = size(pairs)
+      allocate (s%free(size(structure%mass, 1), s%p))
+      s%free = regime%qx(:, pairs)
+      pattern%sides = complete%channel(found%gaps)*complete%wall(found%gaps)
+      pattern%cycles = found%cycles
+      shares = [((changes(i)%start - changes(i)%low)/(changes(i)%high - changes(i)%low), &
+         i=1, size(changes))]
+      odd = is_odd(s%path)
+      call new_family(pattern, .false., odd, family, repetitions, possible)
+      call unknowns_of_motion(s, family, regime, found, shares, unknowns)
+      symmetric = .false.
+      do i = 1, size(repetitions)
+         if (repetition_distance(family, repetitions(i), unknowns) > same) cycle
+         if (repetitions(i)%sign > 0) then
+            message = 'the motion repeats itself within its '//whole(found%cycles)// &
+               ' load cycles; start from the shorter period'
+            return
+         end if
+         symmetric = .true.
+      end do
+      if (symmetric) then
+         unknowns = [unknowns(:n/2), unknowns(n + 1:n + n/2)]
+         call new_family(pattern, .true., odd, family, repetitions, possible)
+      end if
+      if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
+      curve%frame%family = family
+      curve%frame%repetitions = repetitions
+      allocate (curve%frame%structure, source=s)
+      allocate (curve%frame%edges(2*size(changes)))
+      do i = 1, size(changes)
+         curve%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=0.0_wp)
+         curve%frame%edges(2*i) = condition_type(edge, i, -1, bound=1.0_wp)
+      end do
+      curve%active = [(i, i=1, size(changes))]
+      curve%origin = spread(0.0_wp, 1, size(changes))
+      curve%scale = spread(1.0_wp, 1, size(changes))
+      point = [unknowns, shares]
+   end subroutine start_curve
+
+   !> The motion at a point of a curve, with its verdicts.
+   pure subroutine motion_at(curve, point, condition, motion, extremes)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The point.
+      real(wp), intent(in) :: point(:)
+      !> The condition that is zero there; on a bound the parameter is exactly that bound.
+      type(condition_type), intent(in) :: condition
+      !> The motion.
+      type(structure_motion_type), intent(out) :: motion
+      !> (n, 2) Least and greatest value of each coordinate.
+      real(wp), intent(out) :: extremes(:, :)
+      type(member_type) :: member
+      real(wp), allocatable :: value(:), scale(:)
+      real(wp) :: c(n_parameters)
+      integer :: n
+
+      c = parameters_of(curve, point)
+      if (condition%kind == edge) c(condition%index) = condition%bound
+      associate (frame => curve%frame)
+         call set_member(frame%structure, frame%family, unknowns_of(curve, point), &
+            c(:size(curve%active)), member)
+         motion%speeds = member%speeds
+         n = 2*size(member%speeds) + size(member%offsets)
+         allocate (value(n), scale(n))
+         call residuals(member%structure, member%equations, member%speeds, member%offsets, value, &
+            scale)
+         motion%residual = relative(value, scale)
+         call describe_structure_motion(member%structure, member%regime, member%equations, &
+            member%offsets, motion)
+         call set_flights(frame%family, member)
+         call coordinate_extremes(frame%family, member, extremes)
+      end associate
+   end subroutine motion_at
+
+   !> The unknowns of a motion.
+   subroutine unknowns_of_motion(s, family, regime, found, shares, unknowns)
+      !> The structure, with its units.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> The regime at the start.
+      type(regime_type), intent(in) :: regime
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> The parameters at the start.
+      real(wp), intent(in) :: shares(:)
+      !> The unknowns.
+      real(wp), allocatable, intent(out) :: unknowns(:)
+      type(member_type) :: member
+      real(wp), dimension(size(regime%modes%stiffness)) :: x, v
+      integer :: n
+
+      n = size(found%gaps)
+      allocate (unknowns(2*n + s%p), source=0.0_wp)
+      unknowns(:n) = sign(1, family%sides)*found%motion%speeds/s%speed
+      unknowns(n + 1:2*n) = found%motion%phases
+      if (s%p == 0) return
+      ! at the start the displacements are those of the modes themselves
+      call set_member(s, family, unknowns, shares, member)
+      if (.not. member%exists) return
+      call set_flights(family, member)
+      associate (state => found%motion%states(:, 1))
+         call to_pairs(regime, found%motion%phases(1), state(:size(x)), state(size(x) + 1:), x, v)
+      end associate
+      unknowns(2*n + 1:) = pack(x - member%x_after(:, 1), .not. regime%modes%stiffness > 0)/s%length
+   end subroutine unknowns_of_motion
+
+end module vi_structure_start
