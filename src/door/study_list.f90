@@ -23,6 +23,7 @@ module vi_study_list
    use vi_status, only: stat, status_text
    use vi_study, only: declare_type, study_type
    use vi_text, only: line_type, whole
+   use vi_zone_structure_study, only: declare_zone_structure
    use vi_zone_study, only: declare_zone
    implicit none (type, external)
    private
@@ -59,7 +60,8 @@ contains
          declare_type(declare_motion_structure), &
          declare_type(declare_find_structure), &
          declare_type(declare_lyapunov_structure), &
-         declare_type(declare_branch_structure)], studies)
+         declare_type(declare_branch_structure), &
+         declare_type(declare_zone_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.

@@ -124,7 +124,7 @@ contains
       load%frequency = load_frequency(case)
       call check_structure(structure, status)
       group = case%study
-      call check_parameter(group, 'parameter', 'low', 'high', structure, load, change)
+      call check_parameter(group, 'parameter', '', structure, load, change)
       case%study = group
    end subroutine check_branch
 
@@ -170,8 +170,7 @@ contains
          call result%fail(status_text(status))
          return
       end if
-      call parameter_change(case%study, 'parameter', 'low', 'high', structure, load, change, &
-         message)
+      call parameter_change(case%study, 'parameter', '', structure, load, change, message)
       call start_curve(structure, load, found, [change], curve, start, mirrored, message)
       if (len(message) > 0) then
          call result%fail(message)

@@ -8,7 +8,7 @@ module vi_lattice
    implicit none (type, external)
    private
 
-   public :: lattice_type, new_lattice, nearest_lines, line_spacing
+   public :: even_lattice, lattice_type, new_lattice, nearest_lines, line_spacing
 
    !> Coordinates of lines in increasing order, 0 at the lower end of the window.
    type :: axis_type
@@ -42,6 +42,18 @@ contains
       lattice%axes(2)%at = even(needed((window(4) - window(3))/by_ratio, lines))* &
          ((window(4) - window(3))/scale(2))
    end function new_lattice
+
+   !> The evenly spaced lattice of the unit square.
+   pure function even_lattice(lines) result(lattice)
+      !> Number of lines in each direction, at least 2.
+      integer, intent(in) :: lines
+      type(lattice_type) :: lattice
+      integer :: i
+
+      do i = 1, 2
+         lattice%axes(i)%at = even(lines)
+      end do
+   end function even_lattice
 
    !> Places of the lines of constant r from 0 to 1: evenly spaced if that is dense enough,
    !! otherwise evenly in the integral of the density.

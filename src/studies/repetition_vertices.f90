@@ -5,7 +5,7 @@
 !! are singular there. In the family of the motions that repeat themselves it is a regular point,
 !! where the map of the shorter period has a multiplier -1, so it is computed in that family.
 module vi_repetition_vertices
-   use vi_curve, only: correct, curve_type
+   use vi_curve, only: correct, curve_type, point_size
    use vi_family, only: repetition_type
    use vi_frame, only: condition_type, edge, flip, grazing, neimark_sacker, repetition, &
       zero_approach
@@ -102,6 +102,8 @@ contains
       parent%origin = surface%origin
       parent%scale = surface%scale
       parent%frame%edges = surface%frame%edges
+      if (allocated(surface%frame%structure)) allocate (parent%frame%structure, &
+         source=surface%frame%structure)
       allocate (parent%frame%repetitions(0))
       associate (family => parent%frame%family, sides => surface%frame%family%sides)
          if (2*way%shift /= size(sides)) then
@@ -126,11 +128,12 @@ contains
       real(wp), intent(inout) :: point(:), tangent(:)
       !> Whether it was found.
       logical, intent(out) :: good
-      real(wp), dimension(2*way%shift + 2) :: near, normal, along
+      real(wp), allocatable :: near(:), normal(:), along(:)
 
-      near = half_of(parent, way, point, 1.0_wp)
-      normal = half_of(parent, way, tangent, 0.0_wp)
+      allocate (near, source=half_of(parent, way, point, 1.0_wp))
+      allocate (normal, source=half_of(parent, way, tangent, 0.0_wp))
       normal = normal/norm2(normal)
+      allocate (along(size(near)))
       call solve(parent, [condition_type(flip, 0)], near, good, normal, along)
       if (.not. good) return
       call make_whole(way, near, 1.0_wp, point)
@@ -150,7 +153,7 @@ contains
       real(wp), intent(inout) :: point(:)
       !> Whether it was found.
       logical, intent(out) :: good
-      real(wp) :: near(2*way%shift + 2)
+      real(wp), allocatable :: near(:)
       type(condition_type) :: same
 
       good = any(other%kind == [edge, grazing, zero_approach, neimark_sacker])
@@ -160,7 +163,7 @@ contains
          same%index = other%index - way%shift
          if (way%sign < 0) same%side = -other%side
       end if
-      near = half_of(parent, way, point, 1.0_wp)
+      allocate (near, source=half_of(parent, way, point, 1.0_wp))
       call solve(parent, [condition_type(flip, 0), same], near, good)
       if (good) call make_whole(way, near, 1.0_wp, point)
    end subroutine move_corner
@@ -198,13 +201,16 @@ contains
       real(wp), intent(in) :: point(:)
       !> 1 for a motion, 0 for a derivative.
       real(wp), intent(in) :: affine
-      real(wp) :: half(2*way%shift + 2)
-      integer :: n
+      real(wp) :: half(point_size(parent))
+      integer :: n, free
 
       n = size(parent%frame%family%sides)
+      free = size(half) - 2*n - 2
       half(:n) = 0.5_wp*(point(:n) + way%sign*point(n + 1:2*n))
       half(n + 1:2*n) = 0.5_wp*(point(2*n + 1:3*n) + point(3*n + 1:4*n) - affine*way%phase)
-      half(2*n + 1:) = point(4*n + 1:)
+      ! a mirror image has the opposite displacements of free modes
+      half(2*n + 1:2*n + free) = point(4*n + 1:4*n + free)
+      half(2*n + free + 1:) = point(size(point) - 1:)
    end function half_of
 
    !> All impacts of a motion that repeats itself from the first half of them.
@@ -215,10 +221,14 @@ contains
       real(wp), intent(in) :: half(:), affine
       !> The motion or derivative, with all impacts.
       real(wp), intent(out) :: point(:)
+      integer :: tail
 
       associate (n => way%shift)
-         point = [half(:n), way%sign*half(:n), half(n + 1:2*n), half(n + 1:2*n) &
-            + affine*way%phase, half(2*n + 1:)]
+         point(:4*n) = [half(:n), way%sign*half(:n), half(n + 1:2*n), half(n + 1:2*n) &
+            + affine*way%phase]
+         point(4*n + 1:) = 0
+         tail = size(half) - 2*n
+         point(size(point) - tail + 1:) = half(2*n + 1:)
       end associate
    end subroutine make_whole
 

@@ -12,7 +12,8 @@ module vi_structure_conditions
    use vi_modes, only: advance
    use vi_rows, only: row_values
    use vi_spectrum, only: outside_circle, spectrum_type
-   use vi_structure_family, only: flight_duration, member_multipliers, member_type, set_flights, set_member
+   use vi_structure_family, only: flight_duration, member_multipliers, member_type, set_flights, &
+      set_member
    implicit none (type, external)
    private
 

@@ -2,8 +2,9 @@
 !!
 !! The unknowns of a motion are, for each impact, its approach speed with the sign of the wall, and
 !! its load phase; then the displacements of modes of frequency 0, whose mean positions are free. A
-!! motion that is its own mirror image half a period later is described by its first half. The first
-!! ones correspond to (u_i, theta_i) of the oscillator, so that both families have the same symmetries.
+!! motion that is its own mirror image half a period later is described by its first half. The
+!! speeds and phases correspond to (u_i, theta_i) of the oscillator, so that both families have the
+!! same symmetries.
 module vi_structure_family
    use vi_family, only: whole_unknowns
    use vi_kinds, only: wp
@@ -19,7 +20,8 @@ module vi_structure_family
    implicit none (type, external)
    private
 
-   public :: flight_duration, free_unknowns, member_equations, member_multipliers, set_flights, set_member
+   public :: flight_duration, free_unknowns, member_equations, member_multipliers, set_flights, &
+      set_member
 
    !> What the members of a family have in common, besides the impacts (`family_type`, where a side
    !! is the number of a channel with the sign of its wall).
@@ -179,8 +181,9 @@ contains
             member%offsets, modulo(i - 1, size(member%speeds)) + 1, member%x_after(:, i), &
             member%v_after(:, i))
          if (i == 1) cycle
-         call advance(member%regime%modes, flight_duration(member, i - 1), member%x_after(:, i - 1), &
-            member%v_after(:, i - 1), member%x_before(:, i), member%v_before(:, i))
+         call advance(member%regime%modes, flight_duration(member, i - 1), &
+            member%x_after(:, i - 1), member%v_after(:, i - 1), member%x_before(:, i), &
+            member%v_before(:, i))
       end do
    end subroutine set_flights
 
@@ -224,8 +227,9 @@ contains
          good = abs(speed) > 0
          if (.not. good) return
          call apply_impact(member%structure, member%regime, member%equations%gaps(next), &
-            member%regime%frequency*member%equations%times(next), speed, member%x_before(:, i + 1), &
-            member%v_before(:, i + 1), member%x_after(:, i + 1), member%v_after(:, i + 1), d, status)
+            member%regime%frequency*member%equations%times(next), speed, &
+            member%x_before(:, i + 1), member%v_before(:, i + 1), member%x_after(:, i + 1), &
+            member%v_after(:, i + 1), d, status)
       end do
       if (family%mirror) d = -d
       good = all(abs(d) <= huge(1.0_wp))

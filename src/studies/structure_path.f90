@@ -325,7 +325,7 @@ contains
       integer, intent(out) :: places(2)
       !> Whether the name has this form.
       logical, intent(out) :: good
-      integer :: begin, i, next, status
+      integer :: begin, i, j, next
 
       places = -1
       good = .true.
@@ -341,9 +341,10 @@ contains
             good = i <= 2 .and. len(digits) > 0 .and. len(digits) < 5 .and. &
                verify(digits, '0123456789') == 0
             if (.not. good) return
-            read (digits, '(i4)', iostat=status) places(i)
-            good = status == 0
-            if (.not. good) return
+            places(i) = 0
+            do j = 1, len(digits)
+               places(i) = 10*places(i) + iachar(digits(j:j)) - iachar('0')
+            end do
          end associate
          begin = begin + next
       end do

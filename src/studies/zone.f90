@@ -11,7 +11,7 @@ module vi_zone
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
-   use vi_lattice, only: lattice_type, nearest_lines, new_lattice
+   use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
    use vi_net, only: add_seed, cover, cover_from, net_type, new_net
    use vi_orbit, only: by_clearance, by_r, n_parameters
    use vi_outline, only: ring_of
@@ -24,7 +24,7 @@ module vi_zone
    implicit none (type, external)
    private
 
-   public :: count_zone, find_zone, release_type, simulate_nodes, zone_type
+   public :: count_zone, find_zone, release_type, simulate_nodes, zone_around, zone_type
 
    !> Units of work of one zone in the progress counters.
    integer, parameter, public :: zone_work = 1000
@@ -65,8 +65,7 @@ contains
       integer :: i, reported
 
       call make_surface(request, zone%surface, status)
-      allocate (zone%loops(most_loops), zone%inside(2, most_loops))
-      allocate (zone%open_seeds(size(items)), zone%used_seeds(size(items)), source=.false.)
+      call make_room(size(items), zone)
       reported = 0
       if (status /= stat%ok .or. is_neutral(request%osc)) then
          call report_share(1.0_wp, zone_work, reported, progress)
@@ -85,6 +84,66 @@ contains
       else
          call search_window(request, net, reported, progress)
       end if
+      call finish(request, net, items, zone, reported, progress)
+   end subroutine find_zone
+
+   !> The zones on the surface of motions that a known motion belongs to.
+   subroutine zone_around(request, surface, point, zone, progress)
+      !> The request: its window, lines and points are used.
+      type(zone_request_type), intent(in) :: request
+      !> The surface over the window, and the known motion on it.
+      type(curve_type), intent(in) :: surface
+      real(wp), intent(in) :: point(:)
+      !> The loops found; those of a stopped search are incomplete.
+      type(zone_type), intent(out) :: zone
+      !> Progress counters, see vi_progress; a zone that was stopped has untraced borders.
+      integer, intent(inout), optional :: progress(3)
+      type(net_type) :: net
+      type(seed_type) :: items(1)
+      integer :: n, reported
+
+      zone%surface = surface
+      call make_room(1, zone)
+      reported = 0
+      call new_net(surface, even_lattice(request%lines), net)
+      zone%lines = shape(net%head)
+      n = size(point) - 2
+      items(1)%at = point(n + 1:)
+      items(1)%unknowns = point(:n)
+      call place_at_node(net, items(1)%at, point(:n), nearest_lines(net%lines, items(1)%at), &
+         items(1)%at_node)
+      call cover(net, 1, progress)
+      call report_share(0.5_wp, zone_work, reported, progress)
+      call finish(request, net, items, zone, reported, progress)
+   end subroutine zone_around
+
+   !> Makes room for the loops of a zone.
+   pure subroutine make_room(seeds, zone)
+      !> Number of seeds.
+      integer, intent(in) :: seeds
+      !> In and out: with room.
+      type(zone_type), intent(inout) :: zone
+
+      allocate (zone%loops(most_loops), zone%inside(2, most_loops))
+      allocate (zone%open_seeds(seeds), zone%used_seeds(seeds), source=.false.)
+   end subroutine make_room
+
+   !> Traces the boundaries of a net, and completes the zone.
+   subroutine finish(request, net, items, zone, reported, progress)
+      !> The request.
+      type(zone_request_type), intent(in) :: request
+      !> In and out: the net.
+      type(net_type), intent(inout) :: net
+      !> In and out: the seeds.
+      type(seed_type), intent(inout) :: items(:)
+      !> In and out: the zone, complete.
+      type(zone_type), intent(inout) :: zone
+      !> Units of work reported so far; in and out.
+      integer, intent(inout) :: reported
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer :: i
+
       call trace_borders(request, net, items, zone, reported, progress)
       zone%nodes = net%n
       zone%steps = net%steps
@@ -97,7 +156,7 @@ contains
       if (is_stopped(progress)) zone%untraced = zone%untraced + 1
       if (net%full) zone%untraced = zone%untraced + 1
       call report_share(1.0_wp, zone_work, reported, progress)
-   end subroutine find_zone
+   end subroutine finish
 
    !> Traces the boundary from all places found on it; then also from those found on lines through
    !! the seeds that no closed loop encloses so far.

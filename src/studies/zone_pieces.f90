@@ -4,7 +4,7 @@ module vi_zone_pieces
    use vi_condition_names, only: condition_detail, condition_name
    use vi_curve, only: curve_type
    use vi_family, only: can_be_symmetric, whole_unknowns
-   use vi_frame, only: edge
+   use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
    use vi_outline, only: ring_of
@@ -55,6 +55,8 @@ module vi_zone_pieces
    !> One piece: its first and last vertices are corners, unless the whole loop is one piece.
    type, public :: piece_type
       character(:), allocatable :: name, detail
+      !> The condition that is zero along it.
+      type(condition_type) :: condition
       logical :: symmetric = .false.
       !> Number of the loop; 0 if it could not be closed.
       integer :: loop = 0
@@ -230,6 +232,7 @@ contains
       found%n = found%n + 1
       associate (piece => found%pieces(found%n), &
          condition => loop%conditions(run(min(2, size(run)))))
+         piece%condition = condition
          piece%name = trim(condition_name(condition%kind, condition%index, symmetric, mirrored))
          if (condition%kind == edge) piece%name = 'window'
          piece%detail = trim(condition_detail(condition%kind, condition%index, condition%side))
@@ -262,8 +265,8 @@ contains
 
       m = size(loop%points, 1) - 2
       n = 1
-      if (.not. surface%frame%resting) n = size(whole_unknowns(surface%frame%family, &
-         loop%points(:m, 1)))/2
+      if (.not. surface%frame%resting) n = size(surface%frame%family%sides)*merge(2, 1, &
+         surface%frame%family%mirror)
       allocate (piece%x(n, size(run)), piece%theta(n, size(run)))
       do j = 1, size(run)
          associate (point => loop%points(:, run(j)))
@@ -273,23 +276,29 @@ contains
                whole = whole_unknowns(surface%frame%family, point(:m))
             end if
             piece%x(:, j) = whole(:n)
-            piece%theta(:, j) = whole(n + 1:)
+            piece%theta(:, j) = whole(n + 1:2*n)
          end associate
       end do
    end subroutine write_motions
 
    !> Puts the pieces of families into the result, and their rings.
-   pure subroutine put_pieces(found, result)
+   pure subroutine put_pieces(found, result, names)
       !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The result.
       type(result_type), intent(inout) :: result
-      type(line_type), allocatable :: names(:), details(:)
+      !> Columns of both parameters, and of both unknowns of an impact; by default those of the
+      !! oscillator.
+      character(*), intent(in), optional :: names(4)
+      character(24) :: columns(4)
+      type(line_type), allocatable :: types(:), details(:)
       integer, allocatable :: owners(:), numbers(:), loops(:), symmetric(:), vertex_owners(:), &
          corners(:)
       real(wp), allocatable :: vertices(:, :), x(:, :), theta(:, :)
       integer :: i, j, k, m, n, most
 
+      columns = [character(24) :: 'r', 'clearance', 'x', 'theta']
+      if (present(names)) columns = names
       k = sum(found%n)
       n = 0
       most = 1
@@ -299,7 +308,7 @@ contains
             most = max(most, size(found(j)%pieces(i)%x, 1))
          end do
       end do
-      allocate (names(k), details(k), owners(k), numbers(k), loops(k), symmetric(k), &
+      allocate (types(k), details(k), owners(k), numbers(k), loops(k), symmetric(k), &
          vertex_owners(n), corners(n), vertices(2, n))
       allocate (x(most, n), theta(most, n), source=ieee_value(1.0_wp, ieee_quiet_nan))
       k = 0
@@ -312,7 +321,7 @@ contains
                owners(k) = j
                numbers(k) = i
                loops(k) = piece%loop
-               names(k)%text = piece%name
+               types(k)%text = piece%name
                details(k)%text = piece%detail
                symmetric(k) = merge(1, 0, piece%symmetric)
                vertex_owners(n + 1:n + m) = k
@@ -333,23 +342,25 @@ contains
       call result%put('pieces', 'symmetric', symmetric)
       call result%put('pieces', 'loop', loops)
       call result%put('pieces', 'piece', numbers)
-      call result%put_text('pieces', 'type', names)
+      call result%put_text('pieces', 'type', types)
       call result%put_text('pieces', 'detail', details)
       call result%open('vertices', 'vertex', [n], 'pieces', vertex_owners)
-      call result%put('vertices', 'r', vertices(1, :))
-      call result%put('vertices', 'clearance', vertices(2, :))
+      call result%put('vertices', trim(columns(1)), vertices(1, :))
+      call result%put('vertices', trim(columns(2)), vertices(2, :))
       call result%put('vertices', 'corner', corners)
-      call result%put('vertices', 'x', [x])
-      call result%put('vertices', 'theta', [theta])
-      call put_rings(found, result)
+      call result%put('vertices', trim(columns(3)), [x])
+      call result%put('vertices', trim(columns(4)), [theta])
+      call put_rings(found, result, columns(:2))
    end subroutine put_pieces
 
    !> Puts the closed loops into the result.
-   pure subroutine put_rings(found, result)
+   pure subroutine put_rings(found, result, names)
       !> The pieces of each family.
       type(pieces_type), intent(in) :: found(:)
       !> The result.
       type(result_type), intent(inout) :: result
+      !> Columns of both parameters.
+      character(*), intent(in) :: names(2)
       integer, allocatable :: owners(:), point_owners(:)
       real(wp), allocatable :: points(:, :)
       integer :: i, j, k, m, n
@@ -376,8 +387,8 @@ contains
       end do
       call result%open('loops', 'ring', [k], 'families', owners)
       call result%open('rings', 'ring_point', [n], 'loops', point_owners)
-      call result%put('rings', 'r', points(1, :))
-      call result%put('rings', 'clearance', points(2, :))
+      call result%put('rings', trim(names(1)), points(1, :))
+      call result%put('rings', trim(names(2)), points(2, :))
    end subroutine put_rings
 
 end module vi_zone_pieces

@@ -15,7 +15,7 @@ module vi_zone_study
    implicit none (type, external)
    private
 
-   public :: declare_zone
+   public :: declare_zone, list_types
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, &
