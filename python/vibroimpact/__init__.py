@@ -30,9 +30,11 @@ from .solve import equispaced, equispaced_batch, linear_system, periodic, period
 from .spacing import spaced
 from .status import status_text
 from .structure import Gap, Load, Structure
+from .structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
 from .structure_find import StructureMotions, find_structure, same_structure_motion
 from .structure_motion import StructureMotion, exact_structure, periodic_structure
 from .structure_trajectory import StructureTrajectory, simulate_structure
+from .structure_zone import StructurePiece, StructureZone, zone_structure
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
@@ -88,9 +90,13 @@ __all__ = [
     "StabilityFlags",
     "Structure",
     "StructureLyapunov",
+    "StructureBranch",
     "StructureMotion",
     "StructureMotions",
+    "StructurePiece",
+    "StructureSpecialPoint",
     "StructureTrajectory",
+    "StructureZone",
     "StudyInterrupted",
     "TabulatedRestitution",
     "Trajectory",
@@ -104,6 +110,7 @@ __all__ = [
     "basins",
     "bifurcation_diagram",
     "branch",
+    "branch_structure",
     "chart",
     "decay",
     "equispaced",
@@ -135,6 +142,7 @@ __all__ = [
     "standard_motion",
     "status_text",
     "zone",
+    "zone_structure",
 ]
 
 

@@ -372,14 +372,14 @@ _Result = TypeVar("_Result")
 
 
 def or_structure(
-    of_structure: Callable[..., Any],
+    of_structure: Callable[..., Any], kind: type | None = None
 ) -> Callable[[Callable[_Arguments, _Result]], Callable[_Arguments, _Result]]:
-    """A decorator: a procedure for oscillators, which hands structures over to another one."""
+    """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over."""
 
     def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
-            if args and isinstance(args[0], Structure):
+            if args and isinstance(args[0], kind or Structure):
                 return of_structure(*args, **kwargs)
             return of_oscillator(*args, **kwargs)
 

@@ -18,7 +18,7 @@ module vi_branch_structure_study
    use vi_structure_period, only: structure_motion_type
    use vi_structure_return, only: settled_type
    use vi_structure_start, only: motion_at, start_curve
-   use vi_structure_tables, only: put_structure, structure_columns
+   use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_word, case_type, column_type, complexes, key_type, result_type, &
       study_type, values_type, verdicts, wholes, words
    use vi_text, only: line_type, number_text, whole
@@ -53,7 +53,7 @@ module vi_branch_structure_study
       meaning='impulses of the impacts'), &
       column_type('points', 'special', words, meaning='type of a special point'), &
       column_type('points', 'detail', words, meaning='the impact, flight or bound concerned'), &
-      column_type('branch', 'gaps', each='impact', listed=.false., &
+      column_type('branch', 'gaps', wholes, each='impact', listed=.false., &
       meaning='gaps of the impacts, from 0'), &
       column_type('branch', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
       column_type('branch', 'frequency', listed=.false., &
@@ -61,7 +61,7 @@ module vi_branch_structure_study
       column_type('branch', 'first_end', words, listed=.false., &
       meaning='why it ends at its first point'), &
       column_type('branch', 'last_end', words, listed=.false., &
-      meaning='why it ends at its last point'), structure_columns]
+      meaning='why it ends at its last point'), path_columns, structure_columns]
 
 contains
 
@@ -203,6 +203,7 @@ contains
       result%empty = .false.
       call put_branch(result, curve, found, points(:, :n), conditions(:n), motions(:n), &
          extremes(:, :n, :), reasons, mirrored, change, case%study%word('parameter'))
+      call put_path(result, [change])
       call put_structure(result, structure, load)
       if (any(reasons == end_stopped)) then
          result%cut = trim(case%study%word('parameter'))//' from '//trim(number_text(value_of( &

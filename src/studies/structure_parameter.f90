@@ -69,8 +69,9 @@ contains
                counted(size(group%numbers(prefix//'series')), 'number'))
          end if
       end if
-      if (.not. group%number(prefix//'high') > group%number(prefix//'low')) &
+      if (.not. group%number(prefix//'high') > group%number(prefix//'low')) then
          call group%refuse(prefix//'high')
+      end if
       if (len(group%fault) > 0) return
       call parameter_change(group, name, prefix, structure, load, change, message)
       if (len(message) > 0) then

@@ -3,11 +3,12 @@ module vi_structure_tables
    use vi_kinds, only: wp
    use vi_restitution, only: power_law, restitution_type, table_law
    use vi_structure, only: load_type, structure_type
-   use vi_study, only: column_type, result_type, words
+   use vi_structure_path, only: change_type
+   use vi_study, only: column_type, result_type, truths, wholes, words
    implicit none (type, external)
    private
 
-   public :: put_structure
+   public :: put_path, put_structure
 
    !> The columns of these tables.
    type(column_type), parameter, public :: structure_columns(*) = [ &
@@ -34,7 +35,52 @@ module vi_structure_tables
       column_type('harmonics', 'sine', each='coordinate', listed=.false., &
       meaning='sine part of the harmonic of the load')]
 
+   !> The columns of the entries that change along a branch or over a zone.
+   type(column_type), parameter, public :: path_columns(*) = [ &
+      column_type('path', 'axis', wholes, listed=.false., &
+      meaning='which parameter changes the entry, 1 or 2'), &
+      column_type('path', 'entry', wholes, each='part', listed=.false., &
+      meaning='kind of the entry (1 mass, 2 damping, 3 stiffness, 4 direction, 5 opening, 6 &
+      &restitution, 7 frequency, 8 cosine, 9 sine, 10 constant) and its place, from 1'), &
+      column_type('path', 'chebyshev', truths, listed=.false., &
+      meaning='whether the series is one of Chebyshev polynomials over the bounds, else of &
+      &powers'), &
+      column_type('path', 'series', each='degree', listed=.false., &
+      meaning='coefficients of the entry as a function of the parameter')]
+
 contains
+
+   !> Fills the table of the entries that change.
+   pure subroutine put_path(result, changes)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> The parameters.
+      type(change_type), intent(in) :: changes(:)
+      integer, allocatable :: axis(:), entries(:, :), chebyshev(:)
+      real(wp), allocatable :: series(:, :)
+      integer :: degree, i, k, m, n
+
+      n = sum([(size(changes(k)%entries, 2), k=1, size(changes))])
+      degree = maxval([(ubound(changes(k)%series, 1), k=1, size(changes))])
+      allocate (axis(n), entries(3, n), chebyshev(n))
+      allocate (series(0:degree, n), source=0.0_wp)
+      n = 0
+      do k = 1, size(changes)
+         m = ubound(changes(k)%series, 1)
+         do i = 1, size(changes(k)%entries, 2)
+            n = n + 1
+            axis(n) = k
+            entries(:, n) = changes(k)%entries(:, i)
+            chebyshev(n) = merge(1, 0, changes(k)%chebyshev)
+            series(:m, n) = changes(k)%series(:, i)
+         end do
+      end do
+      call result%open('path', 'place', [n])
+      call result%put('path', 'axis', axis)
+      call result%put('path', 'entry', [entries])
+      call result%put('path', 'chebyshev', chebyshev)
+      call result%put('path', 'series', [series])
+   end subroutine put_path
 
    !> Fills the tables of the structure, its gaps and its load.
    pure subroutine put_structure(result, structure, load)

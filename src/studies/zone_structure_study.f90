@@ -16,7 +16,7 @@ module vi_zone_structure_study
    use vi_structure_path, only: change_type, parameter_takes, value_at
    use vi_structure_return, only: settled_type
    use vi_structure_start, only: start_curve
-   use vi_structure_tables, only: put_structure, structure_columns
+   use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_word, case_type, column_type, key_type, result_type, study_type, truths, &
       values_type, wholes, words
    use vi_text, only: counted
@@ -70,11 +70,11 @@ module vi_zone_structure_study
       meaning='lattice lines in each direction'), &
       column_type('families', 'closed', truths, listed=.false., &
       meaning='whether all boundaries that were found are closed'), &
-      column_type('motion', 'gaps', each='impact', listed=.false., &
+      column_type('motion', 'gaps', wholes, each='impact', listed=.false., &
       meaning='gaps of the impacts, from 0'), &
       column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
       column_type('motion', 'frequency', listed=.false., &
-      meaning='circular frequency of the load at the start'), structure_columns]
+      meaning='circular frequency of the load at the start'), path_columns, structure_columns]
 
 contains
 
@@ -199,6 +199,7 @@ contains
       call result%put('motion', 'gaps', motion%gaps - 1)
       call result%put('motion', 'cycles', [motion%cycles])
       call result%put('motion', 'frequency', [load%frequency])
+      call put_path(result, changes)
       call put_structure(result, structure, load)
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       result%empty = found%n == 0

@@ -10,6 +10,7 @@ from ..errors import ParameterError
 from . import style
 
 if TYPE_CHECKING:
+    from ..structure_branch import StructureBranch
     from ..studies.branch import Branch
 
 SYMBOLS = {
@@ -41,6 +42,21 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
             ax, {name: getattr(branch, name) for name in labelled},
             f"{branch.pattern.sides}/{branch.pattern.cycles}",
         )  # fmt: skip
+    draw_curve(branch, ax, column)
+    ax.set_xlabel(SYMBOLS[branch.parameter])
+    ax.set_ylabel(SYMBOLS[y])
+    add_legend_once(ax)
+    return ax
+
+
+def add_legend_once(ax: Any) -> None:
+    """A legend with each kind once, even for several branches in the same axes."""
+    once = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+    style.add_legend(ax, once.values(), once.keys(), **style.ABOVE)
+
+
+def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any) -> None:
+    """Draw a column of any branch, by its verdicts, and mark the special points."""
     good, stable = branch.admissible == 1, branch.stable == 1
     kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
     for name, mask in kinds.items():
@@ -65,9 +81,3 @@ def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
             label="" if point.type in seen else style.condition_name(point.type),
         )  # fmt: skip
         seen.add(point.type)
-    ax.set_xlabel(SYMBOLS[branch.parameter])
-    ax.set_ylabel(SYMBOLS[y])
-    # each kind once, even for several branches in the same axes
-    once = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
-    style.add_legend(ax, once.values(), once.keys(), **style.ABOVE)
-    return ax

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -192,7 +193,10 @@ def place_label(zone: Zone, ax: Any, inverse: bool, label: str) -> None:
     """Write a name where the largest loop is widest."""
     if not zone.loops or not label:
         return
-    points = interior_points(zone)
+    points = interior_points(
+        np.linspace(*zone.r, 42)[1:-1], np.geomspace(*zone.clearance, 62)[1:-1],
+        lambda r, clearance: zone._turns(r, clearance) > 0,
+    )  # fmt: skip
     if not len(points):
         return
     r, clearance = points
@@ -201,11 +205,11 @@ def place_label(zone: Zone, ax: Any, inverse: bool, label: str) -> None:
     )
 
 
-def interior_points(zone: Zone) -> Any:
-    """A point of the zone far from its boundary, on a lattice of the window."""
-    r = np.linspace(*zone.r, 42)[1:-1]
-    clearance = np.geomspace(*zone.clearance, 62)[1:-1]
-    inside = zone._turns(r[:, None], clearance[None, :]) > 0
+def interior_points(
+    x: NDArray[np.float64], y: NDArray[np.float64], contains: Callable[..., NDArray[np.bool_]]
+) -> Any:
+    """A point of a zone far from its boundary, on a lattice of the window; none if the zone has none."""
+    inside = contains(x[:, None], y[None, :])
     if not inside.any():
         return ()
     depth = inside.astype(int)
@@ -215,4 +219,4 @@ def interior_points(zone: Zone) -> Any:
         wide = wide & padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
         depth += wide
     i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
-    return r[i], clearance[j]
+    return x[i], y[j]

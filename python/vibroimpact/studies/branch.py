@@ -17,6 +17,9 @@ from ..motion import Motion
 from ..noun import Noun, column
 from ..solve import frozen
 from ..status import VERDICT
+from ..structure import or_structure
+from ..structure_branch import branch_structure
+from ..structure_motion import StructureMotion
 from .switching import KINDS, switched
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
@@ -299,6 +302,7 @@ def guess_of(
     }  # fmt: skip
 
 
+@or_structure(branch_structure, StructureMotion)
 def branch(
     motion: Motion,
     parameter: str = "clearance",

@@ -18,6 +18,9 @@ from ..motion import Motion
 from ..namelist import symmetric_word
 from ..newton import newton
 from ..noun import Noun
+from ..structure import or_structure
+from ..structure_motion import StructureMotion
+from ..structure_zone import zone_structure
 from ..tables import runs
 from .geometry import signed_area, winding
 
@@ -384,6 +387,7 @@ NAMES = {
 WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 
+@or_structure(zone_structure, StructureMotion)
 def zone(
     osc: Oscillator,
     pattern: Pattern | str,

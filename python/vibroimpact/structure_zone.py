@@ -1,0 +1,336 @@
+"""Zones of stable, admissible motions of structures in the plane of two parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import checks, door
+from .errors import ParameterError, SingularError
+from .noun import Noun
+from .structure import Load, Structure
+from .structure_branch import case_from
+from .structure_motion import StructureMotion, exact_structure
+from .structure_path import Parameter, Path, keys_of_parameter
+from .structure_trajectory import structure_of
+from .studies.geometry import signed_area, winding
+from .tables import runs
+
+__all__ = ["StructurePiece", "StructureZone", "zone_structure"]
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StructurePiece:
+    """A piece of a boundary along which one condition is zero.
+
+    Attributes
+    ----------
+    type : str
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, window (an edge of the window), or joint, a
+        straight piece between two loose ends.
+    x, y : ndarray (M,)
+        Vertices in order; the first and the last are corners, unless the whole boundary is one piece.
+    speeds, phases : ndarray (N, M)
+        Approach speeds and load phases (rad) of the impacts of the motion at each vertex.
+    loop : int
+        The loop of `StructureZone.loops` to which it belongs; -1 for an open boundary.
+    detail : str
+        Which flight touches which gap, which impact, which edge.
+    symmetric : bool
+        Whether it bounds motions that are their own mirror image.
+    """
+
+    type: str
+    x: _Array
+    y: _Array
+    speeds: _Array
+    phases: _Array
+    loop: int
+    detail: str = ""
+    symmetric: bool = False
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def __repr__(self) -> str:
+        detail = f" ({self.detail})" if self.detail else ""
+        return (
+            f"<{self.type}{detail}: {len(self)} points, x {self.x.min():.6g} to {self.x.max():.6g}, "
+            f"y {self.y.min():.6g} to {self.y.max():.6g}>"
+        )
+
+
+class StructureZone(Noun, study="zone_structure"):
+    """The region of the plane of two parameters where motions of a structure are stable and admissible.
+
+    Attributes
+    ----------
+    x_parameter, y_parameter : str
+        Their names; "function" for a function.
+    x, y : (float, float)
+        The window.
+    structure : Structure
+    load : Load
+        Those of the motion from which the search started.
+    gaps : ndarray (N,)
+        The gap of each impact, from 0.
+    cycles : int
+        Load cycles in a period.
+    boundary : list of StructurePiece
+    loops : list of ndarray (M, 2)
+        Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole.
+    closed : bool
+        Whether every boundary that was found could be closed.
+    case : str
+        What was asked for as a namelist.
+    """
+
+    __slots__ = ("__dict__",)
+
+    @property
+    def x_parameter(self) -> str:
+        return str(self.keys["x"])
+
+    @property
+    def y_parameter(self) -> str:
+        return str(self.keys["y"])
+
+    @property
+    def x(self) -> tuple[float, float]:
+        return self.keys["x_low"], self.keys["x_high"]
+
+    @property
+    def y(self) -> tuple[float, float]:
+        return self.keys["y_low"], self.keys["y_high"]
+
+    def _one(self, name: str, table: str = "motion") -> Any:
+        """A value that describes the whole zone."""
+        return self._result.column(table, name).decoded()[0]
+
+    @property
+    def gaps(self) -> NDArray[np.int32]:
+        return np.asarray(self._one("gaps")).astype(np.int32)
+
+    @property
+    def cycles(self) -> int:
+        return int(self._one("cycles"))
+
+    @cached_property
+    def _start(self) -> tuple[Structure, Load]:
+        structure, load = structure_of(self._result, float(self._one("frequency")), True)
+        assert load is not None
+        return structure, load
+
+    @property
+    def structure(self) -> Structure:
+        return self._start[0]
+
+    @property
+    def load(self) -> Load:
+        return self._start[1]
+
+    @property
+    def closed(self) -> bool:
+        return bool(self._one("closed", "families"))
+
+    @cached_property
+    def boundary(self) -> list[StructurePiece]:
+        pieces, vertices = (self._result.tables[name] for name in ("pieces", "vertices"))
+        labels = {name: item.decoded() for name, item in pieces.columns.items()}
+        values = [vertices.columns[name].values for name in ("x", "y", "speeds", "phases")]
+        found = []
+        for i, here in enumerate(runs(vertices)):
+            x, y, speeds, phases = (item[here] for item in values)
+            found.append(
+                StructurePiece(
+                    str(labels["type"][i]), x, y, speeds.T, phases.T, int(labels["loop"][i]) - 1,
+                    str(labels["detail"][i]), bool(labels["symmetric"][i]),
+                )
+            )  # fmt: skip
+        return found
+
+    @cached_property
+    def loops(self) -> list[_Array]:
+        rings = self._result.tables["rings"]
+        points = np.stack([rings.columns[name].values for name in ("x", "y")], axis=1)
+        return [points[here] for here in runs(rings, self._result.tables["loops"].dims["ring"])]
+
+    def contains(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
+        """Whether there is a stable, admissible motion of this family at points; only closed loops count.
+
+        Parameters
+        ----------
+        x, y : array_like
+            Broadcast against each other.
+
+        Returns
+        -------
+        ndarray of bool
+            False outside the window.
+        """
+        xs, ys = np.broadcast_arrays(
+            checks.real_array(x, "x", "real numbers"), checks.real_array(y, "y", "real numbers")
+        )
+        points = self._square(np.stack([xs.ravel(), ys.ravel()], axis=1))
+        total = np.zeros(len(points), dtype=np.int64)
+        for ring in self.loops:
+            total += winding(self._square(ring), points)
+        return np.asarray(total.reshape(xs.shape) > 0)
+
+    def _square(self, points: _Array) -> _Array:
+        """Points (M, 2) in the unit square, with the exponential of the second coordinate."""
+        scaled = (points - (self.x[0], self.y[0])) / (np.ptp(self.x), np.ptp(self.y))
+        return np.stack([scaled[:, 0], np.exp(scaled[:, 1])], axis=1)
+
+    def at(self, x: float, y: float) -> tuple[Structure, Load]:
+        """The structure and the load at values of both parameters."""
+        place = [checks.to_float(value, "x, y", "finite numbers") for value in (x, y)]
+        return Path(self._result, *self._start, [self.x, self.y]).at(*place)
+
+    def motion(self, x: float, y: float) -> StructureMotion | None:
+        """The motion at a point, followed from the nearest vertex of the boundary; it need not be stable.
+
+        None if it cannot be followed so far.
+        """
+        if not self.boundary:
+            return None
+        target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
+        size = np.array([np.ptp(self.x), np.ptp(self.y)])
+        near = [np.linalg.norm((np.c_[p.x, p.y] - target) / size, axis=1) for p in self.boundary]
+        best = min(range(len(near)), key=lambda i: float(near[i].min()))
+        piece, j = self.boundary[best], int(np.argmin(near[best]))
+        start, phases, found = np.array([piece.x[j], piece.y[j]]), piece.phases[:, j], None
+        for share in np.linspace(0, 1, 7)[1:]:
+            place = start + share * (target - start) if share < 1 else target
+            try:
+                found = exact_structure(
+                    *self.at(*place.tolist()), (np.sort(phases), self.gaps.tolist(), self.cycles)
+                )
+            except SingularError:
+                return None
+            phases = found.phases
+        return found if found is not None and found.consistent and found.admissible else None
+
+    @property
+    def area(self) -> float:
+        """Area in the plane of both parameters; zones of motions that coexist are added."""
+        return sum(signed_area(ring) for ring in self.loops)
+
+    def require(self) -> None:
+        """SingularError if there is no zone."""
+        if "pieces" not in self._result.tables:
+            raise SingularError(self._result.notes[0][1])
+
+    def parts(self) -> list[Any]:
+        """The zone, unless the search failed."""
+        return [] if self._result.empty else [self]
+
+    def __bool__(self) -> bool:
+        return not self._result.empty and bool(self.loops)
+
+    @property
+    def drawable(self) -> bool:  # type: ignore[override]
+        """Whether it has a loop."""
+        return bool(self)
+
+    def plot(self, ax: Any = None, label: str = "") -> Any:
+        """Draw the zone with its boundary pieces distinguished by line style and colour.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        label : str
+            Written into the zone.
+
+        Returns
+        -------
+        Axes
+        """
+        return self._draw(ax, label)
+
+    def __repr__(self) -> str:
+        if self._result.empty:
+            return "<StructureZone: none>"
+        kinds = list(dict.fromkeys(piece.type for piece in self.boundary if piece.type != "window"))
+        loops = f"{len(self.loops)} loop{'s' if len(self.loops) != 1 else ''}"
+        return (
+            f"<StructureZone over {self.x_parameter} and {self.y_parameter}: {loops}, "
+            f"bounded by {', '.join(kinds) or 'nothing'}{'' if self.closed else ', NOT closed'}>"
+        )
+
+
+def zone_structure(
+    motion: StructureMotion,
+    x: tuple[Parameter, float, float],
+    y: tuple[Parameter, float, float],
+    lines: int = 17,
+    max_points: int = 20_000,
+    progress: door.Progress | None = None,
+    x_at: float | None = None,
+    y_at: float | None = None,
+) -> StructureZone:
+    """The zone of stable, admissible motions around a motion of a structure, as closed curves of named pieces.
+
+    The lines of a lattice over the window are followed through the motion and through each motion where two lines
+    cross, on every sheet that they reach. Where a line enters or leaves a zone, the boundary is traced as by
+    `vibroimpact.zone`, which calls this for a `StructureMotion`. Motions with other impacts, and sheets that are
+    not connected to the motion, have zones of their own.
+
+    Parameters
+    ----------
+    motion : StructureMotion
+        Without rest, with at most 24 impacts; it need not be stable.
+    x, y : (parameter, float, float)
+        Each a parameter, as in `vibroimpact.branch`, with its lowest and highest value.
+    lines : int
+        Lattice lines in each direction, 5 to 129. A part of the zone that touches no line can be missed.
+    max_points : int
+        Most vertices of a loop.
+    progress : callable, optional
+        As in `vibroimpact.zone`.
+    x_at, y_at : float, optional
+        The value of a parameter at the motion, if it is a function.
+
+    Returns
+    -------
+    StructureZone
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+    SingularError
+        If the motion rests, or repeats itself.
+
+    Examples
+    --------
+    The motion of the third column of Table 1 of the 1983 paper, by the matrices of its two masses:
+
+    >>> import math, vibroimpact as vi
+    >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
+    >>> phases = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
+    >>> motion = vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, [0, 1]))
+    >>> zone = vi.zone(motion, x=("frequency", 0.8, 1.2), y=("opening", 2.0, 40.0))
+    >>> zone, zone.contains(0.94, [10.0, 18.5])
+    (<StructureZone over frequency and opening: 1 loop, bounded by flip, pitchfork>, array([False,  True]))
+    """
+    checks.instance(motion, "motion", StructureMotion)
+    keys: dict[str, Any] = {}
+    for name, axis, start in (("x", x, x_at), ("y", y, y_at)):
+        wanted = "(parameter, lowest, highest)"
+        if not isinstance(axis, tuple) or len(axis) != 3:
+            raise ParameterError(f"{name} = {axis!r}: must be {wanted}")
+        keys |= keys_of_parameter(
+            motion.structure, motion.load, axis[0], axis[1:], start, name, f"{name}_"
+        )
+    keys |= {"lines": lines, "max_points": max_points}
+    found = door.run_text(StructureZone, case_from(motion, "zone", keys), progress=progress)
+    found.require()
+    return found
