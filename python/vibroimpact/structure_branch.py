@@ -262,9 +262,9 @@ def branch_structure(
     >>> import vibroimpact as vi
     >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
     >>> motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
-    >>> path = vi.branch(motion, "frequency", bounds=(0.8, 1.5))
-    >>> [(point.type, round(point.value, 6)) for point in path.special_points]
-    []
+    >>> path = vi.branch(motion, "frequency", bounds=(0.6, 3.0))
+    >>> [(point.type, round(point.value, 6)) for point in path.special_points[1:4]]
+    [('grazing', 0.704494), ('fold', 1.750143), ('zero_approach', 1.410674)]
     """
     checks.instance(motion, "motion", StructureMotion)
     keys = keys_of_parameter(
