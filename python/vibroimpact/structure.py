@@ -314,18 +314,15 @@ class Load(ByValue):
                     array[None] if array.ndim == 1 else array, name, wanted, (-1, -1)
                 )
         if constant is not None:
-            parts["constant"] = _numbers(constant, "constant", "one force a coordinate", (-1,))
-        sizes = {array.shape[-1] for array in parts.values()}
-        if len(sizes) != 1:
-            what = (
-                "give sine, cosine or constant"
-                if not sizes
-                else f"they are for {sorted(sizes)} coordinates"
-            )
-            raise ParameterError(
-                f"sine, cosine, constant: must be for the same coordinates; {what}"
-            )
-        n = sizes.pop()
+            wanted = "a list (n,) with one force for each coordinate"
+            parts["constant"] = _numbers(constant, "constant", wanted, (-1,))
+        if not parts:
+            raise ParameterError("sine, cosine, constant: one of them must be given")
+        sizes = {name: array.shape[-1] for name, array in parts.items()}
+        n = min(sizes.values())
+        if n == 0 or len(set(sizes.values())) > 1:
+            found = ", ".join(f"{name} is for {size}" for name, size in sizes.items())
+            raise ParameterError(f"{found}: must be for the same number of coordinates, at least 1")
         harmonics = max(
             (len(array) for name, array in parts.items() if name != "constant"), default=0
         )

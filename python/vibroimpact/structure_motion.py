@@ -73,7 +73,7 @@ class StructureMotion(Savable, study="motion_structure"):
         ``gap, begin, end``: gaps that rest, and the load phases (rad) at which each rest begins and ends. The
         impacts of the accumulation before it are listed down to those whose effect is below rounding.
     request : dict or None
-        The case by the keys of a &motion; None if it was read from a file without its case.
+        The case by the keys of a &motion; None with ``full=True``, or if it was read from a file without its case.
     """
 
     structure: Structure
@@ -173,7 +173,7 @@ class StructureMotion(Savable, study="motion_structure"):
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
         if self.request is None:
             raise ParameterError(
-                f"{self!r}: has no namelist, since the file has none from which it was read"
+                f"{self!r}: has no namelist, since it was computed with full=True or read from a file without one"
             )
         groups = [*self.structure._groups(), *self.load._groups(), ("motion", self.request)]
         return namelist.text(groups)

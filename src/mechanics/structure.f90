@@ -15,8 +15,13 @@ module vi_structure
    implicit none (type, external)
    private
 
-   public :: check_structure, new_load, new_regime, new_structure, restitution_of, state_of, &
-      to_pairs
+   public :: check_structure, is_extreme, new_load, new_regime, new_structure, restitution_of, &
+      state_of, to_pairs
+
+   !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds on
+   !! derivatives up to the 21st are represented; an opening from which on a gap never closes.
+   real(wp), parameter :: shortest_unit = 1.0e-12_wp, smallest = 1.0e-40_wp, &
+      largest = 1.0e40_wp, never = 1.0e290_wp
 
    !> A structure and its gaps.
    type, public :: structure_type
@@ -243,6 +248,15 @@ contains
       end do
    end subroutine set_lists
 
+   !> Whether a length or a mass is so small or large that bounds on derivatives may not be
+   !! represented.
+   elemental logical function is_extreme(size)
+      !> The length or mass, >= 0.
+      real(wp), intent(in) :: size
+
+      is_extreme = size > 0 .and. .not. (size >= smallest .and. size <= largest)
+   end function is_extreme
+
    !> The motion of a structure while a set of gaps is at rest.
    pure subroutine new_regime(structure, load, resting, regime, status)
       !> The structure.
@@ -253,7 +267,8 @@ contains
       integer, intent(in) :: resting(:)
       !> The motion.
       type(regime_type), intent(out) :: regime
-      !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates.
+      !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates;
+      !! `stat%extreme_units`.
       integer, intent(out) :: status
       type(decoupled_type) :: parts
       real(wp), allocatable :: basis(:, :), inverse(:, :), forces(:, :), drifts(:, :)
@@ -324,6 +339,12 @@ contains
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
       call set_tables(regime)
+      if (.not. regime%unit >= shortest_unit) status = stat%extreme_units
+      associate (openings => structure%openings)
+         if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &
+            is_extreme(maxval([0.0_wp, abs(regime%steady)])) .or. &
+            any(is_extreme(structure%effective))) status = stat%extreme_units
+      end associate
    contains
       !> A matrix of the structure between the vectors of the basis.
       pure function between(matrix) result(reduced)

@@ -54,6 +54,9 @@ module vi_status
       integer :: no_impacts = 21
       !> A simulation does not repeat within the load cycles allowed.
       integer :: no_period = 22
+      !> Lengths, masses or frequencies of a structure are so small or large that powers of them are not
+      !! represented.
+      integer :: extreme_units = 23
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -125,6 +128,9 @@ contains
          text = 'a gap is less than closed in the initial state'
       case (stat%no_impacts)
          text = 'the simulation settles on a motion without impacts; start from another state'
+      case (stat%extreme_units)
+         text = 'frequencies are above 1e12, or masses, openings, forced motions and states &
+            &beyond 1e-40 to 1e40: choose other units'
       case (stat%no_period)
          text = 'the simulation does not repeat within the most load cycles of a period; simulate &
             &longer first, or allow more'

@@ -9,8 +9,8 @@ module vi_structure_run
    use vi_status, only: stat
    use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
    use vi_structure_record, only: pass_intervals, set_forces
-   use vi_structure, only: check_structure, load_type, new_regime, regime_type, restitution_of, &
-      state_of, structure_type, to_pairs
+   use vi_structure, only: check_structure, is_extreme, load_type, new_regime, regime_type, &
+      restitution_of, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -89,7 +89,7 @@ contains
       real(wp), intent(in) :: time, q(:), rate(:)
       !> The state.
       type(run_state_type), intent(out) :: state
-      !> `stat%ok`, or `stat%gap_closed` if a gap is negative.
+      !> `stat%ok`, `stat%extreme_units`, or `stat%gap_closed` if a gap is negative.
       integer, intent(out) :: status
       !> Share of the size of a gap that counts as rounding of a state computed elsewhere.
       real(wp), parameter :: rounding = 1.0e-13_wp
@@ -98,6 +98,10 @@ contains
       integer :: j, n
 
       n = size(q)
+      if (is_extreme(max(maxval(abs(q)), run%regimes(1)%unit*maxval(abs(rate))))) then
+         status = stat%extreme_units
+         return
+      end if
       state%cycle = floor(time/run%period, int64)
       state%elapsed = max(0.0_wp, time - real(state%cycle, wp)*run%period)
       allocate (closed(0))

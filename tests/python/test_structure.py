@@ -423,3 +423,34 @@ def test_samples_after_many_cycles():
     # an impact that is rounded to another side of a sample changes the velocities there
     near = np.abs(t[:, None] - first.events["time"]).min(axis=1) < 1e-6
     assert np.abs(early - later)[..., ~near].max() < 16 * np.spacing(late)
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    ({}, "one of them must be given"), ({"constant": 3.0}, r"constant of shape \(\): must be a list \(n,\)"),
+    ({"constant": [[1, 2]]}, r"constant of shape \(1, 2\): must be a list"), ({"constant": []}, "is for 0"),
+    ({"frequency": 1, "sine": [1, 0], "constant": [1, 2, 3]}, "sine is for 2, constant is for 3: must be"),
+])  # fmt: skip
+def test_bad_loads(words, message):
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.Load(**words)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-60, 1e60, 1e200])
+@pytest.mark.parametrize("of", ["length", "mass", "time"])
+def test_extreme_units_are_refused(scale, of):
+    """Powers of them would underflow or overflow, so that impacts are missed; moderate ones change nothing."""
+
+    def simulated(unit):
+        m, d, t = (unit if name == of else 1.0 for name in ("mass", "length", "time"))
+        gaps = [vi.Gap([-1, 1], 0.5 * d, 0.8), vi.Gap([1, -1], 0.5 * d, 0.8)]
+        stiffness = m / t / t
+        s = vi.Structure([m, 0.1 * m], [0.02 * m / t, 0], [stiffness, 0], gaps)
+        return vi.simulate(s, vi.Load(1.1 / t, sine=[0.1 * d * stiffness, 0]), cycles=20)
+
+    wanted = "choose other units|finite|eigenvalue|duration|definite"
+    with pytest.raises((vi.SingularError, vi.ParameterError), match=wanted):
+        simulated(scale)
+    for unit in (2.0**-30, 2.0**30):
+        events = simulated(unit).events
+        time = unit if of == "time" else 1.0
+        assert np.array_equal(events["time"] / time, simulated(1.0).events["time"])
