@@ -18,7 +18,8 @@ from .motion import Motion, MotionSet
 from .namelist import keys_of, parts_of
 from .noun import RESULTS, Noun
 from .record import Record
-from .structure import Load, Structure, from_groups
+from .structure import Load, Structure
+from .structure_groups import from_groups
 from .tables import Handle, language, message_of
 
 __all__ = ["Case", "read_namelist"]

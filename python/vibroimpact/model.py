@@ -16,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import checks
 from .errors import ParameterError, ParameterTypeError
 from .jupyter import facts_html
+from .restitution import PowerLaw, Restitution, TabulatedRestitution
+from .structure import Gap, Structure
 
 if TYPE_CHECKING:
     from .motion import Motion
@@ -176,6 +178,48 @@ class Oscillator:
                 f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
             )
         return cls(xi=xi, mu=m / M, restitution=restitution, M=M, K=K)
+
+    def structure(
+        self, clearance: float, restitution: Restitution | tuple[Restitution, Restitution] | None = None
+    ) -> Structure:  # fmt: skip
+        """The same two masses as a structure, whose coefficients of restitution may depend on the approach speed.
+
+        Coordinates are x and z, gap 0 is the right wall and gap 1 the left one. The load sin(r t) is
+        ``Load(r, sine=[1, 0])``.
+
+        Parameters
+        ----------
+        clearance : float
+            d K/F0 > 0, the whole travel of the free mass.
+        restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
+            Those of the oscillator by default. Speeds of a law are in F0 omega/K.
+
+        Returns
+        -------
+        Structure
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed, or mu is 0: a structure has no body without mass.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> pair = osc.structure(37.0, vi.PowerLaw(0.75, speed=20, exponent=0.25))
+        >>> vi.exact(pair, vi.Load(0.94, sine=[1, 0]), ([1.6, 6.0], [0, 1]))
+        <StructureMotion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
+        """
+        if not self.mu > 0:
+            raise ParameterError(f"mu = {self.mu!r}: must be > 0 for a structure")
+        half = 0.5 * _positive(clearance, "clearance")
+        right, left = (
+            restitution if isinstance(restitution, (tuple, list))
+            else self.restitution if restitution is None else (restitution, restitution)
+        )  # fmt: skip
+        gaps = [Gap([-1, 1], half, right), Gap([1, -1], half, left)]
+        return Structure([1, self.mu], [2 * self.xi, 0], [1, 0], gaps)
 
     def units(self, F0: float) -> Units:
         """Physical units of length, time, velocity, … for a load amplitude F0.
@@ -479,6 +523,11 @@ def plain_pattern(value: Any) -> Pattern:
 
 
 def _walls(restitution: Any) -> tuple[float, float]:
+    laws = restitution if isinstance(restitution, (tuple, list)) else (restitution,)
+    if any(isinstance(law, (PowerLaw, TabulatedRestitution)) for law in laws):
+        raise ParameterTypeError(
+            f"restitution = {restitution!r}: must be numbers; Oscillator.structure takes laws over the speed"
+        )
     if isinstance(restitution, (tuple, list, np.ndarray)) and np.ndim(restitution) == 1:
         if len(restitution) != 2:
             raise ParameterError(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,12 +19,8 @@ from .restitution import (
     TabulatedRestitution,
     checked,
     keys_of_law,
-    law_of_keys,
     numbers_of,
 )
-
-if TYPE_CHECKING:
-    from .record import Record
 
 __all__ = ["Gap", "Load", "Structure"]
 
@@ -383,48 +379,3 @@ def or_structure(
         return either
 
     return decorate
-
-
-def from_groups(
-    groups: Sequence[tuple[str, Mapping[str, Any]]],
-) -> tuple[Structure, Load | Record | None]:
-    """The structure and the load of the groups of a namelist, as the core has completed them."""
-    from .record import Record
-
-    (_, keys), *parts = groups
-    gaps = [
-        Gap(np.atleast_1d(part["direction"]), part["opening"], law_of_keys(part))
-        for name, part in parts if name == "gap"
-    ]  # fmt: skip
-    if "frequencies" in keys:
-        omega = np.atleast_1d(keys["frequencies"])
-        shapes = np.reshape(keys["shapes"], (-1, len(omega)))
-        structure = Structure.from_modes(omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps)
-    else:
-        n = len(gaps[0].direction)
-        mass, damping, stiffness = (
-            _square(keys[name], n) for name in ("mass", "damping", "stiffness")
-        )
-        structure = Structure(mass, damping, stiffness, gaps)
-    load: Load | Record | None = None
-    for part in (part for name, part in parts if name == "load"):
-        n = structure.coordinates
-        constant = np.atleast_1d(part["constant"]) if "constant" in part else None
-        if "record" in part:
-            weights = (
-                np.reshape(part["weights"], (-1, n)) if "weights" in part
-                else np.eye(n)[np.atleast_1d(part.get("acts_on", np.arange(n)))]
-            )  # fmt: skip
-            samples = np.reshape(part["record"], (-1, len(weights)))
-            return structure, Record(part["step"], samples, constant, weights)
-        harmonics = {
-            name: np.reshape(part[name], (-1, n)) for name in ("sine", "cosine") if name in part
-        }
-        load = Load(part.get("frequency"), **harmonics, constant=constant)
-    return structure, load
-
-
-def _square(numbers: Any, n: int) -> Any:
-    """A matrix, or its diagonal, from a list."""
-    array = np.atleast_1d(numbers)
-    return array if len(array) == n else array.reshape(n, n)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from . import checks, door, namelist
 from .errors import ParameterError
 from .noun import Noun
-from .structure import Load, Structure, from_groups
+from .structure import Load, Structure
+from .structure_groups import from_groups
 from .structure_trajectory import _state
 from .tables import language
 

@@ -16,7 +16,8 @@ from .noun import Noun, Savable
 from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .status import MORE_EVENTS, raise_status, sentence
-from .structure import Gap, Load, Structure, from_groups
+from .structure import Gap, Load, Structure
+from .structure_groups import from_groups
 from .tables import Result, made
 
 __all__ = ["StructureTrajectory", "simulate_structure"]

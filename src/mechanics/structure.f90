@@ -18,8 +18,8 @@ module vi_structure
    public :: check_structure, is_extreme, new_load, new_regime, new_structure, restitution_of, &
       state_of, to_pairs
 
-   !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds on
-   !! derivatives up to the 21st are represented; an opening from which on a gap never closes.
+   !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
+   !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
    real(wp), parameter :: shortest_unit = 1.0e-12_wp, smallest = 1.0e-40_wp, &
       largest = 1.0e40_wp, never = 1.0e290_wp
 

@@ -54,8 +54,8 @@ module vi_status
       integer :: no_impacts = 21
       !> A simulation does not repeat within the load cycles allowed.
       integer :: no_period = 22
-      !> Lengths, masses or frequencies of a structure are so small or large that powers of them are not
-      !! represented.
+      !> Lengths, masses or frequencies of a structure are so small or large that powers of them
+      !! are not represented.
       integer :: extreme_units = 23
    end type status_codes
 

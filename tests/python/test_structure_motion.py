@@ -336,6 +336,55 @@ def test_a_motion_through_a_wall_is_not_admissible():
     assert motion.admissible is False
 
 
+def test_the_oscillator_as_a_structure():
+    """With constant restitution the motion of the oscillator; with laws det[P] and the energy of each impact."""
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.7))
+    load = vi.Load(0.94, sine=[1, 0])
+    plain = vi.exact(osc, 0.94, 37.0, ([0, 4.4], "RL"))
+    same = vi.exact(osc.structure(37.0), load, ([1.6, 6.0], [0, 1]))
+    assert np.ptp(same.phases) == pytest.approx(np.ptp(plain.phases), rel=1e-11)
+    np.testing.assert_allclose(
+        np.sort(np.abs(same.multipliers)), np.sort(np.abs(plain.multipliers)), rtol=1e-9
+    )
+    flat = vi.exact(osc.structure(37.0, vi.PowerLaw(0.75, 20, 0)), load, same)
+    even = vi.exact(osc.structure(37.0, 0.75), load, same)
+    np.testing.assert_allclose(flat.phases, even.phases, rtol=1e-14)
+    law = vi.PowerLaw(0.75, speed=20, exponent=0.25)
+    table = vi.TabulatedRestitution([0, 10, 40, 100], [0.8, 0.78, 0.7, 0.5])
+    motion = vi.exact(osc.structure(37.0, (law, table)), load, same)
+    assert motion.consistent
+    effective = 0.042 / 1.042
+    product = 1.0
+    for gap, speed, impulse, state in zip(
+        motion.gaps, motion.speeds, motion.impulses, motion.states, strict=True
+    ):
+        of = (law, table)[gap]
+        r, slope = float(of(speed)), float(of.slope(speed))
+        product *= r * (r + slope * speed)
+        assert impulse == pytest.approx((1 + r) * effective * speed, rel=1e-14)
+        after = state[1]
+        before = after + impulse * motion.structure.gaps[gap].direction / [1, 0.042]
+        lost = 0.5 * ([1, 0.042] @ (before**2 - after**2))
+        assert lost == pytest.approx(0.5 * effective * (1 - r**2) * speed**2, rel=1e-11)
+    assert motion.determinant == pytest.approx(
+        product * math.exp(-2 * 0.005 * motion.period), rel=1e-10
+    )
+
+
+@pytest.mark.parametrize(("words", "wanted"), [
+    ({"clearance": 0}, "clearance = 0"), ({"clearance": 1.0, "restitution": 2}, "restitution"),
+])  # fmt: skip
+def test_bad_oscillators_as_structures(words, wanted):
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    with pytest.raises(ParameterError, match=wanted):
+        osc.structure(**words)
+    with pytest.raises(ParameterError, match="mu = 0"):
+        vi.Oscillator(xi=0.005, mu=0, restitution=0.75).structure(1.0)
+    for law in (vi.PowerLaw(0.75, 20, 0.25), (0.7, vi.TabulatedRestitution([0, 1], [1, 0.5]))):
+        with pytest.raises(ParameterTypeError, match=r"Oscillator.structure takes laws"):
+            vi.Oscillator(xi=0.005, mu=0.042, restitution=law)
+
+
 def test_a_motion_is_drawn_by_its_own_flights():
     """A simulation of its period would leave an unstable motion, and would stop where a gap is negative."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.1, 0.8)])
