@@ -2,7 +2,8 @@
 !!
 !! M q'' + C q' + K q = 0 separates into bodies, the connected parts of the graph of nonzeros, and
 !! each body into modes (DSYGV). Where damping couples the modes, the complex eigenvectors of the
-!! body (DGEEV) give pairs that damping does not couple.
+!! body (DGEEV) give pairs that damping does not couple. At critical damping the two eigenvectors of
+!! a pair coincide; near it, the pair comes from the plane that they span.
 module vi_decoupling
    use vi_eigen_routines, only: dgesv, dsygv
    use vi_kinds, only: wp
@@ -31,8 +32,12 @@ module vi_decoupling
    real(wp), parameter :: zero_frequency = 1.0e-13_wp
    !> Largest coupling by damping, over sqrt(omega_i omega_j), of modes that count as uncoupled.
    real(wp), parameter :: no_coupling = 1.0e-12_wp
-   !> Largest condition number of the matrix of complex eigenvectors.
-   real(wp), parameter :: largest_condition = 1.0e5_wp
+   !> Two eigenvalues of a pair that are closer, relative to their size, have nearly the same
+   !! eigenvector.
+   real(wp), parameter :: close = 1.0e-2_wp
+   !> Largest condition number of the change from pairs to coordinates and velocities: flights then
+   !! have errors below 1e-12.
+   real(wp), parameter :: largest_condition = 1.0e4_wp
 
 contains
 
@@ -161,11 +166,12 @@ contains
       type(decoupled_type), intent(inout) :: decoupled
       !> As in `decouple`.
       integer, intent(out) :: status
-      real(wp), allocatable, dimension(:, :) :: a, vectors, back, factor
-      real(wp), allocatable :: re(:), im(:), work(:)
+      real(wp), allocatable, dimension(:, :) :: a, matrix, vectors, back, factor
+      real(wp), allocatable :: re(:), im(:), work(:), speeds(:), omega2(:), sigma(:), plane(:, :)
       real(wp) :: unused(1, 1), to_pairs(size(at), size(at))
       integer, allocatable :: rigid(:), others(:), pivot(:), reals(:), list(:)
       integer :: i, j, k, m, n, info
+      logical :: coincide
 
       m = size(at)
       ! an undamped mode of frequency 0 would have a defective eigenvalue: it is a pair already
@@ -174,54 +180,79 @@ contains
       others = pack([(i, i=1, m)], [(.not. any(rigid == i), i=1, m)])
       n = size(others)
       allocate (a(2*n, 2*n), vectors(2*n, 2*n), back(2*n, 2*n), re(2*n), im(2*n), work(16*n), &
-         pivot(2*n))
+         pivot(2*n), omega2(n), sigma(n))
       a = 0
       do i = 1, n
          a(i, n + i) = 1
          a(n + i, i) = -omega_squared(others(i))
          a(n + i, n + 1:) = -coupling(others(i), others)
       end do
+      allocate (matrix, source=a)
       call geev('N', 'V', 2*n, a, 2*n, re, im, unused, 1, vectors, 2*n, work, size(work), info)
       status = merge(stat%ok, stat%lapack_failed, info == 0)
       if (info /= 0) return
-      ! real eigenvalues are paired: the slowest with the fastest
-      list = pack([(i, i=1, 2*n)], .not. abs(im) > 0)
-      allocate (reals(0))
-      do while (size(list) > 0)
-         j = minloc(abs(re(list)), 1)
-         reals = [reals, list(j)]
-         list = pack(list, list /= list(j))
-         j = maxloc(abs(re(list)), 1)
-         reals = [reals, list(j)]
-         list = pack(list, list /= list(j))
-      end do
       decoupled%stiffness(at(rigid)) = 0
       decoupled%damping(at(rigid)) = 0
       decoupled%qx(at, at(rigid)) = shapes(:, rigid)
       decoupled%dv(at, at(rigid)) = shapes(:, rigid)
+      ! positions times a frequency are comparable with velocities
+      speeds = sqrt(omega_squared(others))
+      where (.not. speeds > 0) speeds = maxval(sqrt(omega_squared))
+      where (.not. speeds > 0) speeds = 1
       a = 0
-      k = 0
-      do i = 1, 2*n
-         if (.not. im(i) > 0) cycle
-         ! the columns are Re and Im of an eigenvector c: q = Re(c e^(lambda t))
-         k = k + 1
-         decoupled%stiffness(at(others(k))) = re(i)**2 + im(i)**2
-         decoupled%damping(at(others(k))) = max(0.0_wp, -re(i))
-         a(:, k) = vectors(:, i) - re(i)/im(i)*vectors(:, i + 1)
-         a(:, n + k) = vectors(:, i + 1)/im(i)
-      end do
-      do i = 1, size(reals), 2
-         k = k + 1
-         associate (slow => re(reals(i)), fast => re(reals(i + 1)))
-            decoupled%stiffness(at(others(k))) = max(0.0_wp, slow*fast)
-            decoupled%damping(at(others(k))) = max(0.0_wp, -0.5_wp*(slow + fast))
-            if (abs(slow) <= 16*n*epsilon(1.0_wp)*maxval(hypot(re, im))) then
-               decoupled%stiffness(at(others(k))) = 0
+      k = 1
+      list = pack([(i, i=1, 2*n)], .not. im < 0)
+      allocate (reals(0))
+      do while (size(list) > 0)
+         i = list(1)
+         list = list(2:)
+         plane = vectors(:, [i, min(i + 1, 2*n)])
+         coincide = .false.
+         if (im(i) > 0) then
+            if (2*im(i) <= close*abs(re(i))) call coinciding_pair(matrix, speeds, re(i), &
+               2*im(i), plane, omega2(k), sigma(k), coincide)
+            if (.not. coincide) then
+               ! the columns are Re and Im of an eigenvector c: q = Re(c e^(lambda t))
+               omega2(k) = re(i)**2 + im(i)**2
+               sigma(k) = -re(i)
+               plane(:, 1) = vectors(:, i) - re(i)/im(i)*vectors(:, i + 1)
+               plane(:, 2) = vectors(:, i + 1)/im(i)
             end if
-            a(:, k) = (slow*vectors(:, reals(i + 1)) - fast*vectors(:, reals(i)))/(slow - fast)
-            a(:, n + k) = (vectors(:, reals(i)) - vectors(:, reals(i + 1)))/(slow - fast)
-         end associate
+         else
+            do m = 1, size(list)
+               j = list(m)
+               if (im(j) > 0 .or. abs(re(j) - re(i)) > close*abs(re(i))) cycle
+               plane = vectors(:, [i, j])
+               call coinciding_pair(matrix, speeds, 0.5_wp*(re(j) + re(i)), abs(re(j) - re(i)), &
+                  plane, omega2(k), sigma(k), coincide)
+               if (coincide) exit
+            end do
+            if (.not. coincide) then
+               reals = [reals, i]
+               cycle
+            end if
+            list = pack(list, list /= j)
+         end if
+         a(:, [k, n + k]) = plane
+         k = k + 1
       end do
+      ! the other real eigenvalues are paired: the slowest with the fastest
+      do while (size(reals) > 0)
+         i = reals(minloc(abs(re(reals)), 1))
+         reals = pack(reals, reals /= i)
+         j = reals(maxloc(abs(re(reals)), 1))
+         reals = pack(reals, reals /= j)
+         omega2(k) = re(i)*re(j)
+         sigma(k) = -0.5_wp*(re(i) + re(j))
+         if (abs(re(i)) <= 16*n*epsilon(1.0_wp)*maxval(hypot(re, im))) omega2(k) = 0
+         ! their difference is small only if they nearly coincide
+         if (dot_product(vectors(:, i), vectors(:, j)) < 0) vectors(:, j) = -vectors(:, j)
+         a(:, k) = (re(i)*vectors(:, j) - re(j)*vectors(:, i))/(re(i) - re(j))
+         a(:, n + k) = (vectors(:, i) - vectors(:, j))/(re(i) - re(j))
+         k = k + 1
+      end do
+      decoupled%stiffness(at(others)) = max(0.0_wp, omega2)
+      decoupled%damping(at(others)) = max(0.0_wp, sigma)
       back = 0
       do i = 1, 2*n
          back(i, i) = 1
@@ -230,7 +261,7 @@ contains
       call dgesv(2*n, 2*n, factor, 2*n, pivot, back, 2*n, info)
       if (info /= 0) then
          status = stat%defective
-      else if (condition(a, back) > largest_condition) then
+      else if (.not. condition(a, back, [speeds, spread(1.0_wp, 1, n)]) <= largest_condition) then
          status = stat%defective
       end if
       if (status /= stat%ok) return
@@ -247,17 +278,93 @@ contains
       decoupled%vd(at(others), at) = matmul(back(n + 1:, n + 1:), to_pairs(others, :))
    end subroutine decouple_damping
 
-   !> The condition number, in the Frobenius norm, of a matrix with its columns scaled to length 1;
-   !! the inverse is given.
-   pure real(wp) function condition(a, inverse)
-      !> (n, n) The matrix and its inverse.
-      real(wp), intent(in) :: a(:, :), inverse(:, :)
-      real(wp) :: lengths(size(a, 1))
+   !> The pair of two eigenvalues that nearly coincide, and whose eigenvectors do, too: x and v are
+   !! coordinates in the plane that is spanned by both.
+   !!
+   !! The span of two vectors tends to the plane if they are multiplied again and again by the
+   !! inverse of A less a number near the eigenvalues. A in this plane is a 2 x 2 matrix T. With
+   !! columns a and b of the change of coordinates, A b = a - 2 sigma b and A a = -omega^2 b.
+   pure subroutine coinciding_pair(matrix, speeds, mean, apart, plane, omega2, sigma, good)
+      !> (2n, 2n) A, and (n) the frequencies that make positions comparable with velocities.
+      real(wp), intent(in) :: matrix(:, :), speeds(:)
+      !> Mean real part of the eigenvalues, and the distance between them.
+      real(wp), intent(in) :: mean, apart
+      !> (2n, 2) In: two vectors near the plane. Out: a and b, if the eigenvectors nearly coincide.
+      real(wp), intent(inout) :: plane(:, :)
+      !> omega^2 and sigma of the pair.
+      real(wp), intent(out) :: omega2, sigma
+      !> Whether they do.
+      logical, intent(out) :: good
+      integer, parameter :: turns = 20
+      !> The shift is not too near the eigenvalues, so that one vector does not outgrow the other.
+      real(wp), parameter :: offset = 0.02_wp, accuracy = 1.0e-14_wp
+      real(wp), dimension(size(matrix, 1), size(matrix, 1)) :: scaled, factor
+      real(wp) :: q(size(matrix, 1), 2), scale(size(matrix, 1)), t(2, 2), part(2, 2), y(2)
+      integer :: i, info, n, pivot(size(matrix, 1))
+
+      n = size(matrix, 1)
+      scale = [speeds, spread(1.0_wp, 1, size(speeds))]
+      scaled = matrix*spread(scale, 2, n)/spread(scale, 1, n)
+      q = plane*spread(scale, 2, 2)
+      do i = 1, turns
+         ! a product with the inverse would lose digits: only a solution is that of a matrix which
+         ! differs by rounding
+         factor = scaled
+         call add_to_diagonal(factor, -(1 + offset)*mean)
+         call dgesv(n, 2, factor, n, pivot, q, n, info)
+         if (info /= 0) exit
+         call make_orthonormal(q)
+      end do
+      t = matmul(transpose(q), matmul(scaled, q))
+      good = info == 0 .and. norm2(matmul(scaled, q) - matmul(q, t)) <= accuracy*norm2(scaled)
+      sigma = -0.5_wp*(t(1, 1) + t(2, 2))
+      part = t
+      call add_to_diagonal(part, sigma)
+      good = good .and. sum(part**2) > apart*abs(mean)
+      omega2 = t(1, 1)*t(2, 2) - t(1, 2)*t(2, 1)
+      if (.not. good) return
+      y = merge([1, 0], [0, 1], norm2(part(:, 1)) > norm2(part(:, 2)))
+      plane(:, 2) = matmul(q, y)/scale
+      plane(:, 1) = matmul(q, matmul(part, y) + sigma*y)/scale
+   end subroutine coinciding_pair
+
+   !> Adds a number to the diagonal of a matrix.
+   pure subroutine add_to_diagonal(a, number)
+      !> In and out: the matrix.
+      real(wp), intent(inout) :: a(:, :)
+      !> The number.
+      real(wp), intent(in) :: number
       integer :: i
 
-      lengths = [(norm2(a(:, i)), i=1, size(lengths))]
-      condition = sqrt(real(size(lengths), wp))*norm2([(lengths(i)*norm2(inverse(i, :)), &
-         i=1, size(lengths))])
+      do i = 1, size(a, 1)
+         a(i, i) = a(i, i) + number
+      end do
+   end subroutine add_to_diagonal
+
+   !> Makes two vectors orthogonal and of length 1.
+   pure subroutine make_orthonormal(q)
+      !> (n, 2) In and out: the vectors.
+      real(wp), intent(inout) :: q(:, :)
+      integer :: i
+
+      q(:, 1) = q(:, 1)/norm2(q(:, 1))
+      do i = 1, 2
+         q(:, 2) = q(:, 2)/norm2(q(:, 2))
+         q(:, 2) = q(:, 2) - dot_product(q(:, 1), q(:, 2))*q(:, 1)
+      end do
+      q(:, 2) = q(:, 2)/norm2(q(:, 2))
+   end subroutine make_orthonormal
+
+   !> The condition number, in the Frobenius norm, of a matrix with its rows scaled as given and its
+   !! columns to length 1; the inverse is given.
+   pure real(wp) function condition(a, inverse, scale)
+      !> (n, n) The matrix and its inverse; (n) the factors of the rows.
+      real(wp), intent(in) :: a(:, :), inverse(:, :), scale(:)
+      integer :: i, n
+
+      n = size(scale)
+      condition = sqrt(real(n, wp))*norm2([(norm2(scale*a(:, i))*norm2(inverse(i, :)/scale), &
+         i=1, n)])
    end function condition
 
 end module vi_decoupling

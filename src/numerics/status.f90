@@ -118,7 +118,7 @@ contains
          text = 'the stiffness or the damping matrix has a negative eigenvalue'
       case (stat%defective)
          text = 'damping makes two modes of the structure nearly coincide, so that digits are &
-            &lost; change the damping a little'
+            &lost; change a damping coefficient by a millionth of its size'
       case (stat%resonance)
          text = 'a mode without damping resonates with the load'
       case (stat%coupled_impacts)

@@ -1,0 +1,94 @@
+"""Bodies whose damping makes modes nearly coincide: no digits are lost, or the body is refused by name."""
+
+import mpmath
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+
+def flown(mass, damping, stiffness, state, t):
+    """Coordinates and velocities after a time, by a structure whose gap never closes."""
+    gap = vi.Gap(np.eye(len(mass))[0], 1e9)
+    run = vi.simulate(vi.Structure(mass, damping, stiffness, [gap]), duration=t, state=state)
+    return np.ravel(run.sample(np.array([t])))
+
+
+def exponential(mass, damping, stiffness, state, t):
+    """The same by the exponential of the first-order matrix, with 40 digits."""
+    n = len(mass)
+    with mpmath.workdps(40):
+        inverse = mpmath.matrix(mass) ** -1
+        a = mpmath.zeros(2 * n)
+        a[:n, n:] = mpmath.eye(n)
+        a[n:, :n] = -inverse * mpmath.matrix(stiffness)
+        a[n:, n:] = -inverse * mpmath.matrix(damping)
+        return np.array(mpmath.expm(a * t) * mpmath.matrix(np.ravel(state)), dtype=float).ravel()
+
+
+def real_eigenvalues(damping, stiffness):
+    """How many eigenvalues of a body of unit masses are real."""
+    n = len(damping)
+    first_order = np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]])
+    return np.count_nonzero(np.linalg.eigvals(first_order).imag == 0)
+
+
+def critical(damping, stiffness):
+    """Factor of the damping at which two complex eigenvalues become a double real one."""
+    grid = np.geomspace(1e-3, 1e3, 300)
+    counts = [real_eigenvalues(f * damping, stiffness) for f in grid]
+    i = next(i for i in range(len(grid)) if counts[i] != counts[0])
+    low, high = grid[i - 1], grid[i]
+    for _ in range(70):
+        middle = (low + high) / 2
+        if real_eigenvalues(middle * damping, stiffness) == counts[0]:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_through_critical_damping(seed):
+    """Random bodies, moved through the damping at which two eigenvectors coincide."""
+    rng = np.random.default_rng(seed)
+    n = 2 + seed % 3
+    root = rng.normal(size=(n, n))
+    stiffness = (root @ root.T + 0.05 * np.eye(n)) * 10 ** rng.uniform(-2, 2)
+    root = rng.normal(size=(n, n))
+    damping = root @ root.T
+    damping *= critical(damping, stiffness)
+    speed = np.sqrt(np.linalg.eigvalsh(stiffness).max())
+    state, t = rng.normal(size=(2, n)) * [[1], [speed]], 7 / speed
+    for distance in (0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-7, 1e-6, 1e-4, 1e-2):
+        for sign in (-1, 1):
+            body = np.eye(n), (1 + sign * distance) * damping, stiffness
+            exact = exponential(*body, state, t).reshape(2, n)
+            apart = np.abs(flown(*body, state, t).reshape(2, n) - exact).max(1)
+            assert (apart <= 1e-12 * np.maximum(np.abs(state), np.abs(exact)).max(1)).all()
+
+
+def coinciding(ratio, sigma):
+    """A body of two unit masses with a double pair of complex eigenvalues, of frequency 1."""
+    stiffness = np.diag([ratio, 1 / ratio])
+    second = 4 * sigma / (1 + ratio)
+    between = np.sqrt((ratio - 1) ** 2 * (1 / ratio - (2 * sigma / (1 + ratio)) ** 2))
+    return np.array([[ratio * second, between], [between, second]]), stiffness
+
+
+@pytest.mark.parametrize(("ratio", "sigma"), [(1.5, 0.3), (1.2, 0.2), (2.0, 0.5)])
+def test_pairs_that_coincide(ratio, sigma):
+    """Two pairs of complex eigenvectors that coincide are refused; beyond that all digits are there."""
+    damping, stiffness = coinciding(ratio, sigma)
+    state, t = np.array([[1.0, -0.5], [0.3, 0.8]]), 7.0
+    messages = {}
+    for distance in (0.0, 1e-14, 1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-4, 1e-2):
+        body = np.eye(2), damping + np.diag([distance, 0.0]), stiffness
+        try:
+            apart = flown(*body, state, t) - exponential(*body, state, t)
+        except vi.SingularError as error:
+            messages[distance] = str(error)
+        else:
+            assert np.abs(apart).max() <= 1e-12
+    assert 0.0 in messages
+    assert max(messages) < 1e-6
+    assert all("change a damping coefficient" in message for message in messages.values())
