@@ -44,6 +44,7 @@ from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
+from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
 from .studies.structure_lyapunov import StructureLyapunov, lyapunov_structure
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
@@ -89,6 +90,8 @@ __all__ = [
     "SpecialPoint",
     "StabilityFlags",
     "Structure",
+    "StructureAttractor",
+    "StructureBasins",
     "StructureBranch",
     "StructureLyapunov",
     "StructureMotion",
@@ -108,6 +111,7 @@ __all__ = [
     "base_motion",
     "base_record",
     "basins",
+    "basins_structure",
     "bifurcation_diagram",
     "branch",
     "branch_structure",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,3 +70,17 @@ def spacing_of(values: _Array) -> str | None:
         if np.array_equal(values, spaced(values[0], values[-1], values.size, name)):
             return name
     return None
+
+
+class Axis(NamedTuple):
+    """One direction of a plane of initial states: n of them from low to high."""
+
+    name: str
+    low: float
+    high: float
+    n: int
+
+    @property
+    def values(self) -> _Array:
+        """The values along the axis."""
+        return spaced(self.low, self.high, self.n)

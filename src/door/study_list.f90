@@ -1,6 +1,7 @@
 !> The studies: the only file that lists all of them.
 module vi_study_list
    use vi_atlas_study, only: declare_atlas
+   use vi_basins_structure_study, only: declare_basins_structure
    use vi_basins_study, only: declare_basins
    use vi_bifurcation_study, only: declare_bifurcation
    use vi_branch_structure_study, only: declare_branch_structure
@@ -61,7 +62,8 @@ contains
          declare_type(declare_find_structure), &
          declare_type(declare_lyapunov_structure), &
          declare_type(declare_branch_structure), &
-         declare_type(declare_zone_structure)], studies)
+         declare_type(declare_zone_structure), &
+         declare_type(declare_basins_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.

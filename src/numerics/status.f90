@@ -57,6 +57,8 @@ module vi_status
       !> Lengths, masses or frequencies of a structure are so small or large that powers of them
       !! are not represented.
       integer :: extreme_units = 23
+      !> A simulation repeats near a motion that is not stable.
+      integer :: not_stable = 24
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -134,6 +136,9 @@ contains
       case (stat%no_period)
          text = 'the simulation does not repeat within the most load cycles of a period; simulate &
             &longer first, or allow more'
+      case (stat%not_stable)
+         text = 'the simulation passes by a periodic motion that is not stable; simulate longer &
+            &first'
       case default
          text = 'unknown status code'
       end select

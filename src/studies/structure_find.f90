@@ -3,6 +3,7 @@
 module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
+   use vi_motion, only: no
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_status, only: stat
@@ -53,9 +54,9 @@ contains
       type(settling_type), intent(in) :: how
       !> In and out: the motions that are known.
       type(found_list_type), intent(inout) :: list
-      !> (m) The place of the motion in the list; 0 if there is none.
+      !> (m) The place of the motion in the list; 0 if there is none, or if it is not stable.
       integer, intent(out) :: labels(:)
-      !> (m) As of `settle_on`.
+      !> (m) As of `settle_on`, and `stat%not_stable`.
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -81,7 +82,11 @@ contains
          end do
          !$omp end parallel do
          do i = first, last
-            if (status(i) == stat%ok) call add_motion(structure, load, found(i), list, labels(i))
+            if (status(i) /= stat%ok) cycle
+            call add_motion(structure, load, found(i), list, labels(i))
+            if (labels(i) == 0 .or. found(i)%motion%verdicts%stable /= no) cycle
+            labels(i) = 0
+            status(i) = stat%not_stable
          end do
       end do
    end subroutine settle_states

@@ -6,7 +6,7 @@ module vi_structure_keys
    implicit none (type, external)
    private
 
-   public :: check_start_state, needs_frequency
+   public :: check_start_state, needs_frequency, place_in_state
 
    !> The longest time that a simulation may take.
    real(wp), parameter, public :: longest = 1.0e12_wp
@@ -41,5 +41,28 @@ contains
       if (.not. load_frequency(case) > 0) call case%study%refuse(key, &
          'it goes with a &load that has a frequency')
    end subroutine needs_frequency
+
+   !> The place in a state (q, q') of a coordinate or velocity by its name: q_0, q_1, .. or q_dot_0,
+   !! ..; 0 if there is none.
+   pure integer function place_in_state(name, coordinates) result(place)
+      !> The name.
+      character(*), intent(in) :: name
+      !> Number of coordinates.
+      integer, intent(in) :: coordinates
+      character(*), parameter :: digits = '0123456789'
+      integer :: first, i, number
+
+      place = 0
+      if (index(name, 'q_') /= 1) return
+      first = 3
+      if (index(name, 'q_dot_') == 1) first = 7
+      if (len_trim(name) < first .or. verify(trim(name(first:)), digits) > 0) return
+      number = 0
+      do i = first, len_trim(name)
+         ! beyond all coordinates it stays there
+         number = min(10*number + index(digits, name(i:i)) - 1, coordinates)
+      end do
+      if (number < coordinates) place = number + 1 + merge(coordinates, 0, first == 7)
+   end function place_in_state
 
 end module vi_structure_keys

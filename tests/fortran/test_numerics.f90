@@ -300,7 +300,8 @@ contains
          stat%more_events, stat%budget, stat%no_convergence, stat%lost_digits, stat%not_computed, &
          stat%event_limit, stat%no_memory, stat%mass_not_definite, stat%negative_stiffness, &
          stat%defective, stat%resonance, stat%coupled_impacts, stat%gap_closed, &
-         stat%no_impacts, stat%no_period, stat%extreme_units]
+         stat%no_impacts, stat%no_period, stat%extreme_units, &
+         stat%not_stable]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

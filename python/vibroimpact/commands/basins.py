@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..errors import ParameterError
+from ..studies.structure_basins import StructureBasins
 from .study import command
 
 DESCRIPTION = """Find the attractor that each initial state of a plane, or each of many random states, reaches,
@@ -21,6 +22,8 @@ EXAMPLE = (
 
 def details(result: Any) -> list[str]:
     """How fractal the boundaries are."""
+    if isinstance(result, StructureBasins):
+        return []
     if result.axes is None or not result.complete:
         return []
     return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]

@@ -12,7 +12,7 @@ from .decay import draw_decay
 from .found import draw_found
 from .history import draw
 from .structure import draw_structure
-from .structure_attractor import draw_exponents, draw_multipliers
+from .structure_attractor import draw_exponents, draw_multipliers, draw_structure_basins
 from .structure_curves import draw_structure_branch, draw_structure_zone
 from .zone import draw_atlas, draw_zone
 
@@ -20,7 +20,8 @@ from .zone import draw_atlas, draw_zone
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Chart": draw_chart, "Decay": draw_decay, "Findings": draw_found, "Lyapunov": draw_lyapunov, "Motion": draw,
-    "Response": draw_response, "StructureBranch": draw_structure_branch, "StructureLyapunov": draw_exponents,
-    "StructureMotions": draw_multipliers, "StructureTrajectory": draw_structure,
-    "StructureZone": draw_structure_zone, "Trajectory": draw, "Zone": draw_zone,
+    "Response": draw_response, "StructureBasins": draw_structure_basins, "StructureBranch": draw_structure_branch,
+    "StructureLyapunov": draw_exponents, "StructureMotions": draw_multipliers,
+    "StructureTrajectory": draw_structure, "StructureZone": draw_structure_zone, "Trajectory": draw,
+    "Zone": draw_zone,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Attractors and motions of structures: exponents, multipliers."""
+"""Attractors and motions of structures: exponents, multipliers, basins."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import ParameterError
 from . import style
 
+#: The label of a state in which a gap is closed.
+CLOSED = -4
 #: Colours of motions and attractors, in order.
 COLORS = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
@@ -15,6 +18,7 @@ COLORS = (
 
 if TYPE_CHECKING:
     from ..structure_find import StructureMotions
+    from ..studies.structure_basins import StructureBasins
     from ..studies.structure_lyapunov import StructureLyapunov
 
 
@@ -76,3 +80,36 @@ def draw_multipliers(result: StructureMotions, ax: Any = None) -> Any:
     if len(result):
         style.add_legend(ax, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False)
     return ax
+
+
+def draw_structure_basins(basins: StructureBasins, ax: Any = None) -> Any:
+    """The plane of initial states, one colour for each attractor; undecided states are grey, and white is where a
+    gap is closed."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    if basins.axes is None:
+        raise ParameterError("plane = None: must be one for a picture; these states are random")
+    ax = axes(ax, basins, style.ONE_COLUMN + 1.2, 3.4)
+    n = len(basins.attractors)
+    colors = ["1.0", "0.7", *(COLORS[i % len(COLORS)] for i in range(n))]
+    labels = np.where(basins.labels == CLOSED, -2, np.maximum(basins.labels, -1))
+    first, second = basins.axes
+    ax.pcolormesh(
+        first.values, second.values, labels.T, cmap=ListedColormap(colors),
+        norm=BoundaryNorm(np.arange(-2.5, n), n + 2), shading="nearest", rasterized=True,
+    )  # fmt: skip
+    ax.set_xlabel(symbol(first.name))
+    ax.set_ylabel(symbol(second.name))
+    named = zip(basins.attractors, basins.fractions, colors[2:], strict=True)
+    patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in named]
+    style.add_legend(
+        ax, handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
+    )
+    return ax
+
+
+def symbol(name: str) -> str:
+    """A coordinate or velocity as the label of an axis."""
+    kind, _, number = name.rpartition("_")
+    return rf"$\dot q_{{{number}}}$" if kind == "q_dot" else f"$q_{{{number}}}$"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,30 +12,18 @@ from .. import checks, door
 from ..errors import ParameterError
 from ..model import Oscillator
 from ..noun import Noun, column
-from ..spacing import spaced
+from ..spacing import Axis
+from ..structure import or_structure
 from .catalogue import BasinAttractor, attractors_of
+from .structure_basins import basins_structure
 
-__all__ = ["Axis", "BasinAttractor", "Basins", "basins"]
+__all__ = ["BasinAttractor", "Basins", "basins"]
 
 _Array = NDArray[np.float64]
 #: Coordinates of a state; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
 #: The label of a state that was not simulated because the study was stopped, and of one with too many events.
 NOT_REACHED, EVENT_LIMITED = -2, -3
-
-
-class Axis(NamedTuple):
-    """One direction of a plane of initial states: n of them from low to high."""
-
-    name: str
-    low: float
-    high: float
-    n: int
-
-    @property
-    def values(self) -> _Array:
-        """The values along the axis."""
-        return spaced(self.low, self.high, self.n)
 
 
 class Basins(Noun, study="basins"):
@@ -185,6 +173,7 @@ class Basins(Noun, study="basins"):
         return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
 
 
+@or_structure(basins_structure)
 def basins(
     osc: Oscillator,
     r: float,

@@ -1,0 +1,190 @@
+"""Basins of structures: against the oscillator's own, single simulations, and symmetry."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact import _core
+from vibroimpact.interrupt import new_counters
+from vibroimpact.tables import from_core
+
+INPUT = Path(__file__).parents[2] / "inputs" / "structure_basins.nml"
+PLANE = (("q_0", -6.8, 6.8, 9), ("q_dot_0", -9, 9, 10))
+
+
+def pair(xi, mu, restitution, clearance):
+    """The oscillator of 1983 by the matrices of its two masses."""
+    gaps = [
+        vi.Gap([-1, 1], clearance / 2, restitution),
+        vi.Gap([1, -1], clearance / 2, restitution),
+    ]
+    return vi.Structure([1, mu], [2 * xi, 0], [1, 0], gaps)
+
+
+# two motions of three impacts, mirror images of each other
+DAMPER, LOAD = pair(0.0114, 0.028, 0.75, 14.0), vi.Load(1.04, sine=[1, 0])
+
+
+@pytest.fixture(scope="module")
+def found():
+    return vi.basins(DAMPER, LOAD, PLANE)
+
+
+@pytest.mark.parametrize(
+    ("system", "r", "count"),
+    [((0.0114, 0.028, 0.75, 14.0), 1.04, 2), ((0.02, 0.1, 0.3, 20.0), 0.94, 2)],
+)
+def test_the_two_masses_of_1983_have_the_basins_of_the_oscillator(system, r, count):
+    """State by state, found by an algorithm of its own; rounding decides a state with a long transient."""
+    xi, mu, restitution, clearance = system
+    plane = (
+        ("q_0", -clearance / 2.1, clearance / 2.1, 9), ("q_dot_0", -clearance / 1.5, clearance / 1.5, 10),
+    )  # fmt: skip
+    found = vi.basins(pair(*system), vi.Load(r, sine=[1, 0]), plane)
+    (q, q_2), (rate, rate_2) = found.states.reshape(2, 2, -1)
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
+    own = vi.basins(osc, r, clearance, states=[0 * q, q, rate, q_2, rate_2])
+    pairs = Counter(zip(found.labels.ravel().tolist(), own.labels.tolist(), strict=True))
+    pairs = pairs.most_common(count)
+    assert len({pair[0] for pair, _ in pairs}) == len({pair[1] for pair, _ in pairs}) == count
+    assert sum(number for _, number in pairs) >= 88
+    for (mine, other), _ in pairs:
+        one, two = found.attractors[mine], own.attractors[other]
+        assert (one.motion is None) == (two.motion is None)
+        if one.motion is None:
+            assert one.name == two.name == "no impacts"
+        else:
+            np.testing.assert_allclose(one.motion.multipliers, two.motion.multipliers, rtol=1e-8)
+
+
+def test_a_label_is_the_motion_of_the_simulation_alone(found):
+    for place in ((0, 0), (4, 5), (8, 3)):
+        attractor = found.attractors[found.labels[place]]
+        state = found.states[(slice(None), slice(None), *place)]
+        run = vi.simulate(DAMPER, LOAD, cycles=1500, state=(state[0], state[1]))
+        assert vi.same_structure_motion(vi.exact(DAMPER, LOAD, run), attractor.motion)
+
+
+def test_the_mirror_image_of_a_state_has_that_of_its_attractor(found):
+    """Half a cycle later all signs are turned."""
+    turned = vi.basins(DAMPER, LOAD, PLANE, start=np.pi / LOAD.frequency)
+    for label, attractor in enumerate(found.attractors):
+        motion = attractor.motion
+        image = vi.exact(DAMPER, LOAD, (motion.phases + np.pi, 1 - motion.gaps))
+        (same,) = (
+            i for i, item in enumerate(turned.attractors) if vi.same_structure_motion(item.motion, image)
+        )  # fmt: skip
+        np.testing.assert_array_equal(turned.labels[::-1, ::-1] == same, found.labels == label)
+
+
+def test_shares(found):
+    shares = [(found.labels == i).mean() for i in range(len(found.attractors))]
+    np.testing.assert_allclose(found.fractions, shares, rtol=1e-15)
+    assert (np.diff(found.fractions) <= 0).all()
+    np.testing.assert_allclose(
+        found.standard_error, np.sqrt(found.fractions * (1 - found.fractions) / 90), rtol=1e-12
+    )
+
+
+def test_any_number_of_threads_gives_the_same_bits():
+    plane = (("q_0", -5, 5, 5), ("q_dot_1", -9, 9, 5))
+    one, two = (vi.basins(DAMPER, LOAD, plane, threads=n) for n in (1, 3))
+    assert one.to_dict() == two.to_dict()
+
+
+def test_states_with_closed_gaps_have_no_attractor():
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    found = vi.basins(
+        wall, vi.Load(1.0, cosine=[1]), (("q_0", -2, 2, 9), ("q_dot_0", -1, 1, 3)), settling=100
+    )
+    (first, _) = found.axes
+    assert (found.labels[first.values > 1] == -4).all()
+    assert (found.labels[first.values < 1] == 0).all()
+    assert found.attractors[0].motion.stable
+
+
+def test_random_states_begin_alike():
+    """... and are those on which `find` counts its motions."""
+    few, many = (vi.basins(DAMPER, LOAD, states=n, seed=3) for n in (5, 12))
+    np.testing.assert_array_equal(few.states, many.states[:, :, :5])
+    assert few.axes is None
+    assert not few.drawable
+    motions = vi.find(DAMPER, LOAD, states=12, seed=3, max_impacts=0, max_cycles=16, settling=1000)
+    counts = [
+        int((many.labels == i).sum()) for i, item in enumerate(many.attractors) if item.motion
+    ]
+    assert list(motions.settled) == counts
+
+
+@pytest.mark.parametrize("extension", ["json", "nc", "mat"])
+def test_files_and_namelists_give_it_back(extension, tmp_path):
+    plane = (("q_0", -5, 5, 3), ("q_dot_0", -9, 9, 4))
+    found = vi.basins(DAMPER, LOAD, plane, state=([0, 1], [0, 2]))
+    assert (found.states[0, 1] == 1).all()
+    path = tmp_path / f"found.{extension}"
+    found.save(path)
+    namelist = tmp_path / "case.nml"
+    namelist.write_text(found.to_namelist())
+    (case,) = vi.read_namelist(namelist)
+    for again in (vi.load(path), case.run()[0]):
+        assert repr(again) == repr(found)
+        np.testing.assert_array_equal(again.labels, found.labels)
+        for a, b in zip(again.attractors, found.attractors, strict=True):
+            assert a.name == b.name
+            assert (a.motion is None) == (b.motion is None)
+            if a.motion is not None:
+                np.testing.assert_array_equal(a.motion.phases, b.motion.phases)
+
+
+def test_inputs_run(tmp_path):
+    log = vi.run_namelists([INPUT], tmp_path)
+    assert log.status == 0, log
+    table = (tmp_path / "structure_basins_wall.csv").read_text()
+    assert "q_1,q_dot_1,label,attractor" in table
+
+
+def test_picture(found):
+    pytest.importorskip("matplotlib")
+    ax = found.plot()
+    assert ax.get_xlabel() == "$q_{0}$"
+    assert ax.get_ylabel() == r"$\dot q_{0}$"
+    assert len(ax.get_legend().get_texts()) == len(found.attractors)
+    with pytest.raises(vi.ParameterError, match="random"):
+        vi.basins(DAMPER, LOAD, states=2, settling=10).plot()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"plane": None}, "plane = None, states = None: must be one of them"),
+        ({"states": 3}, "plane = "),
+        ({"plane": (("q_2", 0, 1, 3), ("q_0", 0, 1, 3))}, "plane: name = 'q_2', 'q_0': must be two of"),
+        ({"plane": (("q_0", 0, 1, 3), ("q_0", 0, 1, 3))}, "plane: name = "),
+        ({"plane": (("x", 0, 1, 3), ("q_0", 0, 1, 3))}, "plane: name = "),
+        ({"plane": (("q_1", 1, 0, 3), ("q_0", 0, 1, 3))}, "plane: high = 0.0, 1.0: must be"),
+        ({"plane": (("q_1", 0, 1, 1), ("q_0", 0, 1, 3))}, "plane: n"),
+        ({"plane": (("q_1", 0, 1, 3),)}, "plane = "),
+        ({"settling": -1}, "settling = -1: must be a whole number with 0 <="),
+        ({"load": vi.Load(constant=[1, 0])}, "load = "),
+    ],
+)  # fmt: skip
+def test_errors_name_the_parameter(options, message):
+    with pytest.raises(vi.ParameterError) as caught:
+        vi.basins(DAMPER, **{"load": LOAD, "plane": PLANE, **options})
+    assert str(caught.value).startswith(message)
+
+
+def test_it_stops_when_asked(found):
+    counters = new_counters()
+    counters[2] = 1
+    handle, _ = _core.run_case(np.frombuffer(found.to_namelist().encode(), "S1"), 1, counters)
+    result = from_core("basins_structure", handle)
+    assert result.cut == "0 of 90 states were reached"
+
+
+def test_an_event_limit_is_a_label():
+    found = vi.basins(DAMPER, LOAD, PLANE, max_events=20)
+    assert (found.labels == -3).all()
+    assert "90 not decided" in repr(found)
