@@ -4,6 +4,7 @@
 !! series of the relative position. vi_march is the fast one for ordinary flights, falls back on
 !! this one where it cannot decide, and is tested against it.
 module vi_contact
+   use vi_advance, only: patience
    use vi_flight, only: flight_position, flight_type
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bound, derivatives
@@ -160,9 +161,11 @@ contains
       series%centre = t
       series%fifth = derivative_bound(flight, 5, t)
       series%beyond = derivative_bound(flight, order + 1, t)
-      ! beyond one time scale the terms would cancel each other
-      series%reach = min(1/max(1.0_wp, flight%r), tolerated(0.5_wp*epsilon(1.0_wp)*(abs(z) &
-         + derivative_bound(flight, 0, t)), series%beyond, order + 1))
+      series%reach = tolerated(0.5_wp*epsilon(1.0_wp)*(abs(z) + derivative_bound(flight, 0, t)), &
+         series%beyond, order + 1)
+      ! beyond one time scale the terms would cancel each other, unless those of the free part are
+      ! small
+      if (t < patience) series%reach = min(1/max(1.0_wp, flight%r), series%reach)
    end subroutine expand
 
 end module vi_contact

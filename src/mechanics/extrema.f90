@@ -3,7 +3,7 @@
 !! The relative position y = z - x is stationary where g(t) = x'(t) - z' vanishes. Conservative
 !! advancement along |g| never jumps over such an instant.
 module vi_extrema
-   use vi_advance, only: safe_step
+   use vi_advance, only: patience, safe_step
    use vi_flight, only: flight_position, flight_type
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bounds, derivatives
@@ -39,7 +39,7 @@ contains
       !> Time (1/omega) at which the search starts, with no stationary point before it; 0 by
       !! default.
       real(wp), intent(in), optional :: begin
-      real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, longest, relative
+      real(wp) :: t, d(0:5), g, direction, before, bound, step, shortest, usual, longest, relative
       real(wp) :: bounds(2), shrink
       integer :: n
 
@@ -49,7 +49,8 @@ contains
       if (present(lowest_at)) lowest_at = -1
       if (present(highest_at)) highest_at = -1
       shortest = max(sqrt(epsilon(1.0_wp))/max(1.0_wp, flight%r), 4*spacing(flight%duration))
-      longest = max(3/max(1.0_wp, flight%r), 2*shortest)
+      usual = max(3/max(1.0_wp, flight%r), 2*shortest)
+      longest = usual
       bounds = derivative_bounds(flight, 5)
       t = 0
       if (present(begin)) t = begin
@@ -77,6 +78,7 @@ contains
          end if
          before = direction
          t = t + step
+         if (t > patience) longest = max(usual, 2*step)
          if (.not. t < flight%duration) return
       end do
       complete = .false.

@@ -15,8 +15,9 @@ module vi_march
 
    public :: march
 
-   !> Cells after which a flight is left to `first_contact`.
-   integer, parameter :: cell_budget = 10000000
+   !> Cells after which a flight is left to `first_contact`, whose steps grow where a slow load
+   !! alone moves the primary mass.
+   integer, parameter :: cell_budget = 100000
    real(wp), parameter :: sixth = 1.0_wp/6, by_24 = 1.0_wp/24, by_120 = 1.0_wp/120
 
    !> Result of a march: the first contact, or the time up to which there is none.

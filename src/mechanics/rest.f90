@@ -3,7 +3,7 @@
 !! (1 + mu) x'' + 2 xi x' + x = f sin(r t), in closed form. On the wall of side s the contact holds
 !! while s x'' <= 0 and is released when s x'' rises through 0.
 module vi_rest
-   use vi_advance, only: safe_step
+   use vi_advance, only: patience, safe_step
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bound, derivatives, new_oscillation, oscillation_type
    implicit none (type, external)
@@ -49,13 +49,14 @@ contains
       real(wp), intent(out) :: time
       !> False if the step budget ran out.
       logical, intent(out) :: complete
-      real(wp) :: t, step, d(0:5), bound, reach, force
+      real(wp) :: t, step, d(0:5), bound, usual, reach, force
       integer :: n
 
       time = huge(1.0_wp)
       complete = .true.
       t = 0
-      reach = 3/max(1.0_wp, rest%r)
+      usual = 3/max(1.0_wp, rest%r)
+      reach = usual
       do n = 1, step_budget
          d = derivatives(rest, t)
          bound = derivative_bound(rest, 6, t)
@@ -69,9 +70,10 @@ contains
                time = t
                return
             end if
-            step = max(step, sqrt(epsilon(1.0_wp))*reach)         ! touches 0: contact holds
+            step = max(step, sqrt(epsilon(1.0_wp))*usual)         ! touches 0: contact holds
          end if
          t = t + step
+         if (t > patience) reach = max(usual, 2*step)
          if (t > limit) return
       end do
       complete = .false.

@@ -6,6 +6,10 @@ module vi_advance
 
    public :: safe_step
 
+   !> Time (1/omega) after which longer steps than usual are tried: by then the free part of a
+   !! damped oscillation is small, and a slow load may be all that moves the masses.
+   real(wp), parameter, public :: patience = 1000
+
 contains
 
    !> A step within which a function g >= 0 has no zero.

@@ -10,7 +10,8 @@ module vi_seeds
    use vi_rest_family, only: follow_symbols, last_release
    use vi_search, only: search_pattern
    use vi_forced_system, only: initial_state
-   use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate, state_type
+   use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_on, &
+      state_type
    use vi_starts, only: state_start
    use vi_status, only: stat
    implicit none (type, external)
@@ -42,7 +43,7 @@ module vi_seeds
 contains
 
    !> Unknowns, or guesses of them, of the motions of a family at a point.
-   pure subroutine motions_at(frame, pattern, c, guesses, skip, found, releases)
+   subroutine motions_at(frame, pattern, c, guesses, skip, found, releases, progress)
       !> The family.
       type(frame_type), intent(in) :: frame
       !> All sides of its pattern, and the load cycles.
@@ -58,6 +59,8 @@ contains
       real(wp), allocatable, intent(out) :: found(:, :)
       !> The last releases of simulations at this point, if they have been made already.
       type(release_type), intent(in), optional :: releases(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(release_type) :: simulated(min(guesses, most_simulations))
       real(wp) :: whole(2*size(pattern%sides), capacity)
       integer :: k, n, tried
@@ -66,7 +69,7 @@ contains
          if (present(releases)) then
             call releases_at(frame, c, releases, found)
          else
-            call simulate_releases(c, simulated)
+            call simulate_releases(c, simulated, progress=progress)
             call releases_at(frame, c, simulated, found)
          end if
          return
@@ -127,18 +130,20 @@ contains
    end subroutine releases_at
 
    !> The last releases of simulations from some initial states; they do not depend on the family.
-   pure subroutine simulate_releases(c, releases, longest)
+   subroutine simulate_releases(c, releases, longest, progress)
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       !> (simulations) Out: the last releases of each; none if it failed.
       type(release_type), intent(out) :: releases(:)
       !> Symbols and load cycles of the longest period sought at the end; none is sought if absent.
       integer, intent(in), optional :: longest(2)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       integer, parameter :: chunk = 4000
       type(forced_system_type) :: system
       type(state_type) :: state, final
       type(event_type), allocatable :: events(:)
-      integer :: k, n, status, calls
+      integer :: k, n, status, events_left
 
       system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
          c(by_r), 1.0_wp, exp(c(by_clearance)))
@@ -147,10 +152,10 @@ contains
          state = initial_state(system, state_start(system%osc, system%r, system%load, &
             system%clearance, k))
          status = stat%more_events
-         calls = 0
-         do while (status == stat%more_events .and. calls < 10)
-            call simulate(system, state, int(settling, int64), 0.0_wp, events, n, final, status)
-            calls = calls + 1
+         events_left = 10*chunk
+         do while (status == stat%more_events)
+            call simulate_on(system, state, int(settling, int64), 0.0_wp, events, n, final, &
+               events_left, status, progress)
          end do
          if (status /= stat%ok) cycle
          call last_release(1, events(:n), system%clearance, releases(k)%at(:, right), &

@@ -73,7 +73,8 @@ contains
    !> Simulates like `simulate`, unless the limit of events is reached or the study is stopped.
    !!
    !! All long simulations use this procedure, so that each of them has a limit of events, and
-   !! notices a stop whenever the room for events is used up.
+   !! notices a stop whenever the room for events or a span of time is used up. A flight or rest
+   !! that does not end within a span is searched again from its start, so the span is then doubled.
    subroutine simulate_on(system, state, last_cycle, last_phase, events, n, final, left, status, &
       progress)
       !> The forced system.
@@ -98,13 +99,34 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      real(wp), parameter :: shortest_span = 1.0e6_wp       ! 1/omega; takes about 0.1 s
+      integer(int64) :: cycle
+      real(wp) :: span, phase
+      integer :: found
+      logical :: ends
 
-      call simulate(system, state, last_cycle, last_phase, events(:min(size(events), left)), n, &
-         final, status)
-      left = left - n
-      if (status /= stat%more_events) return
-      if (left == 0) status = stat%event_limit
-      if (is_stopped(progress)) status = stat%not_computed
+      n = 0
+      span = shortest_span
+      do
+         phase = state%phase + system%r*span
+         cycle = state%cycle + int(phase/two_pi, int64)
+         phase = modulo(phase, two_pi)
+         ends = cycle > last_cycle .or. (cycle == last_cycle .and. phase >= last_phase)
+         if (ends) then
+            cycle = last_cycle
+            phase = last_phase
+         end if
+         call simulate(system, state, cycle, phase, events(n + 1:n + min(size(events) - n, left)), &
+            found, final, status)
+         n = n + found
+         left = left - found
+         if ((ends .and. status == stat%ok) .or. .not. &
+            any(status == [stat%ok, stat%more_events])) return
+         if (status == stat%more_events .and. left == 0) status = stat%event_limit
+         if (is_stopped(progress)) status = stat%not_computed
+         if (status /= stat%ok) return
+         span = merge(shortest_span, 2*span, found > 0)
+      end do
    end subroutine simulate_on
 
    !> Simulates some load cycles with any number of events; only the last events are kept.

@@ -8,9 +8,10 @@ module vi_trajectory
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: left, right
    use vi_rest, only: new_rest
-   use vi_simulate, only: forced_system_type, event_type, simulate, state_time, state_type
+   use vi_simulate, only: forced_system_type, event_type, simulate, simulate_on, state_time, &
+      state_type
    use vi_status, only: stat
-   use vi_progress, only: add_expected_work, add_done_work, is_stopped
+   use vi_progress, only: add_expected_work, add_done_work
    implicit none (type, external)
    private
 
@@ -137,17 +138,17 @@ contains
       integer, intent(in) :: work
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      ! largest numbers of events and of load cycles between two checks for a request to stop
+      ! largest numbers of events and of load cycles between two reports of progress
       integer, parameter :: chunk = 4096
       integer(int64), parameter :: span = 100000_int64
       type(event_type), allocatable :: chunk_events(:)
       integer(int64) :: last_cycle, first_cycle, cycle
       real(wp) :: last_phase, phase
       logical :: last, good
-      integer :: n, kept, total, reported, now
+      integer :: n, kept, left, reported, now
 
       call later(final, cycles, last_cycle, last_phase)
-      total = 0
+      left = max_events
       kept = 0
       good = .true.
       allocate (chunk_events(chunk))
@@ -157,22 +158,17 @@ contains
          last = last_cycle - final%cycle <= span
          cycle = merge(last_cycle, final%cycle + span, last)
          phase = merge(last_phase, final%phase, last)
-         call simulate(system, state, cycle, phase, &
-            chunk_events(:min(chunk, max_events - total)), n, final, status)
+         call simulate_on(system, state, cycle, phase, chunk_events, n, final, left, status, &
+            progress)
          if (keep) call append_events(chunk_events(:n), events, kept, good)
          if (.not. good) exit
-         total = total + n
-         if (status /= stat%ok .and. status /= stat%more_events) exit
          last = last .and. status == stat%ok
          now = merge(work, int(work*((final%cycle - first_cycle)/cycles)), last)
          call add_done_work(now - reported, progress)
          reported = now
-         if (last .or. (status == stat%more_events .and. total >= max_events)) exit
-         if (is_stopped(progress)) then
-            status = stat%not_computed
-            exit
-         end if
+         if (last .or. .not. any(status == [stat%ok, stat%more_events])) exit
       end do
+      if (status == stat%event_limit) status = stat%more_events
       if (good) call shorten_events(kept, events, good)
       if (.not. good) status = stat%no_memory
    end subroutine gather

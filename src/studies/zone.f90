@@ -289,9 +289,10 @@ contains
                c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
                if (present(releases)) then
                   call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
-                     releases(:, i, j))
+                     releases(:, i, j), progress)
                else
-                  call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found)
+                  call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
+                     progress=progress)
                end if
                skip = skip + guesses
                first = net%n + 1
@@ -337,7 +338,7 @@ contains
                lines%axes(1)%at(i), lines%axes(2)%at(j)])
             places(:, i, j) = [c(by_r), exp(c(by_clearance))]
             if (is_stopped(progress)) exit
-            call simulate_releases(c, releases(:, i, j), longest)
+            call simulate_releases(c, releases(:, i, j), longest, progress)
          end do
       end do
       !$omp end parallel do

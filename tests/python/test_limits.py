@@ -276,6 +276,68 @@ def test_fork_from_another_thread():
     assert_answers(child(code, 120), "0 True")
 
 
+# a request to stop, where one load cycle is a million oscillations
+
+SLOW = {
+    "simulate": "vi.simulate(rig, 1e-6, .5, 100000, progress=stop)",
+    "bifurcation": "vi.bifurcation_diagram(rig, 'clearance', [.5, .6], r=1e-6, progress=stop)",
+    "response": "vi.response(rig, [1e-6, 2e-6], clearance=.5, states=20, progress=stop)",
+    "find": "vi.find(rig, 1e-6, .5, progress=stop)",
+    "chart": "vi.chart(rig, 'RL', r=np.linspace(1e-6, 2e-6, 90), clearance=np.linspace(.1, 3, 90), progress=stop)",
+    "zone": "vi.zone(rig, 'RL*', (1e-6, 2e-6), (.1, 3), progress=stop)",
+    "lyapunov": "vi.lyapunov(rig, 1e-6, [.5, .6], cycles=100000, progress=stop)",
+    "basins": "vi.basins(rig, 1e-6, .5, states=30, progress=stop)",
+}
+STOPPED = """
+import time, numpy as np, vibroimpact as vi
+rig = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+deadline = time.monotonic() + 1
+
+def stop(*_):
+    if time.monotonic() > deadline:
+        raise TimeoutError
+
+try:
+    {}
+    print("finished")
+except TimeoutError:
+    begin = time.process_time()
+    while True:
+        now = time.process_time()
+        time.sleep(0.3)
+        if time.process_time() - now < 0.1:
+            break
+    print(time.process_time() - begin)
+"""
+
+
+@pytest.mark.parametrize("study", SLOW)
+def test_stop_within_a_load_cycle(study):
+    """An abandoned call of the core stops within a fraction of a second, however long a load cycle is."""
+    done = child(STOPPED.format(SLOW[study]), 120)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert float(done.stdout) < 1.5
+
+
+def test_slow_load():
+    """A rest during half a million oscillations takes few steps, and ends where the force on the wall does.
+
+    Both masses follow the load in their steady motion Im(H exp(i r t)); the contact force is proportional to it.
+    """
+    r = 1e-6
+    response = 1 / (1 - (1 + RIG.mu) * r**2 + 2j * RIG.xi * r)
+    x = (response * np.exp(1j)).imag
+    x_dot = (1j * r * response * np.exp(1j)).imag
+    begin = time.process_time()
+    run = vi.simulate(
+        RIG, r, 1.0, 1, {"t": 1 / r, "x": x, "x_dot": x_dot, "z": x + 0.5, "z_dot": x_dot}
+    )
+    assert time.process_time() - begin < 1
+    release = run.events[0]
+    assert (release["kind"], release["side"]) == ("release", "R")
+    assert release["phase"] == pytest.approx(math.pi - np.angle(response), abs=1e-9)
+
+
 # stacks and threads
 
 STUDY = """
