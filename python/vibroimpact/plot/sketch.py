@@ -76,7 +76,7 @@ def _draw_support(ax: Any) -> None:
     ax.plot([cup[1], cup[0], cup[0], cup[1]], [1.1, 1.1, 0.5, 0.5], "k", lw=1.1)
     ax.plot([piston, piston], [0.58, 1.02], "k", lw=2.2)
     ax.plot([piston, left], [0.8, 0.8], "k", lw=1.1)
-    ax.text(left / 2, 1.14, "$C$", ha="center", va="bottom", fontsize=10)
+    ax.text(left / 2, 1.22, "$C$", ha="center", va="bottom", fontsize=10)
 
 
 def _draw_masses(ax: Any) -> None:
@@ -97,7 +97,7 @@ def _draw_masses(ax: Any) -> None:
         )
     _box(ax, MASS, facecolor=FREE, edgecolor="k")
     ax.text(5.4, 1.3, "$m$", ha="center", va="center", fontsize=10, color="w")
-    ax.text(2.95, 2.6, "$M$", ha="center", va="center", fontsize=10)
+    ax.text(5.4, 0.38, "$M$", ha="center", va="center", fontsize=10)
     _arrow(ax, (8.2, 0.6), (9.4, 0.6), color=LOAD, lw=1.8)
     ax.text(9.5, 0.6, r"$F_0\,\sin\,\Omega t$", ha="left", va="center", fontsize=10)
 

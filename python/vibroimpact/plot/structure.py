@@ -125,7 +125,7 @@ def _mark_events(ax: Any, run: StructureTrajectory, begin: float, end: float, y:
             which, coordinate = np.array(rows).T
             ax.plot(
                 events["time"][which], y(q[which, coordinate], coordinate), marker, color=colour, mew=0,
-                ms=1.6 if dense else 2.6, label=kind, zorder=3,
+                ms=1.6 if dense else 2.6, label=kind, zorder=3, clip_on=False,
             )  # fmt: skip
 
 
@@ -204,7 +204,7 @@ def _draw_impacts(ax: Any, run: StructureTrajectory, begin: float, end: float) -
         for j in range(gaps):
             own = events[events["gap"] == j]
             if len(own):
-                ax.vlines(own["time"], 0, own["speed"], color=COLOURS[j], lw=0.6)
+                ax.vlines(own["time"], 0, own["speed"], color=COLOURS[j], lw=0.6, clip_on=False)
                 ax.plot(
                     own["time"],
                     own["speed"],
@@ -213,6 +213,7 @@ def _draw_impacts(ax: Any, run: StructureTrajectory, begin: float, end: float) -
                     ms=2.6,
                     mew=0,
                     label=f"gap {j}",
+                    clip_on=False,
                 )
         ax.set_ylabel("approach speed $v$")
         ax.set_ylim(bottom=0)
@@ -369,7 +370,7 @@ class _Scene:
             xlim=(0.3, n + 0.7), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
             ylabel="$q_i$",
         )  # fmt: skip
-        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
         ax.axhline(0, color="0.7", lw=0.6)
         _draw_history(below, run, begin, end)
         self.cursor = below.axvline(begin, color="0.2", lw=0.8)

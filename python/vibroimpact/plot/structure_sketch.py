@@ -114,7 +114,8 @@ def _draw_row(
         place = each.right + DISTANCE
     first, last = boxes[shown[0]], boxes[shown[-1]]
     walls = set()
-    reach, depth = [first.left, last.right], -0.3
+    # how far the picture reaches to both sides and down, and how much room loads leave above the bodies
+    reach, depth, lift = [first.left, last.right], -0.3, 0.0
     stopped = any(
         len(pair) == 1 and pair[0] == last.coordinate and gap.direction[pair[0]] > 0
         for pair, gap in zip(pairs, structure.gaps, strict=True)
@@ -143,8 +144,9 @@ def _draw_row(
                         draw(ax, box.right, other.left, y, label)
                     else:
                         _over(ax, box, other, label)
+                        lift = 0.6
     _draw_boxes(ax, structure, boxes)
-    far = 0
+    far = []
     for pair, gap in zip(pairs, structure.gaps, strict=True):
         if any(int(k) in hosts for k in pair) or any(int(k) not in boxes for k in pair):
             continue
@@ -165,24 +167,33 @@ def _draw_row(
                 crowded = bool(structure.damping[low.coordinate, high.coordinate])
                 _between(ax, low, high, facing, label, crowded)
                 reach[1] = max(reach[1], high.right + 0.8 * (not facing))
+                lift = max(lift, 0.3 * (not facing))
             else:
-                far += 1
-                _far(ax, low, high, -0.45 * far, label + ("" if facing else " (apart)"))
-                depth = min(depth, -0.45 * far - 0.4)
+                far.append((low, high, label + ("" if facing else " (apart)")))
+    floor = depth + 0.2 if depth < -1 else 0.0
+    for k, (low, high, label) in enumerate(far, 1):
+        _far(ax, low, high, floor - 0.6 * k + 0.15, label)
+        depth = min(depth, floor - 0.6 * k - 0.25)
     if load is not None:
         changing = _changing(load)
-        acting = changing + (np.abs(load.constant) if isinstance(load, Load) else 0)
+        acting = changing + np.abs(load.constant)
         for i, box in boxes.items():
-            if acting[i]:
-                steady = isinstance(load, Load) and not changing[i]
-                name = rf"$f_{{{i + 1}}}$"
-                name += f" = {load.constant[i]:.3g}" if steady else "$(t)$"
-                half = -0.55 if steady and "-" in name else 0.55
+            # a load on a free mass in a slot stands beside that on its body, as in an earthquake
+            names = []
+            for j in (i, *(inner for inner, _ in box.inner)):
+                steady = f" = {load.constant[j]:.3g}" if not changing[j] else "$(t)$"
+                if acting[j]:
+                    names.append(rf"$f_{{{j + 1}}}$" + steady)
+            if names:
+                name = ", ".join(names)
+                half = -0.55 if "= -" in names[0] else 0.55
                 ax.annotate(
-                    "", (box.middle + half, HEIGHT + 0.25), (box.middle - half, HEIGHT + 0.25),
+                    "", (box.middle + half, HEIGHT + 0.25 + lift), (box.middle - half, HEIGHT + 0.25 + lift),
                     arrowprops={"arrowstyle": "-|>", "color": LOAD, "lw": 1.3, "shrinkA": 0, "shrinkB": 0},
                 )  # fmt: skip
-                ax.text(box.middle, HEIGHT + 0.42, name, va="bottom", ha="center", fontsize=7)
+                ax.text(
+                    box.middle, HEIGHT + 0.42 + lift, name, va="bottom", ha="center", fontsize=7
+                )
     if -1 in walls:
         _wall(ax, first.left - DISTANCE, -1, HEIGHT)
         reach[0] = min(reach[0], first.left - DISTANCE)
@@ -190,7 +201,7 @@ def _draw_row(
         _wall(ax, last.right + DISTANCE, 1, HEIGHT)
         reach[1] = max(reach[1], last.right + DISTANCE)
     ax.set_xlim(reach[0] - 0.5, reach[1] + 0.5)
-    ax.set_ylim(depth, HEIGHT + 1.0)
+    ax.set_ylim(depth, HEIGHT + 1.0 + lift)
     if cut:
         ax.text(
             0.5 * (first.left + last.right), HEIGHT + 0.75,
@@ -258,7 +269,10 @@ def _dashpot(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
     ax.plot([end, cup, cup, end], [y + 0.15, y + 0.15, y - 0.15, y - 0.15], "k", lw=0.9)
     ax.plot([piston, piston], [y - 0.1, y + 0.1], "k", lw=1.6)
     ax.plot([piston, x1], [y, y], "k", lw=0.9)
-    ax.text(0.5 * (x0 + x1), y - 0.2, label, ha="center", va="top", fontsize=6.5)
+    ax.annotate(
+        label, (0.5 * (x0 + x1), y - 0.15), (0, -2.5), textcoords="offset points", ha="center", va="top",
+        fontsize=6.5,
+    )  # fmt: skip
 
 
 def _to_ground(ax: Any, box: Box, letter: str, label: str) -> None:
@@ -365,7 +379,7 @@ def _far(ax: Any, low: Box, high: Box, y: float, label: str) -> None:
     for box, end in ((low, half - 0.3), (high, half + 0.3)):
         ax.plot([box.middle, box.middle, end], [0, y, y], color="k", lw=1.0)
         ax.plot([end, end], [y - 0.14, y + 0.14], color=IMPACT, lw=2.6, solid_capstyle="butt")
-    ax.text(half + 0.45, y - 0.06, label, ha="left", va="top", fontsize=6.5)
+    ax.text(half + 0.45, y - 0.1, label, ha="left", va="top", fontsize=6.5)
 
 
 def _draw_block(ax: Any, structure: Structure) -> None:
