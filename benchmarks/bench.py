@@ -20,7 +20,7 @@ MODULES = (
     "simulate_speed", "missed_impacts", "flags_speed", "reference_chain", "chart_speed", "boundary_point",
     "basin_speed", "python_call", "structure_speed", "threads_speed", "scaling",
 )  # fmt: skip
-PEERS = ("numpy", "scipy", "numba", "scikit-sundae")
+PEERS = ("numpy", "scipy", "numba", "scikit-sundae", "heyoka")
 ROOT = Path(__file__).resolve().parents[1]
 
 

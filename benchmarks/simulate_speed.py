@@ -1,13 +1,14 @@
-"""Impacts a second: this package, a hand-written numba event loop, SciPy, SUNDIALS and Siconos with events.
+"""Impacts a second: this package, a hand-written numba event loop, and integrators with events.
 
 The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
 chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by
 Newton: fast, but it can miss a contact that is shorter than its step. The others (50 cycles only) integrate and
-look for sign changes. All must find the same impacts: every one at the stable point, the first 20 at the
-chaotic one, where rounding grows by a factor in each.
+look for sign changes (SciPy, SUNDIALS, Siconos) or isolate the zeros of Taylor polynomials (heyoka, in
+`taylor_peer.py`). All must find the same impacts: every one at the stable point, the first 15 at the chaotic one,
+where rounding grows by a factor in each.
 
-Run with `python benchmarks/simulate_speed.py` (needs numba, SciPy and scikit-sundae; Siconos where the
-system's Python has it).
+Run with `python benchmarks/simulate_speed.py` (needs numba, SciPy and scikit-sundae; heyoka if it is installed,
+Siconos where the system's Python has it).
 """
 
 import math
@@ -20,6 +21,7 @@ from pathlib import Path
 
 import numba
 import numpy as np
+import taylor_peer
 import vibroimpact as vi
 from scipy.integrate import solve_ivp
 from sksundae.cvode import CVODE
@@ -169,6 +171,10 @@ def integrators(r, clearance, cycles):
     """CPU time and number of impacts by what a user would install to integrate with events."""
     yield "SciPy DOP853", *seconds(lambda: scipy_impacts(r, clearance, cycles), 1)
     yield "SUNDIALS CVODE", *seconds(lambda: sundials_impacts(r, clearance, cycles), 1)
+    if taylor_peer.here():
+        run = taylor_peer.simulate(XI, MU, RESTITUTION, r, clearance, cycles)
+        run()
+        yield taylor_peer.NAME, *seconds(lambda: len(run()), CALLS)
     system = ["env", "-i", f"PATH={os.defpath}", "python3"]
     if (
         subprocess.run(
@@ -197,7 +203,7 @@ def rows():
             here.append(len(run.events) / spent / 1e6)
             spent, n = seconds(lambda: numba_loop(*arguments), CALLS)  # noqa: B023
             there.append(n / spent / 1e6)
-        compared = len(run.events) if name == "stable" else 20
+        compared = len(run.events) if name == "stable" else 15
         apart = np.abs(run.events["time"][:compared] - room[:compared]).max()
         short = len(vi.simulate(OSC, r, clearance, 50).events)
         ours = statistics.median(here)

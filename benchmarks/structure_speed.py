@@ -3,7 +3,7 @@
 The time of a chain is that of a run less that of a run of no duration, so that it is the time of the flights
 and impacts without the preparation. The cost of an impact should grow as channels x modes of the bodies it
 touches. Two masses are simulated by the path for any structure, as a structure that is recognised as the
-oscillator of 1983, and as that oscillator; all do the same work.
+oscillator of 1983, and as that oscillator; all do the same work. Another peer, if it is installed, is heyoka.
 
 Run with `python benchmarks/structure_speed.py`.
 """
@@ -11,6 +11,7 @@ Run with `python benchmarks/structure_speed.py`.
 import time
 
 import numpy as np
+import taylor_peer
 import vibroimpact as vi
 from table import row, show
 
@@ -54,8 +55,27 @@ def of_chain(cells, duration, rounds=ROUNDS):
     return whole - empty, len(run.events)
 
 
+def chain_by_heyoka(cells, duration):
+    """Time (ms) of the same by heyoka, whose compilation does not count, and the times of its impacts."""
+    import heyoka as hy
+
+    stiffness = chain(cells).stiffness[:cells, :cells]
+    forces = [hy.expression(0.0)] * cells
+    integrator, times = taylor_peer.hosts_and_particles(stiffness, forces, 0.3, 1.0, 1.0)
+    start = np.zeros(4 * cells)
+    start[cells] = -10.0
+
+    def run():
+        times.clear()
+        taylor_peer.restart(integrator, 0.0, start)
+        integrator.propagate_until(duration)
+        return list(times)
+
+    return spent(run)
+
+
 def two_masses(r, clearance):
-    """Time (us) of an impact: path for any structure, recognised structure, oscillator; whether they agree."""
+    """Times (us) of an impact: any structure, recognised, the oscillator; the ten first impacts of each."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     load = vi.Load(r, sine=[1, 0])
 
@@ -76,7 +96,7 @@ def two_masses(r, clearance):
         short, few = spent(lambda f=simulate: f(1000))
         costs.append(1e3 * (long - short) / (len(events.events) - len(few.events)))
     first = [simulate(20).events["time"][:10] for simulate in runs]
-    return *costs, bool(np.ptp(first, 0).max() < 1e-9)
+    return costs, np.array(first)
 
 
 def rows():
@@ -91,13 +111,26 @@ def rows():
                 1e6 * time_spent / impacts / cells**2,
             ),
         ]  # fmt: skip
+    if taylor_peer.here():
+        cells, duration = 20, 10
+        time_spent, impacts = of_chain(cells, duration)
+        there, times = chain_by_heyoka(cells, duration)
+        work = f"chain of {cells} cells: {impacts} impacts"
+        same = len(times) == impacts
+        table.append(row(work, "ms", time_spent, None, there, taylor_peer.NAME, same))
     time_spent, impacts = of_chain(100, 200, 2)
     table.append(row(f"chain of 100 cells: {impacts} impacts", "ms", time_spent, LONG_TARGET))
     for name, point in {"stable": (1.04, 25.0), "chaotic": (1.02, 11.25)}.items():
-        general, recognised, kernel, same = two_masses(*point)
-        for path, cost in {"any structure": general, "recognised": recognised}.items():
-            work = f"two masses, {path}, {name}: an impact"
-            table.append(row(work, "us", cost, None, kernel, "own oscillator", same))
+        (*costs, kernel), first = two_masses(*point)
+        peers = {"own oscillator": (kernel, first[-1])}
+        if taylor_peer.here():
+            there, times = spent(taylor_peer.simulate(0.0114, 0.028, 0.75, *point, 1000))
+            peers[taylor_peer.NAME] = 1e3 * there / len(times), times[:10]
+        for path, cost, found in zip(("any structure", "recognised"), costs, first, strict=False):
+            for peer, (there, times) in peers.items():
+                same = bool(np.abs(found - times).max() < 1e-9)
+                work = f"two masses, {path}, {name}: an impact"
+                table.append(row(work, "us", cost, None, there, peer, same))
     return table
 
 
