@@ -19,7 +19,7 @@ module vi_simulate_structure_study
 
    type(key_type), parameter :: simulate_keys(*) = [ &
       key_type('duration', low=0.0_wp, high=longest, may_miss=.true., or='cycles', &
-      meaning='how long to simulate; with a record to its last sample if it is left out'), &
+      meaning='how long to simulate; if neither is given, to the last sample of a record'), &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, may_miss=.true., or='duration', &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
       meaning='how long, as a number of cycles of the load; fractions are allowed'), &

@@ -104,9 +104,9 @@ module vi_structure_groups
       takes='one number for each coordinate, column by column', &
       meaning='forces on the coordinates for 1 in each column'), &
       key_type('base', a_word, may_miss=.true., words='acceleration motion', &
-      takes='''acceleration'' (one column: y''''; the coordinates are relative to the base) or &
-      &''motion'' (two columns: y and y''; the coordinates are absolute)', &
-      meaning='the columns are a motion of the base, which loads the structure'), &
+      takes='''acceleration'' (one column) or ''motion'' (two columns)', &
+      meaning='the columns are the acceleration of the base, and coordinates relative to it, or &
+      &its displacement and velocity, and coordinates absolute'), &
       key_type('base_direction', most=most_coordinates, may_miss=.true., only='base', &
       takes='one number for each coordinate', meaning='displacements of the coordinates when the &
       &base moves by 1 and nothing deforms; 1 if it is left out')]

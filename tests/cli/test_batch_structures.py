@@ -96,7 +96,7 @@ FAULTS = [
         ("record = 3*1, weights = 1, 2, 3", "it has 3 numbers for 2 coordinates"),
         ("record = 3*1, weights = 1, 2, acts_on = 1", "acts_on = 1: must be left out beside weights"),
         ("record = 3*1, weights = 1, 2, base = 'motion'", "weights = 1, 2: must be left out beside base"),
-        ("record = 3*1, base = 'yes'", "must be 'acceleration' (one column"),
+        ("record = 3*1, base = 'yes'", "must be 'acceleration' (one column)"),
         ("record = 3*1, base_direction = 1, 1", "it goes with base"),
         ("record = 3*1, base = 'acceleration', base_direction = 1", "it has 1 number for 2 coordinates"),
         ("record = 4*1, frequency = 1", "must be left out beside frequency"),
