@@ -23,7 +23,7 @@ FAULTS = [
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
     (CASE + GAP, "gap", "must stand after a &structure, before its studies", 5),
     (CASE + LOAD, "load", "must stand after a &structure, before its studies", 5),
-    (STRUCTURE + GAP + "&atlas max_impacts = 2 /\n", "atlas", "is not a study of a &structure; must be &simulate", 3),
+    (STRUCTURE + GAP + "&atlas max_impacts = 2 /\n", "atlas", "is not a study of a &structure; must be", 3),
     (RUN, "simulate", "no &system or &structure stands before it", 1),
     (STRUCTURE + GAP * 501 + RUN, "gap", "must be at most 500", 502),
     *[(CASE.replace("mass = 1, 0.1", f"mass = {v}"), "structure", wanted, 1) for v, wanted in (
