@@ -46,6 +46,12 @@ from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
 from .studies.structure_lyapunov import StructureLyapunov, lyapunov_structure
+from .studies.structure_sweep import (
+    StructureBifurcation,
+    StructureResponse,
+    bifurcation_structure,
+    response_structure,
+)
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 
@@ -92,11 +98,13 @@ __all__ = [
     "Structure",
     "StructureAttractor",
     "StructureBasins",
+    "StructureBifurcation",
     "StructureBranch",
     "StructureLyapunov",
     "StructureMotion",
     "StructureMotions",
     "StructurePiece",
+    "StructureResponse",
     "StructureSpecialPoint",
     "StructureTrajectory",
     "StructureZone",
@@ -113,6 +121,7 @@ __all__ = [
     "basins",
     "basins_structure",
     "bifurcation_diagram",
+    "bifurcation_structure",
     "branch",
     "branch_structure",
     "chart",
@@ -135,6 +144,7 @@ __all__ = [
     "periodic_structure",
     "read_namelist",
     "response",
+    "response_structure",
     "run_namelists",
     "same_motion",
     "same_structure_motion",

@@ -19,7 +19,7 @@ module vi_study
       values_type, verdicts, wholes, words
 
    !> Largest number of characters of the name of a study.
-   integer, parameter, public :: name_length = 20
+   integer, parameter, public :: name_length = 24
    !> Largest number of characters of the name of a group.
    integer, parameter, public :: group_length = 11
 

@@ -3,6 +3,7 @@ module vi_study_list
    use vi_atlas_study, only: declare_atlas
    use vi_basins_structure_study, only: declare_basins_structure
    use vi_basins_study, only: declare_basins
+   use vi_bifurcation_structure_study, only: declare_bifurcation_structure
    use vi_bifurcation_study, only: declare_bifurcation
    use vi_branch_structure_study, only: declare_branch_structure
    use vi_branch_study, only: declare_branch
@@ -17,6 +18,7 @@ module vi_study_list
    use vi_motion_structure_study, only: declare_motion_structure
    use vi_motion_study, only: declare_motion
    use vi_processor, only: has_memory, stack_left, stack_needed, usable_threads
+   use vi_response_structure_study, only: declare_response_structure
    use vi_response_study, only: declare_response
    use vi_result, only: column_type, result_type, start_result
    use vi_simulate_structure_study, only: declare_simulate_structure
@@ -63,7 +65,9 @@ contains
          declare_type(declare_lyapunov_structure), &
          declare_type(declare_branch_structure), &
          declare_type(declare_zone_structure), &
-         declare_type(declare_basins_structure)], studies)
+         declare_type(declare_basins_structure), &
+         declare_type(declare_bifurcation_structure), &
+         declare_type(declare_response_structure)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.

@@ -16,7 +16,7 @@ module vi_structure_find
    implicit none (type, external)
    private
 
-   public :: count_orders, random_structure_states, search_orders, settle_states
+   public :: count_orders, open_gaps, random_structure_states, search_orders, settle_states
 
    !> How states are simulated.
    type, public :: settling_type
@@ -273,7 +273,7 @@ contains
       real(wp), intent(out) :: states(:, :)
       !> `stat%ok`, or `stat%gap_closed` where a gap is closed at q = 0.
       integer, intent(out) :: status
-      real(wp) :: sizes(size(states, 1)), closing, share, span
+      real(wp) :: sizes(size(states, 1)), span
       integer :: i, j, n
 
       n = size(states, 1)/2
@@ -291,16 +291,31 @@ contains
             states(j, i) = 0.7_wp*sizes(j)*sqrt(-2*log(uniform(seed, 2, i, j)))* &
                cos(two_pi*uniform(seed, 3, i, j))
          end do
-         ! towards q = 0, where the gaps are open, as far as needed
-         share = 1
-         do j = 1, size(structure%openings)
-            closing = dot_product(structure%directions(:, j), states(:n, i))
-            if (closing > structure%openings(j)) share = min(share, &
-               0.95_wp*structure%openings(j)/closing)
-         end do
-         states(:n, i) = share*states(:n, i)
+         call open_gaps(structure, states(:n, i))
       end do
    end subroutine random_structure_states
+
+   !> Moves coordinates towards q = 0, as far as needed to open all gaps, if they are open there.
+   pure subroutine open_gaps(structure, q)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> (n) In and out: the coordinates.
+      real(wp), intent(inout) :: q(:)
+      !> Share of the size of a gap that is rounding, as of a gap at rest.
+      real(wp), parameter :: rounding = 1.0e-13_wp
+      real(wp) :: closing, share
+      integer :: j
+
+      share = 1
+      do j = 1, size(structure%openings)
+         associate (direction => structure%directions(:, j), opening => structure%openings(j))
+            closing = dot_product(direction, q)
+            if (closing - opening <= rounding*(opening + sum(abs(direction*q)))) cycle
+            if (opening >= 0) share = min(share, 0.95_wp*opening/closing)
+         end associate
+      end do
+      q = share*q
+   end subroutine open_gaps
 
    !> The largest coordinates and velocities at the events and the end of a simulation from rest.
    pure subroutine reached_sizes(structure, load, sizes)

@@ -23,7 +23,7 @@ module vi_structure_return
    implicit none (type, external)
    private
 
-   public :: settle, settle_arrays, settle_on
+   public :: one_cycle, repetition, settle, settle_arrays, settle_on, some_cycles
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..studies.bifurcation import COLUMNS
+from ..studies.structure_sweep import StructureBifurcation
 from .study import command
 
 DESCRIPTION = """Simulate along a parameter, in sweeps up and down that continue from value to value or from
@@ -21,6 +22,8 @@ EXAMPLE = (
 
 def details(result: Any) -> list[str]:
     """The windows."""
+    if isinstance(result, StructureBifurcation):
+        return []
     return [
         f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}"
         for window in result.windows
@@ -34,6 +37,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The keys, and what is drawn."""
     add_keys(parser)
     parser.add_argument(
-        "--quantity", default="x", choices=(*COLUMNS, "approach"),
+        "--quantity", choices=(*COLUMNS, "approach"),
         help="quantity of each impact that --plot draws (default: x)",
     )  # fmt: skip

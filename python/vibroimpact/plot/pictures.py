@@ -12,7 +12,13 @@ from .decay import draw_decay
 from .found import draw_found
 from .history import draw
 from .structure import draw_structure
-from .structure_attractor import draw_exponents, draw_multipliers, draw_structure_basins
+from .structure_attractor import (
+    draw_exponents,
+    draw_multipliers,
+    draw_structure_basins,
+    draw_structure_bifurcation,
+    draw_structure_response,
+)
 from .structure_curves import draw_structure_branch, draw_structure_zone
 from .zone import draw_atlas, draw_zone
 
@@ -20,8 +26,9 @@ from .zone import draw_atlas, draw_zone
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Chart": draw_chart, "Decay": draw_decay, "Findings": draw_found, "Lyapunov": draw_lyapunov, "Motion": draw,
-    "Response": draw_response, "StructureBasins": draw_structure_basins, "StructureBranch": draw_structure_branch,
+    "Response": draw_response, "StructureBasins": draw_structure_basins,
+    "StructureBifurcation": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
     "StructureLyapunov": draw_exponents, "StructureMotions": draw_multipliers,
-    "StructureTrajectory": draw_structure, "StructureZone": draw_structure_zone, "Trajectory": draw,
-    "Zone": draw_zone,
+    "StructureResponse": draw_structure_response, "StructureTrajectory": draw_structure,
+    "StructureZone": draw_structure_zone, "Trajectory": draw, "Zone": draw_zone,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Attractors and motions of structures: exponents, multipliers, basins."""
+"""Attractors and motions of structures: exponents, multipliers, basins, sweeps."""
 
 from __future__ import annotations
 
@@ -6,9 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import checks
 from ..errors import ParameterError
 from . import style
 
+#: The marks of sweeps up and down.
+MARKS: dict[str, dict[str, Any]] = {
+    "up": {"marker": ".", "ms": 2.5, "color": style.PRIMARY},
+    "down": {"marker": "o", "ms": 3.5, "mfc": "none", "mew": 0.5, "color": style.FREE},
+}
 #: The label of a state in which a gap is closed.
 CLOSED = -4
 #: Colours of motions and attractors, in order.
@@ -20,6 +26,7 @@ if TYPE_CHECKING:
     from ..structure_find import StructureMotions
     from ..studies.structure_basins import StructureBasins
     from ..studies.structure_lyapunov import StructureLyapunov
+    from ..studies.structure_sweep import StructureBifurcation, StructureResponse
 
 
 def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0) -> Any:
@@ -106,6 +113,63 @@ def draw_structure_basins(basins: StructureBasins, ax: Any = None) -> Any:
     style.add_legend(
         ax, handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
     )
+    return ax
+
+
+def draw_structure_bifurcation(
+    diagram: StructureBifurcation, ax: Any = None, quantity: str = "q_0"
+) -> Any:
+    """A quantity along the parameter: dots on the way up, rings on the way down."""
+    n = diagram.structure.coordinates
+    names = [f"{kind}_{i}" for kind in ("q", "q_dot") for i in range(n)] + ["phase", "speed"]
+    checks.choice(quantity, "quantity", names)
+    kind, _, number = quantity.rpartition("_")
+    table = "strobes" if kind else "impacts"
+    values = diagram._table(table, kind or quantity)
+    if kind:
+        values = values[:, int(number)]
+    owners = diagram._result.tables[table].owners
+    along, run = diagram.values[owners], diagram.runs[owners]
+    ax = axes(ax, diagram, style.TWO_COLUMNS)
+    for name, mark in MARKS.items():
+        here = run == name
+        if here.any():
+            ax.plot(along[here], values[here], linestyle="", label=name, rasterized=True, **mark)
+    ax.set_xlabel(diagram.parameter)
+    labels = {"phase": "load phase at the impacts (rad)", "speed": "approach speed"}
+    ax.set_ylabel(labels.get(quantity, f"{symbol(quantity)} at load phase 0"))
+    style.add_legend(ax, markerscale=2, **style.ABOVE)
+    return ax
+
+
+def draw_structure_response(
+    response: StructureResponse, ax: Any = None, coordinate: int = 0
+) -> Any:
+    """The greatest magnitude of a coordinate over the frequency, with and without impacts."""
+    n = response.structure.coordinates
+    coordinate = checks.integer(coordinate, "coordinate", 0, n - 1)
+    ax = axes(ax, response)
+    for name, mark in MARKS.items():
+        here = response.runs == name
+        if here.any():
+            ax.plot(
+                response.values[here],
+                response.largest[coordinate, here],
+                lw=0.6,
+                label=name,
+                **mark,
+            )
+    order = np.argsort(response.values, kind="stable")
+    ax.plot(
+        response.values[order], response.steady_largest[coordinate, order], "--", color="0.4", lw=0.8,
+        label="without impacts",
+    )  # fmt: skip
+    top = np.nanmax(response.largest[coordinate])
+    if np.isfinite(top):
+        ax.set_ylim(0, 1.6 * top)
+    ax.set_xlabel(r"$\Omega$")
+    ax.set_ylabel(rf"$\max|q_{{{coordinate}}}|$")
+    style.add_legend(ax, **style.ABOVE)
     return ax
 
 

@@ -14,6 +14,8 @@ from ..model import Oscillator
 from ..noun import Noun, column
 from ..states import NEEDED, checked_state
 from ..status import NOT_COMPUTED
+from ..structure import or_structure
+from .structure_sweep import bifurcation_structure
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -199,6 +201,7 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         )
 
 
+@or_structure(bifurcation_structure)
 def bifurcation_diagram(
     osc: Oscillator,
     parameter: str,

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from .. import door
 from ..model import Oscillator
 from ..noun import Noun, column
+from ..structure import or_structure
+from .structure_sweep import response_structure
 
 __all__ = ["Response", "response"]
 
@@ -66,6 +68,7 @@ class Response(Noun, study="response"):
         )
 
 
+@or_structure(response_structure)
 def response(
     osc: Oscillator,
     r: ArrayLike,

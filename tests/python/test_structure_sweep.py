@@ -1,0 +1,218 @@
+"""Sweeps of structures along a parameter: closed forms, published points, simulations of their own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact import _core
+from vibroimpact.interrupt import new_counters
+from vibroimpact.tables import from_core
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+#: The impact oscillator of VIVID: one impact in two load cycles from F = 0.34753... on.
+WALL, LOAD = vi.Structure([1], [0.04], [1], [vi.Gap([1], 1, 0.9)]), vi.Load(0.81, cosine=[1.0])
+
+
+def damper(opening=0.5):
+    gaps = [vi.Gap([-1, 1], opening, 0.8), vi.Gap([1, -1], opening, 0.8)]
+    return vi.Structure([1.0, 0.1], [0.02, 0.0], [1.0, 0.0], gaps), vi.Load(1.1, sine=[0.1, 0])
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    return vi.bifurcation_diagram(WALL, LOAD, "load", np.linspace(0.349, 0.373, 5), settling=600)
+
+
+def test_the_motion_of_two_cycles_exists_above_the_published_flip(diagram):
+    """It loses its stability at F = 0.3475334 (tests/data/vivid.csv)."""
+    assert set(diagram.labels) == {"1/2"}
+    below = vi.bifurcation_diagram(WALL, LOAD, "load", [0.345, 0.347], sweep="down", settling=600)
+    assert "1/2" not in below.labels
+
+
+def test_the_states_of_a_period_are_those_of_a_simulation(diagram):
+    for cell in range(diagram.values.size):
+        q, rate = diagram.strobes(cell)
+        assert q.shape == rate.shape == (2, 1)
+        load = vi.Load(0.81, cosine=[diagram.values[cell]])
+        run = vi.simulate(WALL, load, cycles=2, state=(q[0], rate[0]))
+        np.testing.assert_allclose(run.final_state, [q[0], rate[0]], atol=1e-4)
+        gaps, phases, speeds = diagram.impacts_of(cell)
+        assert (gaps == 0).all()
+        hits = run.events[run.events["kind"] == "impact"]
+        np.testing.assert_allclose(speeds[-1], hits["speed"], rtol=1e-3)
+        wanted = np.mod(hits["time"] * 0.81, 2 * np.pi)
+        np.testing.assert_allclose(phases[-1], wanted, atol=1e-3)
+
+
+def test_up_and_down_agree_where_one_motion_is_stable(diagram):
+    up, down = (diagram.runs == name for name in ("up", "down"))
+    np.testing.assert_allclose(diagram.values[up], diagram.values[down][::-1], rtol=1e-15)
+    first = [sorted(diagram.strobes(i)[0][:, 0]) for i in np.flatnonzero(up)]
+    second = [sorted(diagram.strobes(i)[0][:, 0]) for i in np.flatnonzero(down)[::-1]]
+    np.testing.assert_allclose(first, second, atol=1e-5)
+
+
+def test_hysteresis_ends_at_the_fold_of_the_branch():
+    """On the way up the impacts go on to the fold; on the way down they begin again far below it."""
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    values = np.linspace(1.1, 1.5, 21)
+    found = vi.response(wall, vi.Load(1.1, cosine=[0.3]), values)
+    hits = {
+        name: found.values[(found.runs == name) & (found.impacts > 0)] for name in ("up", "down")
+    }
+    load = vi.Load(1.2, cosine=[0.3])
+    run = vi.simulate(wall, load, cycles=100, state=([0.0], [1.0]))
+    motion = vi.exact(wall, load, run)
+    branch = vi.branch(motion, "frequency", bounds=(1.0, 1.6))
+    (fold,) = (point.value for point in branch.special_points if point.type == "fold")
+    assert hits["up"].max() < fold < hits["up"].max() + 0.02
+    assert hits["down"].max() < hits["up"].max() - 0.1
+
+
+def test_a_function_gives_the_same_as_a_name():
+    structure, _ = damper()
+
+    def at(factor):
+        return structure, vi.Load(1.1, sine=[0.1 * factor, 0])
+
+    values = np.linspace(1.0, 1.5, 4)
+    one = vi.bifurcation_diagram(*at(1.0), "load", values)
+    two = vi.bifurcation_diagram(*at(1.0), at, values)
+    assert one.labels == two.labels
+    for i in range(one.values.size):
+        np.testing.assert_allclose(one.strobes(i), two.strobes(i), atol=1e-8)
+    again = two.to_namelist()
+    assert "function" in again
+
+
+def test_a_gap_that_becomes_smaller_pushes_the_state_back():
+    structure, load = damper(2.0)
+    values = np.linspace(0.05, 2.0, 8)
+    found = vi.bifurcation_diagram(structure, load, "opening", values, sweep="down", settling=50)
+    assert (found.status == 0).all()
+
+
+def test_the_response_without_impacts_is_the_closed_form():
+    structure = vi.Structure.from_modes([1.0, 2.5], [0.02, 0.05], np.eye(2), [vi.Gap([1, 1], 1e6)])
+    load = vi.Load(1.0, sine=[0.2, 0.1], cosine=[0.0, 0.3])
+    found = vi.response(structure, load, np.linspace(0.5, 3.0, 11), settling=4000, sweep="up")
+    w = found.values
+    for i, (omega, zeta) in enumerate(((1.0, 0.02), (2.5, 0.05))):
+        force = abs(load.cosine[0, i] - 1j * load.sine[0, i])
+        wanted = force / abs(omega**2 - w**2 + 2j * zeta * omega * w)
+        np.testing.assert_allclose(found.steady_largest[i], wanted, rtol=1e-4)
+        np.testing.assert_allclose(found.steady_rms[i], wanted / np.sqrt(2), rtol=1e-10)
+        np.testing.assert_allclose(found.largest[i], wanted, rtol=1e-4)
+        np.testing.assert_allclose(found.rms[i], wanted / np.sqrt(2), rtol=1e-9)
+    assert set(found.labels) == {"0/1"}
+
+
+def test_a_constant_force_moves_the_steady_motion():
+    structure = vi.Structure([1], [0.1], [4], [vi.Gap([1], 1e6)])
+    load = vi.Load(1.0, cosine=[0.0], constant=[2.0])
+    found = vi.response(structure, load, [1.0, 1.5], settling=600)
+    np.testing.assert_allclose(found.steady_largest, 0.5, rtol=1e-12)
+    np.testing.assert_allclose(found.rms, 0.5, rtol=1e-9)
+    free = vi.Structure([1], [0.1], [0], [vi.Gap([1], 1e6)])  # it drifts
+    assert np.isnan(vi.response(free, load, [1.0, 1.5], settling=10).steady_rms).all()
+
+
+def test_sizes_are_those_of_a_sampled_period():
+    structure, load = damper()
+    found = vi.response(structure, load, [1.0, 1.1], sweep="up", settling=600)
+    assert found.labels[1] == "2/1"
+    load = vi.Load(1.1, sine=[0.1, 0])
+    motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=800))
+    t = motion.period * (np.arange(40_000) + 0.5) / 40_000
+    q, _ = motion.sample(t)
+    np.testing.assert_allclose(found.largest[:, 1], abs(q).max(axis=1), rtol=1e-4)
+    np.testing.assert_allclose(found.rms[:, 1], np.sqrt((q**2).mean(axis=1)), rtol=1e-4)
+    np.testing.assert_allclose(found.q_min[:, 1], q.min(axis=1), rtol=1e-4)
+    np.testing.assert_allclose(found.q_max[:, 1], q.max(axis=1), rtol=1e-4)
+
+
+def test_a_wall_limits_the_response():
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    found = vi.response(wall, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13))
+    assert (found.q_max <= 1 + 1e-12).all()
+    quiet = found.steady_largest[0] < 0.99
+    with_hits = found.impacts > 0
+    assert (found.steady_largest[0][~with_hits] < 1).all()
+    agree = quiet & ~with_hits
+    np.testing.assert_allclose(found.largest[0][agree], found.steady_largest[0][agree], rtol=1e-3)
+
+
+@pytest.mark.parametrize("extension", ["json", "nc", "mat"])
+def test_files_and_namelists_give_them_back(extension, diagram, tmp_path):
+    response = vi.response(*damper(), np.linspace(1.0, 1.2, 3), settling=20)
+    for found in (diagram, response):
+        path = tmp_path / f"found.{extension}"
+        found.save(path)
+        namelist = tmp_path / "case.nml"
+        namelist.write_text(found.to_namelist())
+        (case,) = vi.read_namelist(namelist)
+        for again in (vi.load(path), case.run()[0]):
+            assert repr(again) == repr(found)
+            for name in ("values", "runs", "cycles", "impacts", "status"):
+                np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+            if found is diagram:
+                np.testing.assert_array_equal(again.strobes(3), found.strobes(3))
+            else:
+                np.testing.assert_array_equal(again.rms, found.rms)
+
+
+@pytest.mark.parametrize("name", ["bifurcation", "response"])
+def test_inputs_run(name, tmp_path):
+    log = vi.run_namelists([INPUTS / f"structure_{name}.nml"], tmp_path)
+    assert log.status == 0, log
+    assert len(list(tmp_path.glob("*.csv"))) == 2
+
+
+def test_pictures(diagram):
+    pytest.importorskip("matplotlib")
+    assert diagram.plot().get_xlabel() == "load"
+    assert diagram.plot(quantity="speed").get_ylabel() == "approach speed"
+    with pytest.raises(vi.ParameterError, match="quantity"):
+        diagram.plot(quantity="q_1")
+    response = vi.response(*damper(), [1.0, 1.2], settling=20)
+    assert response.plot(coordinate=1).get_ylabel() == r"$\max|q_{1}|$"
+    with pytest.raises(vi.ParameterError, match="coordinate"):
+        response.plot(coordinate=2)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"parameter": "weight"}, "parameter = 'weight': must be 'frequency'"),
+        ({"parameter": "opening_3"}, "parameter = 'opening_3': must be"),
+        ({"parameter": 3}, "parameter = 3: must be a name"),
+        ({"parameter": "restitution", "values": [0.5, 1.5]}, "parameter = 'restitution': must be"),
+        ({"values": [1.0]}, "values of shape (1,): must be at least two evenly spaced"),
+        ({"values": [1.0, 1.1, 1.3]}, "values of shape (3,): must be"),
+        ({"values": [1.2, 1.1]}, "values of shape (2,): must be"),
+        ({"sweep": "left"}, "sweep = 'left': must be 'up', 'down' or 'both'"),
+        ({"keep": 2}, "keep = 2: must be a whole number with 3 <="),
+        ({"state": ([0, 1], [0])}, "state = "),
+        ({"load": vi.Load(constant=[1.0])}, "load = "),
+    ],
+)
+def test_errors_name_the_parameter(change, message):
+    arguments = {"load": LOAD, "parameter": "load", "values": [0.3, 0.4], **change}
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
+        vi.bifurcation_diagram(WALL, **arguments)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_stop_keeps_what_was_reached(diagram):
+    counters = new_counters()
+    counters[2] = 1
+    handle, _ = _core.run_case(np.frombuffer(diagram.to_namelist().encode(), "S1"), 1, counters)
+    assert from_core("bifurcation_structure", handle).cut == "0 of 10 values were reached"
+
+
+def test_an_event_limit_is_a_status():
+    found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], max_events=5)
+    assert (found.status != 0).all()
+    assert list(found.failures) == [vi.status_text(13)]
