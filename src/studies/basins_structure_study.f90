@@ -64,7 +64,7 @@ module vi_basins_structure_study
       column_type('attractors', 'name', words, label='=', listed=.false., &
       meaning='impacts and load cycles of a periodic motion, or the kind of the attractor'), &
       column_type('attractors', 'fraction', listed=.false., &
-      meaning='share of the states that were reached'), &
+      meaning='share of the states that were reached and have no closed gap'), &
       column_type('attractors', 'standard_error', listed=.false., &
       meaning='standard error of the fraction'), &
       column_type('attractors', 'number', wholes, listed=.false., &
@@ -183,9 +183,9 @@ contains
             s%whole_number('max_events'), threads), list, labels, status, progress)
       end associate
       call number_attractors(list, status, labels, numbers, names)
-      reached = count(labels /= not_reached)
-      if (is_stopped(progress)) result%cut = whole(reached)//' of '//counted(size(labels), &
-         'state')//' were reached'
+      reached = count(labels /= not_reached .and. labels /= closed)
+      if (is_stopped(progress)) result%cut = whole(count(labels /= not_reached))//' of '// &
+         counted(size(labels), 'state')//' were reached'
       call open_states(case%study, size(labels), result)
       call result%put('states', 'q', [states(:n, :)], n)
       call result%put('states', 'q_dot', [states(n + 1:, :)], n)
@@ -341,7 +341,7 @@ contains
       integer, allocatable :: periodic(:)
       integer :: i, reached
 
-      reached = max(1, count(labels /= not_reached))
+      reached = max(1, count(labels /= not_reached .and. labels /= closed))
       text = counted(reached, 'state')
       do i = 1, size(names)
          shares(i) = real(count(labels == i), wp)/reached

@@ -103,6 +103,8 @@ def test_states_with_closed_gaps_have_no_attractor():
     assert (found.labels[first.values > 1] == -4).all()
     assert (found.labels[first.values < 1] == 0).all()
     assert found.attractors[0].motion.stable
+    share = (found.labels == 0).sum() / (found.labels != -4).sum()
+    np.testing.assert_allclose(found.fractions[0], share, rtol=1e-15)
 
 
 def test_random_states_begin_alike():

@@ -29,8 +29,12 @@ if TYPE_CHECKING:
     from ..studies.structure_sweep import StructureBifurcation, StructureResponse
 
 
-def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0) -> Any:
-    """The given Axes, or those of a new figure with a line that identifies the structure."""
+def axes(
+    ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0, swept: str = "",
+    pad: float = 6.0,
+) -> Any:  # fmt: skip
+    """The given Axes, or those of a new figure with a line that identifies the structure, above a legend if `pad`
+    leaves room for it."""
     if ax is not None:
         return ax
     plt = style.pyplot()
@@ -39,9 +43,9 @@ def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 
     s, load = result.structure, result.load
     n, gaps = s.coordinates, len(s.gaps)
     text = f"{n} coordinate{'s' if n != 1 else ''}, {gaps} gap{'s' if gaps != 1 else ''}"
-    if load is not None and load.frequency:
+    if load is not None and load.frequency and swept != "frequency":
         text += rf", $\Omega$ = {load.frequency:.6g}"
-    ax.set_title(text, fontsize=7)
+    ax.set_title(text, fontsize=7, pad=pad)
     return ax
 
 
@@ -130,7 +134,7 @@ def draw_structure_bifurcation(
         values = values[:, int(number)]
     owners = diagram._result.tables[table].owners
     along, run = diagram.values[owners], diagram.runs[owners]
-    ax = axes(ax, diagram, style.TWO_COLUMNS)
+    ax = axes(ax, diagram, style.TWO_COLUMNS, swept=diagram.parameter, pad=16.0)
     for name, mark in MARKS.items():
         here = run == name
         if here.any():
@@ -148,7 +152,7 @@ def draw_structure_response(
     """The greatest magnitude of a coordinate over the frequency, with and without impacts."""
     n = response.structure.coordinates
     coordinate = checks.integer(coordinate, "coordinate", 0, n - 1)
-    ax = axes(ax, response)
+    ax = axes(ax, response, swept="frequency", pad=16.0)
     for name, mark in MARKS.items():
         here = response.runs == name
         if here.any():

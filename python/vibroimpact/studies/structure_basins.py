@@ -58,7 +58,8 @@ class StructureBasins(StructureNoun, study="basins_structure"):
     states : ndarray (2, n, ...)
         Coordinates and velocities of each.
     fractions : ndarray
-        Share of the states that settle on each attractor; of those that were reached, if it was cut short.
+        Share of the states without a closed gap that settle on each attractor; of those that were reached, if it
+        was cut short.
     standard_error : ndarray
         Standard error of the fractions for independent states; an upper bound for states of a lattice.
     case : str
