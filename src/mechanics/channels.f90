@@ -42,6 +42,10 @@ module vi_channels
 
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
+   integer :: at
+   !> 1/i, and 1/i!.
+   real(wp), parameter :: inverse(order + 1) = [(1.0_wp/at, at=1, order + 1)]
+   real(wp), parameter :: inverse_factorial(0:order) = [(1/gamma(at + 1.0_wp), at=0, order)]
 
    !> Room for a search.
    type, public :: space_type
@@ -180,13 +184,8 @@ contains
                hold = 2
                cycle
             end if
-            if (n > 0 .and. .not. fresh) then
-               ! a search begins from pairs computed directly, so that rounding errors stay small
-               horizon = t + cells*h
-               call start_afresh(regime, x0, v0, phase, t, cells*h, x, v, turn, y, rate, reserve)
-               fresh = .true.
-               cycle
-            end if
+            ! a search begins from pairs computed directly, so that rounding errors stay small
+            if (n > 0 .and. .not. fresh) call pairs_at(regime, x0, v0, phase, t, x, v, turn)
             found = min(t + h, limit)
             row = 0
             do j = 1, n
@@ -298,6 +297,24 @@ contains
       complex(wp), intent(out) :: turn(:)
       !> (rows) Values, rates, and the bound.
       real(wp), contiguous, intent(out) :: y(:), rate(:), reserve(:)
+
+      call pairs_at(regime, x0, v0, phase, t, x, v, turn)
+      call row_values(regime%rows, regime%frequency, x, v, turn, y, rate, t)
+      call rounding(regime, x, v, t + duration, reserve)
+   end subroutine start_afresh
+
+   !> The pairs and the harmonics at a time, computed directly.
+   pure subroutine pairs_at(regime, x0, v0, phase, t, x, v, turn)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the start of the flight.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> Load phase there (rad), and the time after it.
+      real(wp), intent(in) :: phase, t
+      !> (m) The pairs at that time.
+      real(wp), contiguous, intent(out) :: x(:), v(:)
+      !> (harmonics) e^(i h Omega t) then.
+      complex(wp), intent(out) :: turn(:)
       integer :: h
 
       if (t > 0) then
@@ -309,9 +326,7 @@ contains
       do h = 1, size(turn)
          turn(h) = turned(h*(phase + regime%frequency*t))
       end do
-      call row_values(regime%rows, regime%frequency, x, v, turn, y, rate, t)
-      call rounding(regime, x, v, t + duration, reserve)
-   end subroutine start_afresh
+   end subroutine pairs_at
 
    !> e^(i angle).
    pure complex(wp) function turned(angle)
@@ -604,7 +619,7 @@ contains
             term = bound*wanted**4/24
             do i = 5, order + 1
                if (term <= tolerance) exit
-               term = term*rows%fastest(row)*wanted/i
+               term = term*(rows%fastest(row)*wanted)*inverse(i)
             end do
             if (term <= tolerance) then
                series%last = max(3, i - 2)
@@ -637,11 +652,7 @@ contains
             *regime%rows%fastest(row)
          series%reach = tolerated(tolerance, series%beyond, order + 1)
       end if
-      term = 1
-      do i = 0, series%last
-         series%c(i) = total(i)*term
-         term = term/(i + 1)
-      end do
+      series%c(:series%last) = total(:series%last)*inverse_factorial(:series%last)
    end subroutine expand
 
    !> A bound on the absolute derivative of a row of a given order >= 2, from now on.

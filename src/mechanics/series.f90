@@ -138,19 +138,21 @@ contains
       real(wp), intent(in) :: t
       !> The derivatives of order 0 to 3.
       real(wp), intent(out) :: d(0:3)
-      real(wp) :: s
+      real(wp) :: s, value, slope, curvature, jerk
       integer :: i
 
       s = t - series%centre
-      d = 0
+      value = 0
+      slope = 0
+      curvature = 0
+      jerk = 0
       do i = series%last, 0, -1
-         d(3) = d(3)*s + d(2)
-         d(2) = d(2)*s + d(1)
-         d(1) = d(1)*s + d(0)
-         d(0) = d(0)*s + series%c(i)
+         jerk = jerk*s + curvature
+         curvature = curvature*s + slope
+         slope = slope*s + value
+         value = value*s + series%c(i)
       end do
-      d(2) = 2*d(2)
-      d(3) = 6*d(3)
+      d = [value, slope, 2*curvature, 6*jerk]
    end subroutine evaluate
 
    !> A safe step for the gap to the limit just left, from its series: |k''''| <= B/5 with B the
