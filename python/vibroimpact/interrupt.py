@@ -98,6 +98,16 @@ def stoppable(
         raise
 
 
+def with_stack(function: Callable[..., Any], *arguments: Any) -> Any:
+    """The result of a function of the core that needs more stack than a caller's thread may have.
+
+    Some need 100 kB, and a thread can have 64 kB; that of the main thread is large enough.
+    """
+    if threading.current_thread() is threading.main_thread() or hasattr(_HERE, "abandoned"):
+        return function(*arguments)
+    return _finished(_started(function, *arguments), None)
+
+
 def new_counters() -> NDArray[np.int32]:
     """Progress counters for the core: no work done, no work known, no request to stop."""
     return np.zeros(3, dtype=np.int32)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from . import _core, checks
 from .errors import ParameterError, ParameterTypeError
 from .events import event_table
+from .interrupt import with_stack
 from .model import Oscillator, Pattern
 from .motion import Motion
 from .period import end_of, letters_of, not_periodic
@@ -210,7 +211,7 @@ def found_motion(
 def roomy(procedure: Any, *arguments: Any) -> Any:
     """The answer of a procedure of the core, with room for all events of a motion with rest."""
     for capacity in REST_EVENTS:
-        answer = procedure(*arguments, capacity)
+        answer = with_stack(procedure, *arguments, capacity)
         if answer[-1] != MORE_EVENTS:
             break
     return answer

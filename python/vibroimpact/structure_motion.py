@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks, namelist
 from .errors import ParameterError
+from .interrupt import with_stack
 from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
 from .status import MORE_EVENTS, VERDICT, raise_status
@@ -441,7 +442,8 @@ def _motion(
 ) -> StructureMotion:
     """The motion from the core."""
     matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)[:6]
-    impacts, states, matrix, multipliers, scalars, verdicts, status = _core.periodic_structure(
+    impacts, states, matrix, multipliers, scalars, verdicts, status = with_stack(
+        _core.periodic_structure,
         matrices, directions, values, load.frequency, harmonics, constant,
         gaps + 1, phases, cycles, wanted,
     )  # fmt: skip
@@ -495,8 +497,8 @@ def settled(
     capacity = 500
     while True:
         counts, labels, impacts, states, rests, matrix, multipliers, scalars, verdicts, status = (
-            _core.settle_structure(
-                matrices, directions, values, load.frequency, harmonics, constant, start,
+            with_stack(
+                _core.settle_structure, matrices, directions, values, load.frequency, harmonics, constant, start,
                 np.concatenate(state), settling, most_cycles, cycles, capacity,
             )
         )  # fmt: skip

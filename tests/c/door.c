@@ -278,6 +278,36 @@ static int run_at_once(const char *text)
     return 0;
 }
 
+static void *run_small(void *pointer)
+{
+    struct job *job = pointer;
+    vibroimpact_result result;
+    int status = vibroimpact_run(job->text, 1, NULL, &result);
+    CHECK(status == VIBROIMPACT_DONE || status == VIBROIMPACT_NO_MEMORY);
+    free(job->csv);
+    job->csv = copy_text(result, status == VIBROIMPACT_DONE ? VIBROIMPACT_CSV : VIBROIMPACT_FAULTS);
+    vibroimpact_free(result);
+    return NULL;
+}
+
+/* Threads with smaller stacks than that: each prints the result, or why there is none. */
+static int run_in_small_stacks(const char *text)
+{
+    pthread_attr_t attributes;
+    struct job job = {text, NULL};
+    size_t size;
+    pthread_attr_init(&attributes);
+    for (size = 64u << 10; size <= 1u << 20; size *= 2) {
+        pthread_t thread;
+        pthread_attr_setstacksize(&attributes, size);
+        CHECK(pthread_create(&thread, &attributes, run_small, &job) == 0);
+        pthread_join(thread, NULL);
+        printf("%d\n%s", (int)(size >> 10), job.csv);
+    }
+    free(job.csv);
+    return 0;
+}
+
 /* A result is copied, column by column, into one that is filled from outside. */
 static int refill(const char *text)
 {
@@ -513,7 +543,7 @@ int main(int n, char **arguments)
         const char *name;
         int (*call)(const char *text);
     } things[] = {{"show", show}, {"refuse", refuse}, {"walk", walk}, {"write", write_all},
-                  {"stop", stop}, {"at-once", run_at_once}, {"refill", refill}, {"misuse", misuse},
+                  {"stop", stop}, {"at-once", run_at_once}, {"small", run_in_small_stacks}, {"refill", refill}, {"misuse", misuse},
                   {"keep", keep}, {"describe", describe}, {"clock", clock_calls}};
     size_t i;
     CHECK(n == 3);

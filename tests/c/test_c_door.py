@@ -209,6 +209,18 @@ def test_eight_threads_of_each_study(run, name):
     assert run("at-once", CASES[name]) == run("show", CASES[name])
 
 
+@pytest.mark.parametrize("name", ["motion", "zone", "basins"])
+def test_small_stacks(run, name):
+    """With less stack a thread computes the same, or says that its stack is too small; it does not crash."""
+    wanted = run("show", CASES[name])
+    answers = re.split(r"^(\d+)\n", run("small", CASES[name]), flags=re.MULTILINE)[1:]
+    sizes, answers = [int(size) for size in answers[::2]], answers[1::2]
+    assert sizes == [64, 128, 256, 512, 1024]
+    assert answers[-1] == wanted
+    for answer in answers:
+        assert answer == wanted or "the stack of this thread is too small" in answer
+
+
 def test_misuse(run):
     """Null pointers, handles that are none, and values that do not fit: a status, and no breakdown."""
     run("misuse", CASES["zone"])

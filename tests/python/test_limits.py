@@ -385,6 +385,62 @@ def test_small_stack_of_a_thread():
     assert "30" in done.stdout or "stack of this thread is too small" in done.stdout
 
 
+#: Calls of the core on arrays, also on long motions and on structures with many coordinates.
+CALLS = """
+import sys, threading
+import numpy as np, vibroimpact as vi
+
+rig = vi.Oscillator(xi=.0114, mu=.028, restitution=(.75, .61))
+even = vi.Oscillator(xi=.005, mu=.042, restitution=.75)
+pair, column = vi.Pattern("RL"), [0, 4.3417]
+motion = vi.exact(even, .94, 37., (column, pair))
+long = vi.Pattern("RL" * 40, cycles=40)
+phases = np.add.outer(2*np.pi*np.arange(40), column).ravel()
+run = vi.simulate(rig, .9, 6., 4, discard=300)
+flip = vi.branch(motion, parameter="clearance", bounds=(34, 38)).special_points[1]
+wall, drive = vi.Structure([1], [.1], [1], [vi.Gap([1], 1, .8)]), vi.Load(1., cosine=[1])
+springs = 2*np.eye(30) - np.eye(30, k=1) - np.eye(30, k=-1)
+chain = vi.Structure([1.]*30, .02*springs, springs, [vi.Gap(np.eye(30)[-1], 1., .7)])
+shaken = vi.Load(.9, sine=[1.]*30)
+calls = [
+    lambda: vi.periodic(even, .94, phases, long).X,
+    lambda: vi.periodic_batch(even, [.9, .94], np.transpose([column, column]), pair).clearance,
+    lambda: vi.stability_flags(even, [.9, .94], np.transpose([column, column]), pair).stable,
+    lambda: vi.equispaced(even, .94, 20.)[0].X,
+    lambda: vi.linear_system(even, .94, phases, long)[0],
+    lambda: motion.impact_maps(),
+    lambda: motion.sample([0., 1.]).X,
+    lambda: vi.exact(even, .94, 37., (phases, long)).X,
+    lambda: vi.exact(rig, .9, 6., run).X,
+    lambda: vi.simulate(rig, .9, 6., 4, discard=300).events["x"],
+    lambda: run.sample([run.initial_state["t"]]).X,
+    lambda: run.period().events["x"],
+    lambda: vi.simulate_bundle(even, [.9, .91], 37., 30).x,
+    lambda: vi.same_motion(motion, motion),
+    lambda: vi.standard_motion(motion).X,
+    lambda: flip.switch()[0].X,
+    lambda: vi.simulate(chain, shaken, cycles=5).sample([0., 1.])[0],
+    lambda: vi.periodic(chain, shaken, [2.], [0]).multipliers,
+    lambda: vi.exact(wall, drive, ([.1], [0])).matrix,
+    lambda: vi.exact(wall, drive, vi.simulate(wall, drive, cycles=40)).matrix,
+]
+wanted = [call() for call in calls]
+threading.stack_size(65536)
+answers = []
+for call in calls:
+    thread = threading.Thread(target=lambda: answers.append(call()))
+    thread.start()
+    thread.join()
+print(len(answers), all(map(np.array_equal, wanted, answers)))
+"""
+
+
+@linux
+def test_calls_in_threads_with_small_stacks():
+    """Calls on arrays give the same bits in threads with the least stack that Python allows."""
+    assert_answers(child(CALLS), "20 True")
+
+
 def test_exponents_of_nothing_are_not_read():
     """The numbers of the codes above are those of the core."""
     assert [vi.status_text(code) for code in (EVENT_LIMIT, EVENT_LIMIT + 1)] == [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .. import _core
+from ..interrupt import with_stack
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import impact_motion
@@ -15,7 +16,8 @@ PARAMETERS = {"r": 1, "clearance": 2, "xi": 3, "mu": 4, "R1": 5, "R2": 6, "resti
 
 def switched(motion: Motion, kind: str, flight: int, side: str, parameter: str) -> list[Motion]:
     """The motions that begin at a bifurcation of a motion, each at a slightly different value of a parameter."""
-    n, lengths, cycles, sides, systems, phases, impacts, scalars, multipliers, verdicts = _core.switch_branch(
+    n, lengths, cycles, sides, systems, phases, impacts, scalars, multipliers, verdicts = with_stack(
+        _core.switch_branch,
         *motion._flights(), motion.osc.restitution, motion.clearance, KINDS[kind], flight + 1,
         1 if side == "R" else -1, PARAMETERS[parameter], parameter == "restitution",
     )  # fmt: skip
