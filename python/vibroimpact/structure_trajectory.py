@@ -25,8 +25,9 @@ __all__ = ["StructureTrajectory", "simulate_structure"]
 _Array = NDArray[np.float64]
 #: Names of the kinds of events 1, 2, 3.
 KINDS = np.array(["impact", "stick", "release"])
-#: Number of events for which space is allocated at first.
-ROOM = 1024
+#: Bytes reserved for events at first; what is not written to takes no memory. With more events the simulation is
+#: run again.
+ROOM = 2**24
 #: The note on a trajectory that reached the limit on events.
 FULL = "max_events was reached"
 #: The keys of a &simulate of a &structure.
@@ -498,7 +499,7 @@ def simulate_structure(
     q, rate = _state(state, n)
     arguments = core_arrays(structure, load)
     first = np.append(q, rate)
-    room = min(ROOM, max_events)
+    room = min(ROOM // (8 * (2 * n + 3)), max_events)
     while True:
         table = np.empty((2 * n + 3, room), order="F")
         labels = np.empty((2, room), dtype=np.int32, order="F")
