@@ -385,6 +385,21 @@ def test_bad_oscillators_as_structures(words, wanted):
             vi.Oscillator(xi=0.005, mu=0.042, restitution=law)
 
 
+@pytest.mark.parametrize("drag", [0.0, 1e-4, 1e-3])
+def test_fifty_periods_of_a_motion(drag):
+    """Its multipliers are powers; the response to a drag is a series for one period and not for fifty."""
+    gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
+    host = vi.Structure([1.0, 0.1], [0.02, drag], [1.0, 0.0], gaps)
+    load = vi.Load(1.1, sine=[0.1, 0.0])
+    once = vi.exact(host, load, ([1.64, 4.78], [1, 0]))
+    phases = once.phases + 2 * np.pi * np.arange(50)[:, None]
+    many = vi.exact(host, load, (phases.ravel(), np.tile(once.gaps, 50), 50))
+    np.testing.assert_allclose(many.phases, phases.ravel(), atol=1e-10)
+    np.testing.assert_allclose(
+        many.matrix, np.linalg.matrix_power(once.matrix, 50), atol=1e-9 * np.abs(once.matrix).max()
+    )
+
+
 def test_a_motion_is_drawn_by_its_own_flights():
     """A simulation of its period would leave an unstable motion, and would stop where a gap is negative."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.1, 0.8)])
