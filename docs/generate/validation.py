@@ -22,9 +22,9 @@ TABLE = re.compile(r"(<!-- table (\w+), [^>]*-->\n).*?(\n<!-- end -->)", re.DOTA
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def bound(x):
+def bound(x, least=1e-13):
     """A difference by the next larger number of one digit, which hardly depends on the last bits."""
-    if x < 1e-13:
+    if x < least:
         return "below 10⁻¹³"
     power = math.floor(math.log10(x))
     digit = math.ceil(x / 10.0**power - 1e-3)

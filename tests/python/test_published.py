@@ -73,3 +73,18 @@ def test_table_of_published_bifurcations_is_up_to_date(monkeypatch):
     page = validation(monkeypatch)
     text = page.PAGE.read_text(encoding="utf-8")
     assert page.written(text, ("bifurcations",)) == text
+
+
+def test_measured_errors_are_not_larger_than_on_the_page(monkeypatch):
+    """Rounding differs between machines: results and cases must be the same, and errors of the same order."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    page = importlib.import_module("generate.right")
+    start = page.PAGE.read_text(encoding="utf-8").partition("<!-- table measured")[2]
+    lines = start.partition("<!-- end -->")[0].splitlines()[3:]
+    printed = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    computed = page.rows()
+    assert [row[:3] for row in printed] == [
+        [result, other, str(len(errors))] for result, other, errors in computed
+    ]
+    for (*_, text), (*_, errors) in zip(printed, computed, strict=True):
+        assert max(errors) <= page.SLACK * page.number(text)
