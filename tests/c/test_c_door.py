@@ -94,8 +94,8 @@ def run(door, installed, tmp_path):
 @pytest.mark.parametrize("name", CASES)
 def test_digits_of_the_program(run, name):
     """A result as CSV is, byte for byte, the file that the program writes; the status is its too."""
-    said = run.batch(CASES[name])
-    assert said.returncode == 0, said.stderr
+    output = run.batch(CASES[name])
+    assert output.returncode == 0, output.stderr
     wanted = (run.folder / "results/case.csv").read_text(encoding="utf-8")
     assert run("show", CASES[name]) == wanted
 
@@ -127,10 +127,10 @@ def test_ends_of_lines(run, end):
 @pytest.mark.parametrize("name", CASES)
 def test_laws_of_tables(run, name):
     """The C program checks the laws; the sums that it prints are those of the values in the JSON."""
-    told = run("walk", CASES[name]).splitlines()
-    tables = {line.split()[1]: int(line.split()[2]) for line in told if line[:5] == "table"}
+    report = run("walk", CASES[name]).splitlines()
+    tables = {line.split()[1]: int(line.split()[2]) for line in report if line[:5] == "table"}
     assert tables
-    assert any(line.startswith("column") for line in told)
+    assert any(line.startswith("column") for line in report)
 
 
 @pytest.mark.parametrize("name", ["response", "zone", "several", "basins", "branch", "structure"])
@@ -142,28 +142,28 @@ def test_filled_from_outside(run, name):
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_text(run, name):
     """Status 2 and the words of the program, with the line of the text."""
-    told = run("refuse", WRONG[name])
-    status, line, message = told.split(" ", 2)
+    report = run("refuse", WRONG[name])
+    status, line, message = report.split(" ", 2)
     assert status == "2"
     if name == "two_cases":  # which the program takes
         assert message == "the text holds 2 cases; must hold one"
         return
-    said = run.batch(WRONG[name])
-    assert said.returncode == 2
+    output = run.batch(WRONG[name])
+    assert output.returncode == 2
     place = "case.nml" + ("" if line == "0" else f":{line}")
-    assert said.stderr == f"{place}: {message}\n"
+    assert output.stderr == f"{place}: {message}\n"
 
 
 def test_nothing_found(run):
     """What is not there is status 1 with a line that says so, and no file."""
-    said = run.batch(NOWHERE)
-    assert said.returncode == 1
+    output = run.batch(NOWHERE)
+    assert output.returncode == 1
     (run.folder / "case.nml").write_text(NOWHERE)
     done = subprocess.run(
         [run.program, "show", "case.nml"], cwd=run.folder, capture_output=True, text=True
     )
     assert (done.returncode, done.stdout) == (1, "")
-    assert said.stderr == f"case: {done.stderr}"
+    assert output.stderr == f"case: {done.stderr}"
 
 
 def test_each_case_of_a_text(run):
@@ -234,8 +234,8 @@ def test_memory_is_given_back(run, name):
 
 def test_descriptions_are_json(run):
     """Also a text with line feeds in it; the language is that of `vibroimpact-batch --describe`."""
-    told = json.loads(run("describe", CASES["zone"]))
-    (text,) = next(item["words"] for item in told["columns"] if item["name"] == "text")
+    report = json.loads(run("describe", CASES["zone"]))
+    (text,) = next(item["words"] for item in report["columns"] if item["name"] == "text")
     assert text.startswith("&system\n")
     language = json.loads(run("describe", ""))
     assert set(language["results"]) <= set(language["groups"])

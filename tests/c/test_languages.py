@@ -92,14 +92,14 @@ def test_octave(installed, rows, tmp_path):
     assert done.returncode != 0
     assert "&system: no &motion" in done.stderr
     # words, owners, complex numbers and several values in a row
-    told = call(
+    message = call(
         *octave, "--eval",
         "m = vibroimpact(['&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /' 10 "
         "'&motion sides = ''RL'', phases_over_pi = 0, 1.37 /' 10]); "
         "disp(iscomplex(m.motions.multipliers)); disp(m.impacts.owners'); disp(m.motions.sides{1})",
         cwd=tmp_path,
     )  # fmt: skip
-    assert told.split() == ["1", "1", "1", "RL"]
+    assert message.split() == ["1", "1", "1", "RL"]
 
 
 @pytest.mark.slow

@@ -114,9 +114,9 @@ class Runner:
             if "input" in options:
                 del options["stdin"]
             done = subprocess.run(call, capture_output=True, **options)
-        said = done.stderr.decode(errors="replace")
-        assert done.returncode in (0, 1, 2), f"exit status {done.returncode}: {said[:500]}"
-        assert not any(word in said for word in BREAKDOWN), said[:500]
+        output = done.stderr.decode(errors="replace")
+        assert done.returncode in (0, 1, 2), f"exit status {done.returncode}: {output[:500]}"
+        assert not any(word in output for word in BREAKDOWN), output[:500]
         files = tuple(map(os.fsdecode, WRITTEN.findall(done.stdout)))
         return Outcome(done.returncode, WRITTEN.sub(b"", done.stdout), done.stderr, files)
 
@@ -212,19 +212,19 @@ def on_terminal(cwd, *words, stop=None, again=None, more=""):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:  # fmt: skip
         os.close(theirs)
-        said, stopped = "", False
+        output, stopped = "", False
         with contextlib.suppress(OSError):  # the end of a terminal
             while part := os.read(ours, 4096):
-                said += part.decode()
-                if stop and not stopped and re.search(stop, said):
+                output += part.decode()
+                if stop and not stopped and re.search(stop, output):
                     stopped = True
                     process.send_signal(signal.SIGINT)
                     if again:
                         wait_for(lambda: [*cwd.glob(again)] or process.poll() is not None)
                         process.send_signal(signal.SIGINT)
     os.close(ours)
-    assert stopped == bool(stop), said[-500:]
-    return process.returncode, said
+    assert stopped == bool(stop), output[-500:]
+    return process.returncode, output
 
 
 def wait_for(there):
@@ -234,9 +234,9 @@ def wait_for(there):
         time.sleep(0.02)
 
 
-def bars(said):
+def bars(output):
     """How long the bar was, each time it was drawn."""
-    return [len(item) for item in re.findall(r"\[(#*) *\]", said)]
+    return [len(item) for item in re.findall(r"\[(#*) *\]", output)]
 
 
 def find_batch():

@@ -60,8 +60,8 @@ def test_diagrams_of_the_api(text, batch, command, same_build):
     result = case_of(batch).run()[0]
     assert_diagram(table, result)
     header = (batch.cwd / "results/case.csv").read_text().split("\n")
-    said = [re.fullmatch(r"# ! (.+): (.+) from (.+) to (.+)", line) for line in header]
-    assert [(line[1], float(line[3]), float(line[4]), line[2]) for line in said if line] == [
+    output = [re.fullmatch(r"# ! (.+): (.+) from (.+) to (.+)", line) for line in header]
+    assert [(line[1], float(line[3]), float(line[4]), line[2]) for line in output if line] == [
         tuple(window) for window in result.windows
     ]
 
@@ -184,12 +184,12 @@ def test_basins_of_the_api(text, batch, command, same_build):
     assert column(table, "label").tolist() == result.labels.ravel().tolist()
     names = [*(item.name for item in result.attractors), ""]
     assert [row["attractor"] for row in table] == [names[i] for i in result.labels.ravel()]
-    said = told(batch.cwd / "results/case.csv")
-    assert [(item[1], item[2]) for item in said] == [
+    output = told(batch.cwd / "results/case.csv")
+    assert [(item[1], item[2]) for item in output] == [
         (item.name, item.kind) for item in result.attractors
     ]
-    assert [float(item[3]) for item in said] == result.fractions.tolist()
-    for item, attractor in zip(said, result.attractors, strict=True):
+    assert [float(item[3]) for item in output] == result.fractions.tolist()
+    for item, attractor in zip(output, result.attractors, strict=True):
         if attractor.motion is not None:
             # the derivative of the simulation, and [P] of the exact motion
             largest = abs(attractor.motion.multipliers).max()
@@ -217,9 +217,9 @@ def test_attractors_are_motions(batch):
         math.hypot(float(row[f"multiplier_{i}_re"]), float(row[f"multiplier_{i}_im"]))
         for i in range(1, 5)
     ]
-    said = {item[1]: float(item[4]) for item in told(batch.cwd / "results/case_2.csv") if item[4]}
+    output = {item[1]: float(item[4]) for item in told(batch.cwd / "results/case_2.csv") if item[4]}
     for name in ("RL/1 (1)", "RL/1 (2)"):
-        assert said[name] == pytest.approx(max(moduli), rel=1e-7)
+        assert output[name] == pytest.approx(max(moduli), rel=1e-7)
 
 
 def test_mirror_images_go_to_mirror_images(batch):
@@ -227,8 +227,8 @@ def test_mirror_images_go_to_mirror_images(batch):
     plane = PLANE.replace(TABLE, EQUAL).replace("= 37", "= 14").replace("8, 9", "3, 3")
     assert batch.case(plane).status == 0
     header = (batch.cwd / "results/case.csv").read_text()
-    said = re.search(r"# ! 0: (\S+) .*; t, x, x_dot, z, z_dot = (.*)", header)
-    t, x, x_dot, z, z_dot = (float(item) for item in said[2].split(", "))
+    output = re.search(r"# ! 0: (\S+) .*; t, x, x_dot, z, z_dot = (.*)", header)
+    t, x, x_dot, z, z_dot = (float(item) for item in output[2].split(", "))
     text = EQUAL
     for s, later in ((1, 0.0), (-1, math.pi / 1.04)):
         text += (
@@ -240,7 +240,7 @@ def test_mirror_images_go_to_mirror_images(batch):
     here, there = (
         {row["attractor"] for row in rows(batch.cwd / f"results/case_{i}.csv")} for i in (1, 2)
     )
-    assert here == {said[1]}
+    assert here == {output[1]}
     assert here | there == {"RRL/1", "RLL/1"}
     assert len(there) == 1
 

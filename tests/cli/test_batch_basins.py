@@ -117,8 +117,8 @@ def test_random_states_of_the_api(text, batch, command, same_build):
     shares, exponents = sure(batch.cwd / "results/case.csv")
     assert shares == [[i, error] for i, error in enumerate(result.standard_error.tolist())]
     assert exponents == []
-    said = [float(item[3]) for item in told(batch.cwd / "results/case.csv")]
-    assert said == result.fractions.tolist()
+    output = [float(item[3]) for item in told(batch.cwd / "results/case.csv")]
+    assert output == result.fractions.tolist()
 
 
 def test_safety_of_the_api(batch, command, same_build):
@@ -133,11 +133,11 @@ def test_safety_of_the_api(batch, command, same_build):
         wanted.append([i, error, radius, *centre])
     assert shares == wanted
     assert exponents == [result.uncertainty_exponent]
-    said = batch.case(text).out.decode()
+    output = batch.case(text).out.decode()
     for item, share, error in zip(
         result.attractors, result.fractions, result.standard_error, strict=True
     ):
-        assert f"{item.name} {100 * share:.2f}% +- {100 * error:.2f}%" in said
+        assert f"{item.name} {100 * share:.2f}% +- {100 * error:.2f}%" in output
 
 
 def test_a_plane_without_a_boundary_has_no_exponent(batch):

@@ -153,8 +153,8 @@ def test_interrupt_leaves_no_traceback(which, launcher, tmp_path):
     while not (tmp_path / "results").exists() and time.monotonic() < end:
         time.sleep(0.01)
     os.killpg(process.pid, signal.SIGINT)
-    said = process.communicate(timeout=30)[1].decode()
-    assert "Traceback" not in said, said[-300:]
+    output = process.communicate(timeout=30)[1].decode()
+    assert "Traceback" not in output, output[-300:]
 
 
 def test_no_python_needed(good):

@@ -174,8 +174,10 @@ def test_concurrent_runs_into_one_folder(complete_run, binary, tmp_path):
     """Runs at the same time into one folder all succeed and leave what one run would."""
     runs = [start([binary], complete_run, "many.nml", "-o", str(tmp_path / "out"))
             for _ in range(8)]  # fmt: skip
-    said = [run.communicate(timeout=60)[1] for run in runs]
-    assert [(run.returncode, text) for run, text in zip(runs, said, strict=True)] == [(0, b"")] * 8
+    output = [run.communicate(timeout=60)[1] for run in runs]
+    assert [(run.returncode, text) for run, text in zip(runs, output, strict=True)] == [
+        (0, b"")
+    ] * 8
     assert contents(tmp_path / "out") == contents(complete_run / "results")
 
 

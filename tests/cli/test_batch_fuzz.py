@@ -51,9 +51,9 @@ def ran(tmp_path_factory, binary):
 
 def test_no_breakdown_and_one_line_a_fault(ran):
     """Status 0 says nothing on stderr; status 2 is one line that starts with the file's name."""
-    folder, said = ran
-    assert {done.status for done in said.values()} >= {0, 2}
-    for name, done in said.items():
+    folder, output = ran
+    assert {done.status for done in output.values()} >= {0, 2}
+    for name, done in output.items():
         lines = done.err.count(b"\n")
         if done.status == 0:
             assert lines == 0, name
@@ -67,8 +67,8 @@ def test_no_breakdown_and_one_line_a_fault(ran):
 
 def test_nothing_outside_the_folder(ran):
     """Only the input files and `out` are there, and in `out` only results."""
-    folder, said = ran
-    assert {path.name for path in folder.iterdir()} - {"out", *said} == set()
+    folder, output = ran
+    assert {path.name for path in folder.iterdir()} - {"out", *output} == set()
     assert all(name.endswith((".csv", ".txt")) for name in contents(folder / "out"))
 
 
@@ -84,10 +84,10 @@ def test_survivors_are_inputs(ran, binary, tmp_path):
 
 def test_command_agrees(ran, tmp_path):
     """The command says the same to all files, but for names that collide in one call."""
-    folder, said = ran
-    done = Runner(find_twin(), folder)(*said, "-o", str(tmp_path / "out"))
+    folder, output = ran
+    done = Runner(find_twin(), folder)(*output, "-o", str(tmp_path / "out"))
     lines = set(done.err.decode(errors="replace").split("\n"))
     expected = {
-        line for one in said.values() for line in one.err.decode(errors="replace").split("\n")
+        line for one in output.values() for line in one.err.decode(errors="replace").split("\n")
     }
     assert {line for line in lines ^ expected if "already the name" not in line} == set()

@@ -36,11 +36,11 @@ def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
     with started(binary, tmp_path) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
         process.send_signal(number)
-        told, faults = process.communicate(timeout=120)
+        message, faults = process.communicate(timeout=120)
     assert process.returncode == 1
     assert faults.splitlines()[-1] == "case_3: not run, since the program was interrupted"
     assert "case_2: interrupted: the simulation was stopped after" in faults
-    assert "case_1: out/case_1.csv" in told
+    assert "case_1: out/case_1.csv" in message
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert names in (["case_1.csv", "case_2.csv"], ["case_1.csv"])  # it can stop before an impact
     if len(names) == 2:

@@ -152,11 +152,11 @@ def test_smallest_case_is_complete(group, tmp_path):
     for key in TABLES[group]:
         if key["default"] or key["may_miss"] or f"{key['name']} =" not in SMALLEST[group][1]:
             continue
-        said = echo(tmp_path, case(group, without=[key["name"]]))
+        output = echo(tmp_path, case(group, without=[key["name"]]))
         # without a parameter it is the clearance that is missing
         name = "clearance" if (group, key["name"]) == ("bifurcation", "parameter") else key["name"]
         takes = key_of(group, name)["takes"]
-        assert said.startswith(f"&{group} {name}: is missing; must be {takes}"), said
+        assert output.startswith(f"&{group} {name}: is missing; must be {takes}"), output
 
 
 @pytest.mark.parametrize(("group", "name"), KEYS)
@@ -197,14 +197,14 @@ def test_range_of_a_number(group, name, tmp_path):
         return
     for value in outside(key):
         text = f"{value:d}" if key["kind"] == "whole" else repr(float(value))
-        said = echo(tmp_path, case(group, f"{name} = {text}", [name]))
-        assert said == f"&{group} {name} = {text}: must be {key['takes']}"
+        output = echo(tmp_path, case(group, f"{name} = {text}", [name]))
+        assert output == f"&{group} {name} = {text}: must be {key['takes']}"
     for end, open_end in (("low", "above"), ("high", "below")):
         if key[end] is None or key[open_end]:
             continue
         text = f"{key[end]:d}" if key["kind"] == "whole" else repr(float(key[end]))
-        said = echo(tmp_path, case(group, f"{name} = {text}", [name]))
-        assert not str(said).endswith(f"{name} = {text}: must be {key['takes']}")
+        output = echo(tmp_path, case(group, f"{name} = {text}", [name]))
+        assert not str(output).endswith(f"{name} = {text}: must be {key['takes']}")
 
 
 @pytest.mark.parametrize(
@@ -320,7 +320,7 @@ def made(group, words):
     options.record = Record(group)
     with pytest.MonkeyPatch.context() as patch:
         for place in (cases, module):
-            patch.setattr(place, "run_kind", lambda *told: found.append(told), raising=False)
+            patch.setattr(place, "run_kind", lambda *message: found.append(message), raising=False)
         module.run(options)
     try:
         ((one,), _) = read_cases(options, found[0][1])
@@ -392,13 +392,13 @@ def test_keys_of_a_group_for_people(batch):
 @pytest.mark.parametrize("study", LANGUAGE["results"])
 def test_a_study_has_all_its_parts(study):
     """A meaning, rows for the CSV, a case among the inputs, and what a row is in inputs/README.md."""
-    told = LANGUAGE["results"][study]
-    assert told["meaning"]
-    assert told["row"] in {column["table"] for column in told["columns"]}
+    message = LANGUAGE["results"][study]
+    assert message["meaning"]
+    assert message["row"] in {column["table"] for column in message["columns"]}
     inputs = [path.read_text(encoding="utf-8") for path in (ROOT / "inputs").glob("*.nml")]
-    system = "structure" if told["of_structure"] else "system"
-    assert any(re.search(rf"(?ms)^&{system}\b.*^&{told['group']}\b", text) for text in inputs)
-    row = f"`&{told['group']}`" + " of a `&structure`" * told["of_structure"]
+    system = "structure" if message["of_structure"] else "system"
+    assert any(re.search(rf"(?ms)^&{system}\b.*^&{message['group']}\b", text) for text in inputs)
+    row = f"`&{message['group']}`" + " of a `&structure`" * message["of_structure"]
     assert f"\n| {row} | " in (ROOT / "inputs/README.md").read_text(encoding="utf-8")
 
 
@@ -408,4 +408,6 @@ def test_the_help_says_what_each_study_does():
         [find_batch(), "--help"], capture_output=True, text=True, check=True
     ).stdout
     found = re.findall(r"^  &(\w+) +(.*)$", text, re.MULTILINE)
-    assert found == [(told["group"], told["meaning"]) for told in LANGUAGE["results"].values()]
+    assert found == [
+        (message["group"], message["meaning"]) for message in LANGUAGE["results"].values()
+    ]

@@ -163,7 +163,7 @@ def test_lost_attractor(batch, tool, same_build):
     assert contents(batch.cwd / "again") == contents(batch.cwd / "results")
 
 
-@pytest.mark.parametrize(("text", "said"), [
+@pytest.mark.parametrize(("text", "output"), [
     (ATLAS.replace("min = 20", "min = 1e6").replace("max = 60", "max = 2e6"),
      "case: no zone: neither search nor survey found a stable, admissible motion within the limits"),
     (ZONE.replace("clearance_min = 2, clearance_max = 200", "clearance_min = 1e6, clearance_max = 2e6"),
@@ -176,11 +176,11 @@ def test_lost_attractor(batch, tool, same_build):
     (BRANCH.replace("1.37", "1"),
      "case: two equally spaced impacts with equal restitution leave the load amplitude free"),
 ])  # fmt: skip
-def test_nothing_there(text, said, batch):
+def test_nothing_there(text, output, batch):
     """No motion, no zone: one clear statement, status 1, no result."""
     done = batch.case(text)
     assert (done.status, done.out, len(done.faults)) == (1, b"", 1)
-    assert done.faults[0].startswith(said)
+    assert done.faults[0].startswith(output)
     assert list(contents(batch.cwd)) == ["case.nml"]
 
 
@@ -189,7 +189,7 @@ def test_result_that_cannot_be_written(batch):
     write(batch.cwd / "results", "mine")
     for text in (BRANCH, ZONE, ATLAS):
         done = batch.case(text)
-        said = "results: results is a file; must be a folder"
-        assert (done.status, done.faults) == (2, [said])
+        output = "results: results is a file; must be a folder"
+        assert (done.status, done.faults) == (2, [output])
         assert sorted(contents(batch.cwd)) == ["case.nml", "results"]
         assert (batch.cwd / "results").read_bytes() == b"mine"

@@ -134,11 +134,11 @@ def test_bar_of_a_simulation(tool):
     write(
         tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 9000, discard = 90000")
     )
-    status, said = on_terminal(tool.cwd, "simulate", "case.nml", "--plot")
+    status, output = on_terminal(tool.cwd, "simulate", "case.nml", "--plot")
     assert status == 0
-    assert " s left " in said
-    assert len(set(bars(said))) > 2
-    assert bars(said) == sorted(bars(said))
+    assert " s left " in output
+    assert len(set(bars(output))) > 2
+    assert bars(output) == sorted(bars(output))
 
 
 def test_simulation_of_no_time_is_drawn(tool):

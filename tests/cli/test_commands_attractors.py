@@ -115,9 +115,9 @@ def test_shares_are_printed(tool):
     done = tool("basins", *SYSTEM, *point.split(), "--plot")
     assert sorted(contents(tool.cwd / "results")) == ["basins.csv", "basins.png"]
     result = vi.basins(EQUAL, 1.04, 14.0, (("x", -9, 9, 18), ("x_dot", -9, 9, 17)))
-    said = re.findall(r"(\S+(?: \(\d\))?) ([\d.]+)% \+- ([\d.]+)%", done.out.decode())
-    assert [name for name, *_ in said] == [item.name for item in result.attractors]
-    shares = np.array([[float(item) / 100 for item in line[1:]] for line in said]).T
+    output = re.findall(r"(\S+(?: \(\d\))?) ([\d.]+)% \+- ([\d.]+)%", done.out.decode())
+    assert [name for name, *_ in output] == [item.name for item in result.attractors]
+    shares = np.array([[float(item) / 100 for item in line[1:]] for line in output]).T
     assert shares[0] == pytest.approx(result.fractions, abs=1e-4)
     assert shares[1] == pytest.approx(result.standard_error, abs=1e-4)
     assert f"uncertainty exponent {result.uncertainty_exponent:.3f}" in done.out.decode()
@@ -231,18 +231,18 @@ LONG = {
 def test_bar_and_interrupt_on_a_terminal(name, tool):
     """A bar that never falls back; Ctrl-C leaves a table of what is finished, an input, and says so; status 1."""
     # half way: something is finished then, whatever the order of the work
-    status, said = on_terminal(tool.cwd, name, *SYSTEM, *LONG[name], stop=r"\[#{15}")
+    status, output = on_terminal(tool.cwd, name, *SYSTEM, *LONG[name], stop=r"\[#{15}")
     assert status == 1
-    assert len(bars(said)) > 5
-    assert bars(said) == sorted(bars(said))
-    assert f"\r{name} [" in said
-    assert " s left " in said
+    assert len(bars(output)) > 5
+    assert bars(output) == sorted(bars(output))
+    assert f"\r{name} [" in output
+    assert " s left " in output
     kept = f"interrupted; what was finished is kept: results/{name}.csv"
-    assert said.splitlines()[-1].endswith(f"vibroimpact {name}: {kept}")
+    assert output.splitlines()[-1].endswith(f"vibroimpact {name}: {kept}")
     assert list(contents(tool.cwd / "results")) == [f"{name}.csv"]
     assert len(rows(tool.cwd / "results" / f"{name}.csv")) > 1
     assert [case.kind for case in vi.read_namelist(tool.cwd / "results" / f"{name}.csv")] == [name]
-    assert f"vibroimpact {name}: interrupted; writing what is finished ..." in said
+    assert f"vibroimpact {name}: interrupted; writing what is finished ..." in output
     lines = (tool.cwd / "results" / f"{name}.csv").read_text().splitlines()
     (cut,) = (line for line in lines if line.startswith("# ! cut short: "))
     n, asked = map(
@@ -301,11 +301,11 @@ pathlib.Path.write_bytes = write_bytes
 def test_a_second_interrupt_stops_writing(tool):
     """It says so in one line, and leaves nothing half."""
     words = ("response", *SYSTEM, *LONG["response"], "--format", "json")
-    status, said = on_terminal(
+    status, output = on_terminal(
         tool.cwd, *words, stop=r"\[#{15}", again="results/*.part", more=SLOW_DISK
     )
-    told = [line.rpartition("\r")[2] for line in said.splitlines() if "vibroimpact " in line]
-    assert (status, told) == (1, [
+    message = [line.rpartition("\r")[2] for line in output.splitlines() if "vibroimpact " in line]
+    assert (status, message) == (1, [
         "vibroimpact response: interrupted; writing what is finished ...",
         "vibroimpact response: interrupted; writing was stopped, nothing half is left",
     ])  # fmt: skip
@@ -326,10 +326,10 @@ def test_the_place_is_tested_first(name, tool):
     """One line, status 2, and nothing is computed or left."""
     (tool.cwd / "taken").write_text("mine")
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "taken")
-    said = f"vibroimpact {name}: -o taken: taken is a file; must be a folder"
-    assert (done.status, done.out, done.faults) == (2, b"", [said])
+    output = f"vibroimpact {name}: -o taken: taken is a file; must be a folder"
+    assert (done.status, done.out, done.faults) == (2, b"", [output])
     (tool.cwd / "closed").mkdir(mode=0o555)
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "closed", preexec_fn=bound_by_permissions)
-    said = f"vibroimpact {name}: closed: Permission denied; must be a folder and disk that can be written"
-    assert (done.status, done.out, done.faults) == (2, b"", [said])
+    output = f"vibroimpact {name}: closed: Permission denied; must be a folder and disk that can be written"
+    assert (done.status, done.out, done.faults) == (2, b"", [output])
     assert contents(tool.cwd) == {"taken": b"mine"}

@@ -201,7 +201,7 @@ def test_the_document_of_a_search(tool, found):
     )
 
 
-@pytest.mark.parametrize(("text", "words", "said"), [
+@pytest.mark.parametrize(("text", "words", "output"), [
     (SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n&motion kind = 'equispaced', clearance = 36 /\n",
      ["-o", "a.json"], "-o a.json: names a file, and there are 2 points; must be a folder"),
     (PAIR, ["-o", "a.txt"], "-o a.txt: must be a folder, or a file whose name ends with one of .csv"),
@@ -211,12 +211,12 @@ def test_the_document_of_a_search(tool, found):
      "&response r_min = 1, r_max = 2, r_points = 3, clearance = 1 /\n",
      [], "case.nml: case: must be at one point of r and clearance; this &response is not"),
 ])  # fmt: skip
-def test_bad_searches(text, words, said, tool):
+def test_bad_searches(text, words, output, tool):
     """One line, status 2, nothing written."""
     write(tool.cwd / "case.nml", text)
     done = tool("find", "case.nml", *words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-    assert done.faults[0].startswith(f"vibroimpact find: {said}")
+    assert done.faults[0].startswith(f"vibroimpact find: {output}")
     assert list(contents(tool.cwd)) == ["case.nml"]
 
 
@@ -238,15 +238,15 @@ def test_names_of_several_points(tool):
     )
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     (["--r", "1e400"], "--r 1e400: must be a number that double precision holds"),
     (["--r", "-1e999"], "--r -1e999: must be a number that double precision holds"),
     (["--r", "0.9", "--clearance", "1e-400"], "--clearance 1e-400: must be a number that double precision holds"),
     (["--r", "1_0"], "--r 1_0: must be a number"),
     (["--r", "0.9", "--guesses", "1_0"], "--guesses 1_0: must be a whole number")])  # fmt: skip
-def test_numbers_are_repeated_as_typed(words, said, tool):
+def test_numbers_are_repeated_as_typed(words, output, tool):
     """Not as the infinity or zero that they would be read as; grouped digits are no number, as in namelists."""
     system = ["--xi", "0.01", "--mu", "0.05", "--restitution", "0.75", "--clearance", "20"]
     done = tool("find", *system, *words)
     assert done.status == 2
-    assert done.faults[-1] == f"vibroimpact find: {said}; see `vibroimpact find --help`"
+    assert done.faults[-1] == f"vibroimpact find: {output}; see `vibroimpact find --help`"

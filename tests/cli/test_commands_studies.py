@@ -97,13 +97,13 @@ def test_progress_of_cases(case, tmp_path, monkeypatch):
     write(tmp_path / "case.nml", case)
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     shares = []
-    told = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
+    message = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
     assert shares
     assert shares == sorted(shares)
     assert 0 <= shares[0] < shares[-1] <= 1
     plain = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "plain")
-    said = [(fault, line.replace("/plain/", "/told/")) for fault, line in plain.lines]
-    assert (told.status, told.lines) == (plain.status, said)
+    output = [(fault, line.replace("/plain/", "/told/")) for fault, line in plain.lines]
+    assert (message.status, message.lines) == (plain.status, output)
     assert contents(tmp_path / "told") == contents(tmp_path / "plain")
 
 
@@ -111,15 +111,15 @@ def test_progress_of_cases(case, tmp_path, monkeypatch):
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_bar_on_a_terminal(form, tool):
     """There the command shows how far it is and how much time is left, and wipes it off at the end."""
-    status, said = on_terminal(
+    status, output = on_terminal(
         tool.cwd, "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form
     )
     assert status == 0
-    assert "\ratlas [" in said
-    assert " s left " in said
-    assert "\n" not in said
-    assert said.endswith(" \r")
-    assert bars(said) == sorted(bars(said))
+    assert "\ratlas [" in output
+    assert " s left " in output
+    assert "\n" not in output
+    assert output.endswith(" \r")
+    assert bars(output) == sorted(bars(output))
 
 
 FINE = [*ALONG_OPTIONS, "--longest-step", "0.00005", "--max-points", "80000"]
@@ -131,19 +131,19 @@ FINE = [*ALONG_OPTIONS, "--longest-step", "0.00005", "--max-points", "80000"]
 )
 def test_bar_of_a_branch(form, stop, tool):
     """It never falls back and tells the time left; Ctrl-C leaves the points so far, and says so; status 1."""
-    status, said = on_terminal(tool.cwd, "branch", *FINE, "--format", form, stop=stop)
-    assert len(bars(said)) > 5
-    assert bars(said) == sorted(bars(said))
-    assert "\rbranch [" in said
-    assert " s left " in said
+    status, output = on_terminal(tool.cwd, "branch", *FINE, "--format", form, stop=stop)
+    assert len(bars(output)) > 5
+    assert bars(output) == sorted(bars(output))
+    assert "\rbranch [" in output
+    assert " s left " in output
     name = f"results/branch.{form}"
     assert list(contents(tool.cwd / "results")) == [f"branch.{form}"]
     if stop is None:
-        assert (status, said[-2:]) == (0, " \r")
+        assert (status, output[-2:]) == (0, " \r")
         return
     assert status == 1
     kept = f"vibroimpact branch: interrupted; what was finished is kept: {name}"
-    assert said.splitlines()[-1].endswith(kept)
+    assert output.splitlines()[-1].endswith(kept)
     if form == "csv":
         found = column(rows(tool.cwd / name), "clearance")
         cut = f"clearance from {min(found):.6g} to {max(found):.6g} was reached"
@@ -158,9 +158,9 @@ def test_bar_of_several_cases(tool):
     """It goes once from one end to the other, with the results that there are."""
     case = ZONE.removeprefix(WALLS)
     write(tool.cwd / "case.nml", WALLS + 4 * case)
-    status, said = on_terminal(tool.cwd, "run", "case.nml")
+    status, output = on_terminal(tool.cwd, "run", "case.nml")
     assert (status, len(contents(tool.cwd / "results"))) == (0, 4)
-    lengths = bars(said)
+    lengths = bars(output)
     assert lengths == sorted(lengths)
     # one case of four is not the whole: without the count of results the bar would be at its end
     assert 0 < sum(length < 24 for length in lengths) < len(lengths)
@@ -174,7 +174,7 @@ def test_equispaced_pair_by_options(tool):
     assert {row["branch"] for row in rows(tool.cwd / "results/branch.csv")} == {"1", "2"}
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     (["zone", *WINDOW[:-2], "200", "2"],
      "vibroimpact zone: --clearance 200 2: must be a number with 1e-12 <= HIGH <= 1e12, and LOW below HIGH"),
     (["zone", *WINDOW, "--lines", "4"], "vibroimpact zone: --lines 4: must be a whole number with 5 <= lines"),
@@ -183,8 +183,8 @@ def test_equispaced_pair_by_options(tool):
     (["zone", "--xi", "0.1", "--r", "0.9", "1.1", "7"],
      "vibroimpact zone: 7 is one value too many for the option"),
     (["zone", "case.nml"], "case.nml: must hold a group &zone; there is none"),
-    *[(["atlas", *ATLAS_OPTIONS, "--max-impacts", "9", "--format", form], said)
-      for form, said in ((form, "vibroimpact atlas: --max-impacts 9: must be a whole number with 2 <=")
+    *[(["atlas", *ATLAS_OPTIONS, "--max-impacts", "9", "--format", form], output)
+      for form, output in ((form, "vibroimpact atlas: --max-impacts 9: must be a whole number with 2 <=")
                          for form in ("csv", "json"))],
     (["atlas", *ATLAS_OPTIONS[2:]], "vibroimpact atlas: --xi: must be given, or a namelist file"),
     (["atlas", "case.nml"], "case.nml: must hold a group &atlas; there is none"),
@@ -195,10 +195,10 @@ def test_equispaced_pair_by_options(tool):
     (["branch", *POINT, "--sides", "R'L", "--phases-over-pi", "0", "1", "--parameter", "r", "--bounds", ".9", "1"],
      "vibroimpact branch: --sides 'R''L': must be letters R and L"),
 ])  # fmt: skip
-def test_bad_options(words, said, tool):
+def test_bad_options(words, output, tool):
     """One line that says what is wrong, status 2, nothing written."""
     write(tool.cwd / "case.nml", PAIR)
     done = tool(*words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-    assert done.faults[0].startswith(said)
+    assert done.faults[0].startswith(output)
     assert list(contents(tool.cwd)) == ["case.nml"]

@@ -117,5 +117,5 @@ def test_missing_library(monkeypatch, capsys):
     """One line says what to install; status 1, and nothing is printed."""
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert main(["completion", "bash"]) == 1
-    said = "completion in a shell needs shtab: pip install 'vibroimpact[completion]'"
-    assert capsys.readouterr() == ("", f"vibroimpact completion: {said}\n")
+    output = "completion in a shell needs shtab: pip install 'vibroimpact[completion]'"
+    assert capsys.readouterr() == ("", f"vibroimpact completion: {output}\n")

@@ -55,8 +55,8 @@ m.version = version
 def test_doctor_sees_threads(tool):
     """What the environment asks for is what OpenMP takes."""
     done = tool("doctor", env={"OMP_NUM_THREADS": "3", "PATH": ""})
-    said = re.search(r"threads: +(.*)", done.out.decode())[1]
-    assert said.startswith("3 of ") or "without OpenMP" in said
+    output = re.search(r"threads: +(.*)", done.out.decode())[1]
+    assert output.startswith("3 of ") or "without OpenMP" in output
 
 
 def test_quiet(tool):

@@ -51,7 +51,7 @@ def test_interrupt_at_the_start(name, tool):
     assert not (tool.cwd / "results").exists()
 
 
-@pytest.mark.parametrize(("words", "status", "said"), [
+@pytest.mark.parametrize(("words", "status", "output"), [
     ("basins --plane y -1e0 1e0 3 x -1.E+0 +1 3", 0, ""),
     ("lyapunov --cycles 80 --state -1e-3 6 -.5e-1 9", 0, ""),
     ("lyapunov --cycles 80 --state -inf 0 0 0", 2, "--state -inf 0 0 0: must be a finite number"),
@@ -61,28 +61,28 @@ def test_interrupt_at_the_start(name, tool):
     ("lyapunov --mu 1,5", 2, "--mu 1,5: must be a number; see `vibroimpact lyapunov --help`"),
     ("lyapunov --cycles 80 -1e", 2, "unrecognized arguments: -1e; see `vibroimpact lyapunov --help`"),
 ])  # fmt: skip
-def test_numbers(words, status, said, tool):
+def test_numbers(words, status, output, tool):
     """Negative ones in any notation are values; a fault names option, value, and what is allowed."""
     name, *others = words.split()
     done = tool(name, *POINT, *others)
     assert done.status == status
-    assert done.faults[-1:] == [f"vibroimpact {name}: {said}"] * bool(said)
+    assert done.faults[-1:] == [f"vibroimpact {name}: {output}"] * bool(output)
 
 
-@pytest.mark.parametrize(("words", "name", "said"), [
+@pytest.mark.parametrize(("words", "name", "output"), [
     ("find --max-impacts 2.5", "find", "--max-impacts 2.5: must be a whole number"),
     ("zone --plot gif", "zone", "argument --plot: invalid choice: 'gif'"),
     ("zone --nothing", "zone", "unrecognized arguments: --nothing"),
     ("nothing", "", "argument COMMAND: invalid choice: 'nothing'"),
 ])  # fmt: skip
-def test_faults_of_words_in_json(words, name, said, tool):
+def test_faults_of_words_in_json(words, name, output, tool):
     """One document, and on the other channel one line."""
     done = tool(*words.split(), "--json")
     document = json.loads(done.out)
     assert (done.status, document["status"], document["command"]) == (2, 2, name)
     assert document["faults"] == done.faults
     assert len(done.faults) == 1
-    assert said in done.faults[0]
+    assert output in done.faults[0]
 
 
 def test_launcher_of_the_program_imports_no_package(binary, tmp_path):
@@ -137,9 +137,9 @@ def test_misspelt_group(batch):
 def test_a_parameter_that_is_swept_has_no_value(name, value, tool):
     """In the words of options."""
     done = tool("bifurcation", *POINT, "--parameter", name, "--values", "1", "2", "3")
-    said = f"vibroimpact bifurcation: --{name} {value}: must be left out: it is "
+    output = f"vibroimpact bifurcation: --{name} {value}: must be left out: it is "
     assert (done.status, len(done.faults)) == (2, 1)
-    assert done.faults[0].startswith(said)
+    assert done.faults[0].startswith(output)
 
 
 @pytest.mark.parametrize("folder", ["q.txt", "a/b.JSONL", "-"])
@@ -159,11 +159,11 @@ def test_what_is_no_folder_is_refused_by_both(folder, batch, tool):
 def test_a_file_in_place_of_the_folder(folder, batch, tool):
     """It is told before anything is computed, which here would take minutes."""
     long = SYSTEM + "&simulate clearance = 9, cycles = 100000000, x_dot = 6, z_dot = 9 /\n"
-    said = f"{folder}: case.nml is a file; must be a folder"
-    assert batch.case(long, "-o", folder).faults == [said]
+    output = f"{folder}: case.nml is a file; must be a folder"
+    assert batch.case(long, "-o", folder).faults == [output]
     for form in ("csv", "json"):
         done = tool("run", "case.nml", "--format", form, "-o", folder)
-        assert (done.status, done.faults) == (2, [f"vibroimpact run: -o {said}"])
+        assert (done.status, done.faults) == (2, [f"vibroimpact run: -o {output}"])
 
 
 def test_control_characters_are_not_echoed(batch):
@@ -181,7 +181,7 @@ def test_control_characters_are_not_echoed(batch):
     assert all(letter.isprintable() or letter >= "\udca0" for letter in fault)
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     (["find", *POINT, "--max-impacts", "99"],
      "find: --max-impacts 99: must be a whole number with 2 <= --max-impacts <= 12"),
     (["init", "zone", "-o", "no/zone.nml"],
@@ -189,7 +189,7 @@ def test_control_characters_are_not_echoed(batch):
     (["lyapunov", *POINT, "--cycles", "39"],
      "lyapunov: --cycles 39: must be a whole number, 2 batches <= cycles <= 1e9; batches is 20"),
 ])  # fmt: skip
-def test_what_is_allowed(words, said, tool):
+def test_what_is_allowed(words, output, tool):
     """In the words of options, and in numbers."""
-    assert tool(*words).faults == [f"vibroimpact {said}"]
+    assert tool(*words).faults == [f"vibroimpact {output}"]
     assert list(contents(tool.cwd)) == []

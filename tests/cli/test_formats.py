@@ -87,10 +87,10 @@ def test_named_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
     write(tmp_path / "case.nml", kinds()["chart"])
     monkeypatch.setitem(sys.modules, "xarray", None)
     assert main(["chart", "case.nml", "-o", "out/mine.csv", *words]) == 0
-    said = capsys.readouterr()
-    assert said.err == ""
+    output = capsys.readouterr()
+    assert output.err == ""
     assert list(contents(tmp_path / "out")) == ["mine.csv"]
-    assert not words or list(json.loads(said.out)["results"]) == ["mine"]
+    assert not words or list(json.loads(output.out)["results"]) == ["mine"]
 
 
 def test_a_chart_as_netcdf(tool):
@@ -121,7 +121,7 @@ def test_options_of_a_chart_are_a_namelist(tool):
 MANY = "must be a whole number of at least 2, with N x N of --clearance <= 1000000"
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     (["--r", "1.1", "0.9", "5"],
      "--r 1.1 0.9 5: must be a number with 1e-6 <= HIGH <= 1e6, and LOW below HIGH"),
     (["--r", "0.9", "1.1", "1"], "--r 0.9 1.1 1: " + MANY),
@@ -130,11 +130,11 @@ MANY = "must be a whole number of at least 2, with N x N of --clearance <= 10000
     (["--r", "0.9", "1.1", "2000000"], "--r 0.9 1.1 2000000: " + MANY),
     (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must be a number with 1e-6 <= LOW"),
 ])  # fmt: skip
-def test_bad_grids(words, said, tool):
+def test_bad_grids(words, output, tool):
     """In the words that were typed."""
     done = tool("chart", *SYSTEM, "--sides", "RL", "--clearance", "5", "9", "3", *words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-    assert done.faults[0].startswith(f"vibroimpact chart: {said}")
+    assert done.faults[0].startswith(f"vibroimpact chart: {output}")
 
 
 @pytest.mark.parametrize("kind", STUDIES)
@@ -275,16 +275,16 @@ def test_a_file_for_two_motions(tool):
     assert not (tool.cwd / "new").exists()
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     (["-o", "a.json", "--format", "netcdf"], "-o a.json: is the name of a json file; must go with --format "
      "json, or without it"),
     (["-o", "a.csv"], "-o a.csv: names a file, and there are 2 cases; must be a folder"),
 ])  # fmt: skip
-def test_a_file_for_several_results(words, said, tool):
+def test_a_file_for_several_results(words, output, tool):
     """It is one thing or the other."""
     write(tool.cwd / "case.nml", kinds()["periodic"] + kinds()["exact"])
     done = tool("run", "case.nml", *words)
-    assert (done.status, done.out, done.faults) == (2, b"", [f"vibroimpact run: {said}"])
+    assert (done.status, done.out, done.faults) == (2, b"", [f"vibroimpact run: {output}"])
     assert list(contents(tool.cwd)) == ["case.nml"]
 
 
@@ -296,8 +296,8 @@ def test_a_reader_who_leaves(words, tool):
     os.close(theirs)
     with subprocess.Popen([find_command(), *words], stdout=ours, stderr=subprocess.PIPE) as run:
         os.close(ours)
-        said = run.stderr.read()
-    assert (run.returncode, said) == (1, b"")
+        output = run.stderr.read()
+    assert (run.returncode, output) == (1, b"")
 
 
 @pytest.mark.parametrize("form", ["json", "csv"])
@@ -316,9 +316,9 @@ def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypa
     )
     words = ["--format", form, "-o", str(tmp_path / "out")]
     assert main(["chart", str(path), *words]) == 1
-    said = capsys.readouterr().err
+    output = capsys.readouterr().err
     (name,) = contents(tmp_path / "out")
-    assert said == (
+    assert output == (
         "vibroimpact chart: interrupted; writing what is finished ...\n"
         f"vibroimpact chart: interrupted; what was finished is kept: {tmp_path / 'out' / name}\n"
     )

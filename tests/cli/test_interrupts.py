@@ -32,8 +32,8 @@ def interrupted(cwd, words, until):
                 break
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
-    return process.returncode, said.splitlines()
+        _, output = process.communicate(timeout=60)
+    return process.returncode, output.splitlines()
 
 
 @pytest.mark.parametrize("form", ["csv", "json"])
@@ -97,11 +97,11 @@ def test_processes_that_just_start_are_not_interrupted(tmp_path):
         while process.poll() is None and not (masks := masks_of_workers(process.pid)):
             time.sleep(0.01)
         os.killpg(process.pid, signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, output = process.communicate(timeout=60)
     assert all(mask & 1 << (signal.SIGINT - 1) for mask in masks)
     assert process.returncode == 1
-    assert said.startswith("vibroimpact reproduce: interrupted; ")
-    assert said.count("\n") == 1
+    assert output.startswith("vibroimpact reproduce: interrupted; ")
+    assert output.count("\n") == 1
 
 
 def masks_of_workers(parent):
@@ -111,8 +111,8 @@ def masks_of_workers(parent):
         with contextlib.suppress(OSError):
             child = pathlib.Path(f"/proc/{number}")
             if "spawn_main" in (child / "cmdline").read_text():
-                said = (child / "status").read_text()
-                blocked, ignored = re.findall(r"Sig(?:Blk|Ign):\s*(\w+)", said)
+                output = (child / "status").read_text()
+                blocked, ignored = re.findall(r"Sig(?:Blk|Ign):\s*(\w+)", output)
                 masks.append(int(blocked, 16) | int(ignored, 16))
     return masks
 

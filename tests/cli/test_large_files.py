@@ -99,9 +99,9 @@ def test_long_name_is_cut_between_letters(batch):
 def test_line_feed_in_a_path(batch, command):
     """The message of a fault is one line in both programs."""
     write(batch.cwd / "a\nb.nml", "x")
-    said = [program("a\nb.nml", "-o", "out") for program in (batch, command)]
-    assert said[0] == said[1]
-    assert said[0].faults == [
+    output = [program("a\nb.nml", "-o", "out") for program in (batch, command)]
+    assert output[0] == output[1]
+    assert output[0].faults == [
         "a?b.nml:1: x: stands outside a group; a group starts with & and ends with /"
     ]
 
@@ -128,9 +128,9 @@ def test_file_size_limit(program, old, binary, tmp_path):
         timeout=300,
     )
     assert done.returncode == 2
-    (said,) = done.stderr.decode().splitlines()
-    assert said.startswith("results/case.csv: ")
-    assert "File too large" in said or "could not be written whole" in said
-    assert said.endswith("; must be a folder and disk that can be written")
+    (output,) = done.stderr.decode().splitlines()
+    assert output.startswith("results/case.csv: ")
+    assert "File too large" in output or "could not be written whole" in output
+    assert output.endswith("; must be a folder and disk that can be written")
     left = {path.name: path.read_bytes() for path in (tmp_path / "results").iterdir()}
     assert left == ({"case.csv": old} if old else {})

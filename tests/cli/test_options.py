@@ -68,7 +68,7 @@ def test_threads_of_an_atlas(threads):
         vi.atlas(osc, (1.0, 1.1), (20, 60), threads=threads)
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     ("basins --r 1.04 --clearance 9", "--plane: must be given, or a namelist file instead of the options"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2",
      "--plane x 0 1 2 y 0 1 2: must be left out beside --states: it is for a plane"),
@@ -87,12 +87,12 @@ def test_threads_of_an_atlas(threads):
     ("branch --restitution .7 .6 --r .9 --clearance 9 --parameter r --bounds .8 1",
      "--restitution 0.7 0.6: must be the same for both walls, or go with --sides and --phases-over-pi"),
 ])  # fmt: skip
-def test_options_that_do_not_go_together(words, said, tmp_path, monkeypatch, capsys):
+def test_options_that_do_not_go_together(words, output, tmp_path, monkeypatch, capsys):
     """They are refused in the words of the options, before anything is computed."""
     monkeypatch.chdir(tmp_path)
     name, *others = words.split()
     assert main([name, *["--xi", ".0114", "--mu", ".028", "--restitution", ".75"], *others]) == 2
-    assert capsys.readouterr().err.startswith(f"vibroimpact {name}: {said}")
+    assert capsys.readouterr().err.startswith(f"vibroimpact {name}: {output}")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -105,13 +105,13 @@ def test_wrong_format_of_a_picture(tmp_path, monkeypatch, capsys):
     assert "argument --plot: invalid choice: 'gif'" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("words", "missing", "said"), [
+@pytest.mark.parametrize(("words", "missing", "output"), [
     ("--format netcdf", "xarray", "netCDF files need xarray: pip install 'vibroimpact[data]'"),
     ("--format netcdf", "h5netcdf", "netCDF files need h5netcdf: pip install 'vibroimpact[data]'"),
     ("--format matlab", "scipy", "MATLAB files need scipy: pip install 'vibroimpact[matlab]'"),
     ("--plot", "matplotlib", "pictures need matplotlib: pip install 'vibroimpact[plot]'"),
 ])  # fmt: skip
-def test_missing_extra_is_told_before_work(words, missing, said, tmp_path, monkeypatch, capsys):
+def test_missing_extra_is_told_before_work(words, missing, output, tmp_path, monkeypatch, capsys):
     """What cannot be written in the end is not computed first."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", [Absent(missing), *sys.meta_path])
@@ -119,7 +119,7 @@ def test_missing_extra_is_told_before_work(words, missing, said, tmp_path, monke
         monkeypatch.delitem(sys.modules, name)
     point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 1000000000"
     assert main(["lyapunov", *point.split(), *words.split()]) == 1
-    assert capsys.readouterr().err == f"vibroimpact lyapunov: {said}\n"
+    assert capsys.readouterr().err == f"vibroimpact lyapunov: {output}\n"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -141,8 +141,8 @@ def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
     (tmp_path / "file").write_text("")
     point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 80"
     assert main(["lyapunov", *point.split(), "-o", "file/x"]) == 2
-    said = capsys.readouterr().err
-    assert said == "vibroimpact lyapunov: -o file/x: file is a file; must be a folder\n"
+    output = capsys.readouterr().err
+    assert output == "vibroimpact lyapunov: -o file/x: file is a file; must be a folder\n"
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
@@ -192,8 +192,8 @@ def test_result_on_a_full_disk(form, tool):
     # the core writes tables, and sees by their size that they are not whole
     core = "the disk is full, or the file could not be written whole"
     reason = core if form == "csv" else "File too large"
-    said = f"vibroimpact basins: results/basins.{suffix}: {reason}; must be a folder and disk"
-    assert done.stderr.startswith(said)
+    output = f"vibroimpact basins: results/basins.{suffix}: {reason}; must be a folder and disk"
+    assert done.stderr.startswith(output)
     assert len(done.stderr.splitlines()) == 1
     assert list(tool.cwd.iterdir()) == []
 
@@ -224,8 +224,8 @@ def test_a_name_of_no_form_is_refused(words, name, tool):
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     forms = ", or a file whose name ends with one of .csv, .nc, .json, .mat"
     allowed = "must be a folder" + (forms if words[0] not in ("plot", "reproduce") else "")
-    said = f"vibroimpact {words[0]}: -o {name}: {allowed}; if it is a folder: -o {name}/"
-    assert done.faults == [said]
+    output = f"vibroimpact {words[0]}: -o {name}: {allowed}; if it is a folder: -o {name}/"
+    assert done.faults == [output]
     assert list(contents(tool.cwd)) == ["case.nml"]
 
 

@@ -63,14 +63,14 @@ def test_help(words):
         assert f"\n  ./run {command} " in out
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     (["bench", "all"], "run: bench takes no arguments, not 'all'; see ./run --help"),
     (["lint", "python"], "run: lint takes no arguments, not 'python'; see ./run --help"),
     (["tests"], "run: no command 'tests'"),
 ])  # fmt: skip
-def test_bad_words(words, said):
+def test_bad_words(words, output):
     status, out, err = say(*words)
-    assert (status, out, err.splitlines()[-1]) == (2, "", said)
+    assert (status, out, err.splitlines()[-1]) == (2, "", output)
 
 
 @pytest.mark.parametrize("words", [
@@ -85,8 +85,8 @@ def test_a_selection_is_run_alone(clone, words):
 @pytest.mark.parametrize("words", [[], ["-n", "2"], ["-x", "-q"]])
 def test_all_tests(clone, words):
     """Without a selection the Fortran tests come first, and what they say does not stop the others."""
-    status, said, calls = clone(*words)
-    assert (status, said) == (1, ALL)
+    status, output, calls = clone(*words)
+    assert (status, output) == (1, ALL)
     assert [call.split(" -C")[0] for call in calls] == [
         "meson test", " ".join(["python -m pytest", *words])
     ]  # fmt: skip

@@ -156,15 +156,15 @@ def test_interrupted_film_leaves_the_old_one(tmp_path, monkeypatch):
     assert [item.read_text() for item in tmp_path.iterdir()] == ["old"]
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "output"), [
     ({"path": "film.avi"}, r"path = 'film.avi': must end with .gif or .mp4"),
     ({"path": "film"}, r"path = 'film': must end"), ({"path": 3}, "path = 3"),
     ({"cycles": 0}, "cycles = 0"), ({"cycles": 1, "seconds": -1}, "seconds = -1"),
     ({"cycles": 1, "seconds": 1e6}, "seconds = 1e"), ({"cycles": 1, "seconds": 1e-3}, "pictures"),
 ])  # fmt: skip
-def test_wrong_arguments(words, said):
+def test_wrong_arguments(words, output):
     """Refused by name, before anything is drawn."""
-    with pytest.raises(vi.errors.VibroimpactError, match=said):
+    with pytest.raises(vi.errors.VibroimpactError, match=output):
         vi.simulate(RIG, 0.9, 6.0, 2).animate(**words)
     assert plt.get_fignums() == []
 

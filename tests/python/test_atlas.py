@@ -215,7 +215,7 @@ def test_progress_is_told():
     """From nothing to all, and the answer is the same."""
     window = ((1.0, 1.1), (20, 60))
     shares = []
-    told = vi.atlas(
+    message = vi.atlas(
         EQUAL,
         *window,
         max_impacts=3,
@@ -224,7 +224,7 @@ def test_progress_is_told():
     )
     assert shares == sorted(shares)
     assert 0 <= shares[0] <= shares[-1] == 1
-    assert told.to_dict() == vi.atlas(EQUAL, *window, max_impacts=3, survey=20).to_dict()
+    assert message.to_dict() == vi.atlas(EQUAL, *window, max_impacts=3, survey=20).to_dict()
 
 
 def test_survey_hears_a_stop(monkeypatch):

@@ -203,9 +203,11 @@ def test_progress_changes_nothing(monkeypatch):
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     shares = []
     line = np.linspace(10, 24, 100)
-    told = vi.lyapunov(
+    message = vi.lyapunov(
         FIGURE6, 1.04, line, cycles=2000, progress=lambda share, what: shares.append(share)
     )
     assert shares == sorted(shares)
     assert 0 <= shares[0] <= shares[-1] <= 1
-    np.testing.assert_array_equal(told.exponents, vi.lyapunov(FIGURE6, 1.04, line, 2000).exponents)
+    np.testing.assert_array_equal(
+        message.exponents, vi.lyapunov(FIGURE6, 1.04, line, 2000).exponents
+    )

@@ -281,8 +281,8 @@ def test_bad_input(arguments, words):
 def test_bad_motion():
     with pytest.raises(vi.errors.ParameterTypeError, match="motion = 3"):
         vi.branch(3, bounds=(1, 2))
-    said = "parameter = 'restitution'.* equal restitution on both walls"
-    with pytest.raises(vi.errors.ParameterError, match=said):
+    output = "parameter = 'restitution'.* equal restitution on both walls"
+    with pytest.raises(vi.errors.ParameterError, match=output):
         vi.branch(triple_motion(), "restitution", (0.1, 0.9))
 
 
@@ -360,9 +360,9 @@ def test_stopped_branch(share, monkeypatch):
     points = [point for point in whole.special_points if first <= point.index < there.stop]
     assert [p.index + first for p in part.special_points] == [p.index for p in points]
     assert "stopped" in part.ends
-    told = re.fullmatch(r"clearance from (\S+) to (\S+) was reached", part.cut)
+    message = re.fullmatch(r"clearance from (\S+) to (\S+) was reached", part.cut)
     reached = part.clearance.min(), part.clearance.max()
-    np.testing.assert_allclose([float(item) for item in told.groups()], reached, rtol=1e-5)
+    np.testing.assert_allclose([float(item) for item in message.groups()], reached, rtol=1e-5)
     assert (part.complete, whole.complete, whole.cut) == (False, True, "")
     assert not vi.Branch.from_json(part.to_json()).complete
 
@@ -394,7 +394,7 @@ def test_progress_is_told(limit, monkeypatch):
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     shares, given = [], LONG | {"max_points": limit}
     start, bounds = vi.equispaced(FIGURE6, 0.9, 20.0)[0], (5, 200)
-    told = vi.branch(
+    message = vi.branch(
         start, "clearance", bounds, **given, progress=lambda share, what: shares.append(share)
     )
     assert shares == sorted(shares)
@@ -402,4 +402,4 @@ def test_progress_is_told(limit, monkeypatch):
     assert len(set(shares)) > (10 if limit > 200 else 0)
     plain = vi.branch(start, "clearance", bounds, **given)
     for name in ("r", "clearance", "phases", "X", "multipliers", "stable"):
-        assert getattr(told, name).tobytes() == getattr(plain, name).tobytes()
+        assert getattr(message, name).tobytes() == getattr(plain, name).tobytes()

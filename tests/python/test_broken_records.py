@@ -128,7 +128,7 @@ def change_owner(value):
     return lambda tables: tables["pieces"]["owners"].__setitem__(0, value)
 
 
-@pytest.mark.parametrize(("change", "said"), [
+@pytest.mark.parametrize(("change", "output"), [
     (change_owner(5), "pieces.owners: must be rows of families, in order, from 0"),
     (change_owner(-1), "pieces.owners: must be rows of families, in order, from 0"),
     (lambda tables: tables["pieces"].update(parent="pieces"), "must be one of the tables, and none that"),
@@ -138,12 +138,12 @@ def change_owner(value):
     (lambda tables: tables["vertices"]["dims"].update(vertex=1e9), "must be a whole number with 0 <="),
     (lambda tables: tables["vertices"]["columns"].pop("r"), "vertices.r: must be there; it is missing"),
 ])  # fmt: skip
-def test_tables_that_do_not_fit(change, said, results, tmp_path):
+def test_tables_that_do_not_fit(change, output, results, tmp_path):
     data = json.loads(results[3].to_json())
     change(data["tables"])
     path = tmp_path / "zone.json"
     path.write_text(json.dumps(data))
-    assert said in refused(path)
+    assert output in refused(path)
 
 
 @pytest.mark.parametrize(

@@ -396,7 +396,7 @@ def test_progress(monkeypatch):
     """What is told goes from nothing to all, and changes no result."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     shares = []
-    told = vi.chart(OSC, RL, R, D, progress=lambda done, what: shares.append((done, what)))
+    message = vi.chart(OSC, RL, R, D, progress=lambda done, what: shares.append((done, what)))
     assert shares == sorted(shares)
     assert shares[-1][0] == 1
-    assert told.identical(vi.chart(OSC, RL, R, D))
+    assert message.identical(vi.chart(OSC, RL, R, D))

@@ -222,9 +222,9 @@ def test_picture(clearances):
     alone = [found.plot(kind=kind) for kind in ("peaks", "damping")]
     given = [found.plot(plt.subplots()[1]), found.plot(plt.subplots()[1], "damping")]
     try:
-        told = panels[0].figure.get_suptitle()
-        assert told.startswith(r"free vibration: $\xi$ = 0.005, $\mu$ = 0.1, $R$ = 0.75")
-        assert ("dK/F_0" in told) == (len(clearances) == 1)
+        message = panels[0].figure.get_suptitle()
+        assert message.startswith(r"free vibration: $\xi$ = 0.005, $\mu$ = 0.1, $R$ = 0.75")
+        assert ("dK/F_0" in message) == (len(clearances) == 1)
         for peaks, damping in (panels, alone, given):
             assert peaks.get_yscale() == damping.get_xscale() == "log"
             assert (peaks.get_xlabel(), peaks.get_ylabel()) == (

@@ -27,26 +27,26 @@ def words(ax):
     return ax.figure.get_suptitle().replace("$", "").replace("\\", "")
 
 
-@pytest.mark.parametrize(("name", "said"), [
+@pytest.mark.parametrize(("name", "output"), [
     ("lyapunov", "xi = 0.0114, mu = 0.028, R = 0.75, r = 1.04"),
     ("basins", "xi = 0.005, mu = 0.042, R = 0.75, r = 0.94, dK/F_0 = 37"),
     ("bifurcation", "xi = 0.0114, mu = 0.028, R = 0.75, r = 1.04"),
     ("response", "xi = 0.0114, mu = 0.028, R = 0.75, dK/F_0 = 25"),
 ])  # fmt: skip
-def test_attractors_are_identified(name, said, attractors):
+def test_attractors_are_identified(name, output, attractors):
     """The system, and what else is the same everywhere; axes of the caller are left without it."""
-    assert words(attractors[name].plot()) == said
+    assert words(attractors[name].plot()) == output
     _, ax = plt.subplots()
     assert words(attractors[name].plot(ax)) == ""
 
 
-@pytest.mark.parametrize(("name", "said"), [
+@pytest.mark.parametrize(("name", "output"), [
     ("zone", "xi = 0.0114, mu = 0.028, R = 0.75"), ("atlas", "xi = 0.0114, mu = 0.028, R = 0.75"),
     ("branch", "RL/1: xi = 0.005, mu = 0.042, R = 0.75, r = 0.94"),
 ])  # fmt: skip
-def test_zones_and_branches_are_identified(name, said, results):
+def test_zones_and_branches_are_identified(name, output, results):
     """The same of these."""
-    assert words(results[name].plot()) == said
+    assert words(results[name].plot()) == output
 
 
 def test_what_varies_is_not_told():
@@ -201,7 +201,7 @@ def test_geometric_values_have_a_logarithmic_axis():
         assert exponents.plot().get_xscale() == scale
 
 
-@pytest.mark.parametrize(("window", "said"), [
+@pytest.mark.parametrize(("window", "output"), [
     ((20, 60), ["20", "30", "40", "50", "60"]),
     ((9, 110), ["10", "20", "30", "50", "100"]),
     ((2, 200), ["2", "5", "10", "20", "50", "100", "200"]),
@@ -209,7 +209,7 @@ def test_geometric_values_have_a_logarithmic_axis():
     ((1e-5, 2e-3), ["$10^{-5}$", r"$2\times10^{-5}$", r"$5\times10^{-5}$", "$10^{-4}$",
                     r"$2\times10^{-4}$", r"$5\times10^{-4}$", "0.001", "0.002"]),
 ])  # fmt: skip
-def test_numbers_of_a_logarithmic_axis(window, said):
+def test_numbers_of_a_logarithmic_axis(window, output):
     """Plain ones, without gaps over two decades."""
     figure, ax = plt.subplots()
     style.log_scale(ax, "y")
@@ -218,7 +218,7 @@ def test_numbers_of_a_logarithmic_axis(window, said):
     low, high = (value * factor for value, factor in zip(window, (0.999, 1.001), strict=True))
     ticks = [*ax.yaxis.get_major_ticks(), *ax.yaxis.get_minor_ticks()]
     shown = sorted((tick.get_loc(), tick.label1.get_text()) for tick in ticks)
-    assert [text for value, text in shown if low <= value <= high and text] == said
+    assert [text for value, text in shown if low <= value <= high and text] == output
 
 
 def test_found_motions_are_numbered():

@@ -61,16 +61,16 @@ def test_few_digits_near_resonance_are_reported(sides, phases, precision):
         matrix, _ = vi.linear_system(osc, 1 + 1e-6, phases, vi.Pattern(sides))
         condition = np.linalg.cond(matrix / np.linalg.norm(matrix, axis=0))
     first, allowed = (-7, 1e-6) if precision == "double" else (-3, 1e4 * EPS_SINGLE)
-    true, told = positions(1 + 10.0**first), []
+    true, message = positions(1 + 10.0**first), []
     for power in np.arange(first, -15 if precision == "double" else -7, -0.25):
         try:
             found = positions(1 + 10.0**power)
         except vi.errors.SingularError as error:
-            told.append(str(error))
+            message.append(str(error))
             continue
-        assert not told, "digits came back"
+        assert not message, "digits came back"
         assert np.abs(found - true).max() <= condition * allowed + 10 * 10.0**first
-    assert "too few digits" in told[0]
+    assert "too few digits" in message[0]
 
 
 @given(

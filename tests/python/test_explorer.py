@@ -143,16 +143,16 @@ def test_a_chosen_motion_is_followed():
 
 def test_a_motion_that_has_gone_is_not_chosen():
     """Nor is another one in its place: the table that was clicked was of a point before."""
-    told = []
-    session = Session("", lambda text, _: told.append(json.loads(text)), lambda work: work())
+    message = []
+    session = Session("", lambda text, _: message.append(json.loads(text)), lambda work: work())
     before = session.explorer.state
     gone = {"kind": "choose", "number": 1, "motion": "RLL/1/phases/0.0,2.0,4.0"}
     session.heard(gone)
-    assert (told[-1]["fault"], session.explorer.state) == ("", before)
-    last = told[-1]["table"][-1]["definition"]
+    assert (message[-1]["fault"], session.explorer.state) == ("", before)
+    last = message[-1]["table"][-1]["definition"]
     session.heard(gone | {"number": 2, "motion": last})
     assert session.explorer.state == replace(before, motion=Definition.read(last))
-    assert [row["chosen"] for row in told[-1]["table"]][-1]
+    assert [row["chosen"] for row in message[-1]["table"]][-1]
 
 
 @pytest.mark.parametrize(
@@ -160,12 +160,12 @@ def test_a_motion_that_has_gone_is_not_chosen():
 )
 def test_a_field_of_a_run_that_is_no_number_is_named(name, text):
     """With what stands in it, also where that has a comma; nothing runs."""
-    told = []
-    session = Session("", lambda text, _: told.append(json.loads(text)), lambda work: work())
+    message = []
+    session = Session("", lambda text, _: message.append(json.loads(text)), lambda work: work())
     session.heard(
         {"kind": "run", "number": 1, "words": dict.fromkeys(vars(RUN), "1") | {name: text}}
     )
-    assert told[-1]["fault"] == f"{name} = {text!r}: must be a finite number"
+    assert message[-1]["fault"] == f"{name} = {text!r}: must be a finite number"
     assert session.explorer.state == State()
 
 

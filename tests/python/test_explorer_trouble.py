@@ -11,10 +11,10 @@ def test_bad_link_is_one_message(page):
     """What is wrong is named once, the rest is there, and the address is not touched."""
     query = "xi=lots&r=0.97&colour=%3Cb%3E&clearance=12"
     page.open(query)
-    said = page.text("fault")
+    output = page.text("fault")
     assert page.page.locator("[role=alert]:visible").count() == 1
-    assert "xi = 'lots': must be a number with 0 <= xi < 1" in said
-    assert "colour = '<b>'" in said
+    assert "xi = 'lots': must be a number with 0 <= xi < 1" in output
+    assert "colour = '<b>'" in output
     assert [page.field(name) for name in ("xi", "r", "clearance")] == ["0.0114", "0.97", "12"]
     assert page.page.url.endswith(query)
 
@@ -104,8 +104,8 @@ def test_zones_that_take_too_long_are_given_up(browser):
     tab = browser.new_page()
     page = Page(tab, url)
     tab.goto(f"{url}?{LONG}RL,R*L*")
-    said = "R*L*: not there, given up after 5 s"
-    tab.wait_for_function(f"document.getElementById('status').textContent.startsWith('{said}')")
+    output = "R*L*: not there, given up after 5 s"
+    tab.wait_for_function(f"document.getElementById('status').textContent.startsWith('{output}')")
     assert page.text("families").split() == ["RL", "symmetric", "RL", "unsymmetric"]
     tab.evaluate("document.querySelector('details').open = true")
     tab.fill("[data-field=patterns]", "RL")

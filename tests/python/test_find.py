@@ -311,14 +311,14 @@ def test_a_mirror_image_that_is_lost_ends_no_search():
 
 def test_progress_is_told():
     """Shares rise to the end, with the pattern that is searched; the motions are the same."""
-    told = []
+    message = []
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     limits = {"max_impacts": 3, "max_cycles": 1, "states": 4}
-    motions = vi.find(osc, 0.94, 37.0, **limits, progress=lambda *what: told.append(what))
-    shares = [share for share, _ in told]
+    motions = vi.find(osc, 0.94, 37.0, **limits, progress=lambda *what: message.append(what))
+    shares = [share for share, _ in message]
     assert shares == sorted(shares)
     assert 0 < shares[0] <= shares[-1] <= 1
-    assert {"RL/1", "RRL/1"} <= {what for _, what in told}
+    assert {"RL/1", "RRL/1"} <= {what for _, what in message}
     assert list(map(repr, motions)) == list(map(repr, vi.find(osc, 0.94, 37.0, **limits)))
 
 
@@ -436,8 +436,8 @@ def test_a_stopped_search_keeps_what_it_found():
         vi.find(TABLE, 0.94, 37.0, 8, 2, progress=stop)
     found = caught.value.result
     assert not found.complete
-    told = r"\d+ of 86 patterns were searched, 0 releases and 0 of 24 states were tried"
-    assert re.fullmatch(told, found.cut)
+    message = r"\d+ of 86 patterns were searched, 0 releases and 0 of 24 states were tried"
+    assert re.fullmatch(message, found.cut)
     assert "RL" in [motion.pattern.sides for motion in found.motions]
     assert 0 < found.search.patterns < 86
     check_found(found.motions, TABLE, 0.94, 37.0)

@@ -108,15 +108,15 @@ BROKEN = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "path", "value", "said"), BROKEN)
-def test_broken_data_is_named(name, path, value, said, results):
+@pytest.mark.parametrize(("name", "path", "value", "output"), BROKEN)
+def test_broken_data_is_named(name, path, value, output, results):
     """What is wrong, its value and what it must be; never a bare KeyError."""
     data = copy.deepcopy(results[name].to_dict())
     inner = data
     for key in path[:-1]:
         inner = inner[key]
     inner[path[-1]] = value
-    with pytest.raises(vi.errors.ParameterError, match=said):
+    with pytest.raises(vi.errors.ParameterError, match=output):
         type(results[name]).from_dict(data)
 
 

@@ -494,10 +494,10 @@ def test_interrupt_leaves_whole_items(tmp_path):
     while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
         time.sleep(0.005)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes
-    _, said = process.communicate()
+    _, message = process.communicate()
     assert process.returncode == 1
-    assert "interrupted" in said
-    assert "Traceback" not in said
+    assert "interrupted" in message
+    assert "Traceback" not in message
     assert not list(tmp_path.rglob("*.part"))
     stamps = list(tmp_path.glob("data/.sweep*.done"))
     assert 2 <= len(stamps) < sum(map(len, tasks.SWEEPS.values()))

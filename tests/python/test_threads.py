@@ -44,8 +44,8 @@ def answer(path):
 def run(paths, folder):
     """What is said about the files, and the bytes of the results."""
     log = vi.run_namelists(paths, folder)
-    said = [(fault, line.replace(str(folder), "FOLDER")) for fault, line in log.lines]
-    return said, log.status, {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+    output = [(fault, line.replace(str(folder), "FOLDER")) for fault, line in log.lines]
+    return output, log.status, {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
 @pytest.fixture

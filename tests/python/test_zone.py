@@ -132,13 +132,13 @@ def test_nothing_is_stable_without_loss():
 def test_progress_is_told():
     """From nothing to all, over both families of motions, and the answer is the same."""
     shares = []
-    told = vi.zone(
+    message = vi.zone(
         FIGURE6, vi.Pattern("RL"), *WINDOW, progress=lambda share, what: shares.append(share)
     )
     assert shares
     assert shares == sorted(shares)
     assert 0 <= shares[0] <= shares[-1] == 1
-    assert told.to_dict() == vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW).to_dict()
+    assert message.to_dict() == vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW).to_dict()
 
 
 def test_count_and_shapes(equispaced):
@@ -236,8 +236,8 @@ def test_an_interrupt_is_heard_within_a_call():
     )
     assert process.stdout.readline() == "begin\n"
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
-    assert said.splitlines()[-1] == "KeyboardInterrupt"
+    _, output = process.communicate(timeout=60)
+    assert output.splitlines()[-1] == "KeyboardInterrupt"
 
 
 def test_what_progress_raises_ends_the_search(monkeypatch):

@@ -129,8 +129,8 @@ def test_membership_beside_an_open_boundary_is_undecided(unclosed):
     assert inside.any()
     assert not whole.undecided(r, clearance).any()
     with pytest.warns(vi.errors.OpenBoundaryWarning, match="not decided"):
-        said = cut.contains(r, clearance)
-    assert (said | cut.undecided(r, clearance))[inside].mean() > 0.95
+        output = cut.contains(r, clearance)
+    assert (output | cut.undecided(r, clearance))[inside].mean() > 0.95
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not cut.contains(0.1, 1e6)
