@@ -311,7 +311,7 @@ def response_structure(
     >>> import numpy as np, vibroimpact as vi
     >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
     >>> result = vi.response(wall, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13))
-    >>> bool((result.q_max <= 1).all()), bool(result.steady_largest.max() > 2.9)
+    >>> bool((result.q_max < 1 + 1e-12).all()), bool(result.steady_largest.max() > 2.9)
     (True, True)
     """
     array = _ends(values)
