@@ -168,7 +168,7 @@ def velocities(system, phases, X, d=1.0):
 
 
 def mismatch(system, phases, X, c, s):
-    """Compute what the impact laws ask for minus what each flight arrives with (d = 1).
+    """The state that the impact laws require minus the state at the end of each flight (d = 1).
 
     Parameters
     ----------

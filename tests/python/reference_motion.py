@@ -61,7 +61,7 @@ class ReferenceMotion:
         return time, before, after, w
 
     def residual(self, u):
-        """What each flight ends with, less what the next impact asks for."""
+        """The state at the end of each flight minus the state that the next impact requires."""
         n = self.n
         time, before, after, _ = self.speeds(u)
         place, speed = [], []

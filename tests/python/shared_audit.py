@@ -1,4 +1,4 @@
-"""An audit: what independent simulation of random systems says to atlas, `find` and `exact`.
+"""An audit: atlas, `find` and `exact` are compared with independent simulations of random systems.
 
 Many states of random systems are simulated (`lane_simulation.py`) until they repeat; Newton's
 method on the stroboscopic map, differentiated by central differences with Richardson's step, gives
@@ -134,7 +134,7 @@ def scale_of(systems):
 
 
 def attractors(systems, seed, cycles=400, patience=1600):
-    """What random states settle on: a list of Orbit, "no impact" or "no period", one a lane."""
+    """The attractors of random states: for each lane an Orbit, "no impact" or "no period"."""
     lanes = random_states(systems, seed)
     found = ["no period"] * systems.r.size
     left = np.arange(systems.r.size)
@@ -415,7 +415,7 @@ def to_line(place, line):
 
 
 class Audit:
-    """Counts what was held against each other, and keeps what disagrees."""
+    """Counts the comparisons, and keeps the disagreements."""
 
     def __init__(self):
         """Nothing yet."""

@@ -71,7 +71,7 @@ class Page:
         return self
 
     def text(self, name):
-        """What an element says."""
+        """The text of an element."""
         return self.page.locator(f"#{name}").text_content().strip()
 
     def field(self, name, kind="field"):

@@ -1,4 +1,4 @@
-"""Which results there are, and whether two are the same."""
+"""Examples of all results, and whether two results are the same."""
 
 import numpy as np
 from vibroimpact.commands import STUDIES

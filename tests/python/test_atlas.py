@@ -94,7 +94,7 @@ def test_every_point_of_the_survey_is_counted(atlas):
 
 
 def test_motions_beyond_the_limits_are_stable(atlas):
-    """Each is what a simulation of its own ends on, and what exact calls stable."""
+    """An independent simulation settles on each of them, and `exact` finds it stable."""
     confirmed = 0
     for item in atlas.beyond:
         random = np.random.default_rng(2)
@@ -228,7 +228,7 @@ def test_progress_is_told():
 
 
 def test_survey_hears_a_stop(monkeypatch):
-    """What progress raises ends a survey that would take hours; its threads end, too."""
+    """An exception of `progress` ends a survey that would take hours, and its threads."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     before = set(threading.enumerate())
 
@@ -243,7 +243,7 @@ def test_survey_hears_a_stop(monkeypatch):
 
 
 def test_labelled_data_hold_the_survey(atlas):
-    """What became of each point, and the motions, by name."""
+    """The labelled data contain the outcome at each point and the motions, by name."""
     pytest.importorskip("xarray")
     data = atlas.to_xarray()
     assert data.sizes["point"] == 60
@@ -291,7 +291,7 @@ def test_bad_input_is_named(arguments, name):
 
 
 def test_zone_with_rest_agrees_with_simulation():
-    """Stable motions with rest are reached from rest here; outside none of the pattern is."""
+    """Simulations from rest reach stable motions of the pattern inside the zone, and none outside."""
     zone = vi.zone(UNEQUAL, vi.Pattern("RL*"), (0.84, 0.94), (4, 8))
     assert zone.closed
     assert {piece.type for piece in zone.boundary} <= {"rest_vanishes", "window"}
@@ -332,7 +332,7 @@ def test_rest_vanishes_at_the_boundary():
     [("RL", True, (4, 150)), ("RL", False, (4, 90)), ("RRL", False, (4, 60))],
 )
 def test_zones_fit_over_the_chart(sides, symmetric, window):
-    """A chart computes point by point, a zone follows its boundary: both tell the same story."""
+    """The flags of a chart, computed point by point, agree with the zones, whose boundaries are traced."""
     pytest.importorskip("xarray")
     r, clearance = np.linspace(0.9, 1.1, 9), np.geomspace(*window, 11)
     pattern = vi.Pattern(sides)

@@ -199,7 +199,7 @@ def test_stopped_before_anything(monkeypatch):
 
 
 def test_progress_changes_nothing(monkeypatch):
-    """What is told goes from 0 to 1, and the answer is the same to the last bit."""
+    """The share of progress rises from 0 to 1, and the result has the same bits as without `progress`."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     shares = []
     line = np.linspace(10, 24, 100)

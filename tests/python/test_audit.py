@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def report(request):
-    """What was compared, as a table, and every disagreement."""
+    """The comparisons as a table, and every disagreement."""
     systems, points, seed = (
         request.config.getoption(f"--audit-{name}") for name in ("systems", "points", "seed")
     )
@@ -70,7 +70,7 @@ def test_find_lists_every_attractor(report):
 
 
 def test_zones_hold_stable_motions_alone(report):
-    """At a random point inside each: `find` has the motion, and simulation does not deny it."""
+    """At a random point inside each zone `find` lists the motion, and a simulation stays on it."""
     assert disagreements(report, "zone") == []
 
 

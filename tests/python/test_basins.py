@@ -110,7 +110,7 @@ def test_random_states(load, seed):
 
 
 def test_random_shares_are_those_of_a_lattice():
-    """Of states in the middles of 4096 equal boxes that fill the same box."""
+    """The shares agree with those of states in the middles of 4096 equal cells of the same box."""
     r, clearance = 0.94, 37.0
     s = 1 / math.hypot(1 - r**2, 2 * TABLE.xi * r)
     s = min(max(s, clearance / 2), 3 * clearance)
@@ -152,7 +152,7 @@ def test_the_namelist_of_basins(start, tmp_path):
 
 
 def test_decision_does_not_depend_on_how_soon(plane):
-    """Fewer cycles a round decide the same: what is left goes on from where it is."""
+    """Fewer cycles in each round give the same labels, since undecided states continue where they are."""
     hasty = vi.basins(TABLE, 0.94, 37.0, PLANE, cycles=60, probes=400)
     ours = [item.motion and np.sort(item.motion.X) for item in plane.attractors]
     share = 0
@@ -220,7 +220,7 @@ def test_a_smooth_boundary():
 
 
 def test_integrity_is_that_of_every_pair(plane):
-    """Of all states and all that are elsewhere or a cell beyond the edge, by brute force."""
+    """The radius agrees with brute force over all pairs of a state and one in another basin or beyond the edge."""
     first, second = plane.axes
     cells = np.array([60 / 39, 60 / 39])
     for label in range(len(plane.attractors)):
@@ -238,7 +238,7 @@ def test_integrity_is_that_of_every_pair(plane):
 
 
 def test_uncertain_pairs_are_counted(plane):
-    """All pairs of states along either axis, by brute force; the exponent is the slope of what they tell."""
+    """All pairs of states along each axis are counted by brute force; the exponent is the slope of the counts."""
     distance, share = plane.uncertain
     for s, own in zip(distance.astype(int), share, strict=True):
         pairs = [plane.labels[s:] != plane.labels[:-s], plane.labels[:, s:] != plane.labels[:, :-s]]

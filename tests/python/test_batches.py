@@ -37,7 +37,7 @@ def test_single_precision_is_single():
 @given(cases(most=5), st.lists(st.floats(0.97, 1.03), min_size=1, max_size=6))
 @law(100)
 def test_batch_is_the_single_calls(case, factors):
-    """Every point of a batch has the digits of its own call."""
+    """Every point of a batch has the same digits as a single call."""
     osc, r, phases, pattern, restitution = case.arguments()
     r = np.array([r * f for f in factors])
     assume(np.abs(r - 1.0).min() > 1e-3)

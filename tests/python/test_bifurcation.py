@@ -15,7 +15,7 @@ def sweeps():
 
 
 def test_impacts_are_those_of_exact_motions(sweeps):
-    """Where the label is 2/1 the impacts are those of the motion that Newton's method finds from them."""
+    """Where the label is 2/1, Newton's method started from the impacts converges to them."""
     up = sweeps.runs.index("up")
     checked = 0
     for i in np.flatnonzero(sweeps.labels[up] == "2/1")[::12]:
@@ -74,7 +74,7 @@ def test_many_states_see_both_sides_of_the_hysteresis(sweeps):
 
 @pytest.mark.parametrize("parameter", ["r", "xi", "mu", "R1", "R2", "restitution"])
 def test_every_parameter_is_swept(parameter):
-    """At each value the stable two-impact motion of that very system is what is left."""
+    """At each value the sweep settles on the stable two-impact motion of that system."""
     system = {"xi": 0.0114, "mu": 0.028, "R1": 0.75, "R2": 0.75, "r": 1.04}
     low = 0.75 if parameter == "restitution" else system[parameter]
     values = np.linspace(low, 1.02 * low, 3)

@@ -44,7 +44,7 @@ def test_one_state_for_all():
 
 
 def test_event_budget():
-    """A simulation that has more events ends early, and says so; the others go on."""
+    """A simulation that exceeds the limit of events ends early with a status; the others continue."""
     whole = vi.simulate_bundle(RIG, RATIOS, 6.0, 40)
     most = int(np.median(whole.impacts + whole.rests))
     cut = vi.simulate_bundle(RIG, RATIOS, 6.0, 40, max_events=most)

@@ -108,7 +108,7 @@ def test_exact_points(three):
 
 @pytest.mark.parametrize(("sides", "cycles"), [("RL", 1), ("RRL", 1), ("RRLL", 1), ("RL", 2)])
 def test_nothing_missed(sides, cycles):
-    """What an independent, denser search finds at random points is in the chart."""
+    """The chart contains the motions that an independent, denser search finds at random points."""
     pattern = vi.Pattern(sides, cycles)
     data = vi.chart(OSC, pattern, R, D, slots=12)
     rng = np.random.default_rng(7)
@@ -259,7 +259,7 @@ class Impatient:
 
 
 def test_interrupt(monkeypatch):
-    """Ctrl-C leaves the columns that were computed, with the bits of the whole, and says so."""
+    """After Ctrl-C the finished columns have the same bits as in a complete chart, and the rest is marked."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
     r, clearance = np.linspace(0.8, 1.2, 800), np.geomspace(2, 200, 400)
     with pytest.raises(vi.errors.StudyInterrupted) as caught:
@@ -393,7 +393,7 @@ def test_plot(pair, three):
 
 
 def test_progress(monkeypatch):
-    """What is told goes from nothing to all, and changes no result."""
+    """The share of progress rises from 0 to 1, and no result changes."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     shares = []
     message = vi.chart(OSC, RL, R, D, progress=lambda done, what: shares.append((done, what)))

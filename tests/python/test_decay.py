@@ -144,7 +144,7 @@ def test_only_ratios_of_lengths_matter():
 
 
 def test_clearances_do_not_depend_on_each_other():
-    """Nor on the number of threads, nor on how they are given."""
+    """A result does not depend on the other clearances, the number of threads, or the form of the list."""
     clearances = [0.25, 0.5, 1.0, 2.0]
     one = vi.decay(DAMPER, clearances, threads=1)
     two = vi.decay(DAMPER, inverse_clearance=[4.0, 2.0, 1.0, 0.5], threads=2)
@@ -248,7 +248,7 @@ def test_picture(clearances):
 
 
 def test_interrupted(monkeypatch):
-    """What Ctrl-C leaves are whole runs, with the bits of all of them."""
+    """After Ctrl-C the runs that are kept are complete, and have the same bits as without it."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     clearances = np.linspace(0.1, 2, 200)
 

@@ -24,7 +24,7 @@ BLOCK = re.compile(r"^```(\S+)(?: \w+\n:caption: (\S+)\n)?\n(.*?)^```", re.DOTAL
 
 
 def run_python(code, names):
-    """What a block prints."""
+    """The output of a block."""
     output = io.StringIO()
     with contextlib.redirect_stdout(output):
         exec(compile(code, "page", "exec"), names)
@@ -46,7 +46,7 @@ def run_console(block):
 
 
 def run_octave(code):
-    """What GNU Octave prints, None without it."""
+    """The output of GNU Octave; None if it is not installed."""
     if not shutil.which("octave"):
         return None
     command = ["octave", "--no-gui", "--quiet", "--no-init-file", "--eval", code]

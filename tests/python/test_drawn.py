@@ -50,7 +50,7 @@ def test_zones_and_branches_are_identified(name, output, results):
 
 
 def test_what_varies_is_not_told():
-    """Unequal walls are told apart, a swept one not at all; a load is told unless it is F0."""
+    """The label gives both walls if they differ and no swept parameter; it gives a load other than F0."""
     run = vi.bifurcation_diagram(RIG, "clearance", [9.0, 10.0], r=1.04, load=2.0, settling=9)
     assert words(run.plot()).endswith("R_1 = 0.75, R_2 = 0.61, r = 1.04, load/F_0 = 2")
     run = vi.bifurcation_diagram(RIG, "restitution", [0.6, 0.7], r=1.04, clearance=9.0, settling=9)
@@ -60,7 +60,7 @@ def test_what_varies_is_not_told():
 
 
 def test_chart_is_identified_and_hatched_to_its_edges():
-    """Pattern and system; the hatching covers all cells of its class and none of the others."""
+    """The chart names pattern and system; the hatching covers exactly the cells of its class."""
     pytest.importorskip("xarray")
     from vibroimpact.plot.chart import _edges, classes, draw_chart
 
@@ -95,7 +95,7 @@ def test_zones_in_one_picture_differ_in_fill(results):
 
 
 def test_shared_boundaries_are_drawn_once(results):
-    """Of the pitchfork between two zones there is one line; all other vertices are there."""
+    """The pitchfork between two zones is drawn as one line; all other vertices are drawn."""
     atlas = results["atlas"]
     ax = atlas.plot()
     for line in lines_of(ax):
@@ -173,7 +173,7 @@ def test_exponents_of_minus_infinity_are_marked():
 
 
 def test_sweeps_are_told_apart_by_marks(attractors):
-    """Up and down have other marks, and each impact is drawn once, in that of its run and side."""
+    """Upward and downward runs have different marks; each impact is drawn once, with that of its run and side."""
     diagram = attractors["bifurcation"]
     assert diagram.runs == ["up", "down"]
     lines = {
@@ -222,7 +222,7 @@ def test_numbers_of_a_logarithmic_axis(window, output):
 
 
 def test_found_motions_are_numbered():
-    """Every motion has its number once, at its leading multiplier, and the legend tells all marks."""
+    """Each motion is numbered once, at its leading multiplier, and the legend explains all marks."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1)
     findings = vi.Findings.of(TABLE, 0.94, 37.0, found)
     panels = findings.plot()

@@ -150,7 +150,7 @@ def test_every_kind_of_guess_leads_to_the_same_motion():
 @pytest.mark.parametrize("part", [0.0, 1e-13, -1e-13, 0.25, 0.5, 0.9])
 @pytest.mark.parametrize("impact", [0, 1])
 def test_a_trajectory_may_end_at_an_impact(impact, part):
-    """Where in the period a trajectory ends, at an impact too, does not matter."""
+    """The result does not depend on the part of the period at which a trajectory ends, even at an impact."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     run = vi.simulate(TABLE, 0.94, 37.0, 8 + part, after_impact(motion, impact))
     again = vi.exact(TABLE, 0.94, 37.0, run)
@@ -235,7 +235,7 @@ def test_inadmissible_motions_are_returned_and_flagged():
 
 
 def test_no_convergence_says_so():
-    """Where there is no motion the error names the iteration, and nothing hangs."""
+    """Where there is no motion an error reports that the iteration did not converge."""
     failed = 0
     for clearance in (1e6, 1e9):
         with pytest.raises(vi.errors.SingularError) as caught:
@@ -250,7 +250,7 @@ def test_no_convergence_says_so():
 
 @pytest.mark.parametrize("guess", [None, 3, "RL", [0.0, 4.0], ([0.0, 4.0], 7), (1, 2, 3), {}])
 def test_guess_types(guess):
-    """What is not a guess is refused with what would be one."""
+    """An argument that is not a guess is refused; the message lists what is allowed."""
     with pytest.raises(vi.errors.ParameterTypeError, match="guess") as caught:
         vi.exact(TABLE, 0.94, 37.0, guess)
     assert repr(guess) in str(caught.value)
@@ -284,7 +284,7 @@ def test_no_exact_motion_without_load():
 
 @pytest.mark.parametrize("cycles", [1, 3, 20])
 def test_trajectory_that_does_not_repeat(cycles):
-    """A transient is no guess; the message says what to do."""
+    """A transient cannot be a guess; the message explains what to do."""
     run = vi.simulate(TABLE, 0.94, 37.0, cycles, state(x_dot=9.0, z_dot=-4.0))
     with pytest.raises(vi.errors.ParameterError, match=r"guess.*period"):
         vi.exact(TABLE, 0.94, 37.0, run)

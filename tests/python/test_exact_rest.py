@@ -143,7 +143,7 @@ def test_a_guess_with_rest_serves_at_other_clearances():
 
 
 def test_rest_motion_has_no_impact_maps():
-    """An accumulation has infinitely many impacts: no list of [P_i], and an error that says so."""
+    """An accumulation has infinitely many impacts, so that a list of [P_i] is refused with that reason."""
     with pytest.raises(vi.errors.ParameterError, match="rest"):
         rest_motion().impact_maps()
 

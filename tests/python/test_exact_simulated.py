@@ -1,4 +1,4 @@
-"""What simulation says to exact motions: it stays, leaves and comes back as their multipliers tell."""
+"""Simulations near exact motions stay, leave and return as the multipliers predict."""
 
 import math
 

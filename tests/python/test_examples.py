@@ -1,4 +1,4 @@
-"""Every example in a docstring runs and prints what it says, and every ready namelist runs."""
+"""Every example in a docstring runs and prints the output shown, and every namelist in `inputs` runs."""
 
 import doctest
 import importlib

@@ -273,7 +273,7 @@ def test_bad_options_are_named(capsys):
 
 
 def test_missing_extra(monkeypatch):
-    """Without panel one line tells what to install."""
+    """Without panel one line names the package to install."""
     monkeypatch.setitem(sys.modules, "panel", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'vibroimpact\[explorer\]'"):
         panel()
@@ -308,7 +308,7 @@ behind.motions(None, None, None)
 
 
 def test_threads_end_before_the_interpreter():
-    """What computes is told to end, and waited for: a thread that is stopped within C++ aborts the process."""
+    """Computations are stopped and waited for: a thread that is stopped within C++ aborts the process."""
     done = subprocess.run(
         [sys.executable, "-c", ENDS], capture_output=True, text=True, timeout=100, check=False
     )

@@ -94,7 +94,7 @@ def test_the_batch_program_gives_the_diagram(line, tmp_path):
 
 
 def test_an_oblique_line_is_left_to_python():
-    """It is said in one line of the file."""
+    """One line of the file states it."""
     text = as_namelist(Explorer(State(line=(0.9, 10.0, 1.1, 30.0))))
     assert "\n&bifurcation" not in text
     assert text.splitlines()[-1].startswith("! a line across both axes")

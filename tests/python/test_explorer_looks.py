@@ -202,7 +202,7 @@ def test_it_fits(page, width, tmp_path):
 
 
 def test_a_long_table_shows_that_it_scrolls(page):
-    """Where it does not fit there is a scroll bar that can be seen and dragged, on a phone too."""
+    """A table that does not fit has a visible scroll bar that can be dragged, also on a phone."""
     for width in (1280, 390):
         page.page.set_viewport_size({"width": width, "height": 900})
         page.open("r=0.96&clearance=20&patterns=RL")

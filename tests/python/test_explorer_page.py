@@ -69,7 +69,7 @@ def test_pointer_tap_and_drag(page):
 
 
 def test_sliders_redraw(page):
-    """A slider changes the zones, the motions and its field; what cannot be says so and is not taken."""
+    """A slider changes the zones, the motions and its field; an impossible value is refused with a message."""
     page.open("patterns=RL,RLL")
     fills = page.data("zones.fills", "xs")
     slider = page.page.get_by_role("slider", name="restitution, left wall R₂")
@@ -130,7 +130,7 @@ def test_share_link_restores_everything(page):
 
 
 def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
-    """What is saved and what is copied is run; every digit in the table is theirs."""
+    """Saved and copied code is run, and gives every digit of the table."""
     page.open("r=1.04&clearance=20")
     page.page.locator("#run").get_by_role("button", name="Let it run").click()
     page.page.wait_for_function("document.getElementById('ran').textContent.includes('impacts')")

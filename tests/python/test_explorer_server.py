@@ -95,7 +95,7 @@ def test_its_own_names_are_answered(address):
     "http://evil.example", "http://evil.example:{}", "https://127.0.0.1:{}", "http://127.0.0.1", "null",
     "http://localhost:3000", "http://[", "file://", "http://127.0.0.1:{}.evil.example"])  # fmt: skip
 def test_a_page_of_another_origin_gets_nothing(address, origin):
-    """Whatever it asks for, and with a token that is valid."""
+    """Every request from another origin is refused, even with a valid token."""
     origin = origin.format(address[1])
     token = token_of(answer(address)[2])
     assert {answer(address, path, Origin=origin)[0] for path in PATHS} == {403}
@@ -113,7 +113,7 @@ def test_other_sites_may_only_link_to_it(address, site, mode, dest, status):
 
 
 def test_no_page_may_frame_it(address):
-    """Every answer says so, also a refusal."""
+    """Every answer, also a refusal, forbids frames."""
     for path, host in (
         ("/", None),
         ("/static/js/bokeh.min.js", None),

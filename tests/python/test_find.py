@@ -190,7 +190,7 @@ def test_no_guess_and_no_state_find_nothing():
 
 
 def test_load_and_lengths_scale():
-    """At twice the load and the clearance the same motions are there, twice as large."""
+    """At twice the load and the clearance `find` lists the same motions, twice as large."""
     one = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1)
     other = vi.find(TABLE, 0.94, 74.0, max_impacts=2, max_cycles=1, load=2.0)
     # the four of two impacts, and the attractor of twelve in five cycles that simulations settle on
@@ -392,7 +392,7 @@ def test_states_in_intermittent_chaos_have_not_settled():
 
 
 def test_states_without_impacts_are_counted():
-    """In a clearance that the motion without impacts does not fill, states come to have none."""
+    """In a clearance larger than the motion without impacts, states settle on that motion and are counted."""
     osc = vi.Oscillator(xi=0.3, mu=0.04, restitution=0.5)
     found = vi.find(osc, 0.9, 1e3, max_impacts=2, max_cycles=1, guesses=4)
     check_account(found)
@@ -417,7 +417,7 @@ def test_threads_do_not_change_the_answer(name, monkeypatch):
 
 
 def test_what_progress_raises_ends_the_search():
-    """And the core is told to stop."""
+    """An exception of `progress` also stops the core."""
 
     def stop(share, what):
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""What a caller can get wrong: every error names the parameter, its value and what is allowed."""
+"""Wrong arguments: every error names the parameter, its value and the allowed values."""
 
 import math
 import re
@@ -127,7 +127,7 @@ def test_r_types(call, value):
 
 @pytest.mark.parametrize("call", CALLS)
 def test_resonance_without_damping(call):
-    """With r = 1 and xi = 0 the amplitude A is infinite; just beside it is not."""
+    """With r = 1 and xi = 0 the amplitude A is infinite; at neighbouring r it is finite."""
     osc = oscillator(xi=0.0)
     with pytest.raises(ValueError, match="xi") as caught:
         call(osc=osc, r=1.0)

@@ -110,7 +110,7 @@ BROKEN = [
 
 @pytest.mark.parametrize(("name", "path", "value", "output"), BROKEN)
 def test_broken_data_is_named(name, path, value, output, results):
-    """What is wrong, its value and what it must be; never a bare KeyError."""
+    """The error names the wrong item, its value and what is allowed; it is never a bare KeyError."""
     data = copy.deepcopy(results[name].to_dict())
     inner = data
     for key in path[:-1]:
@@ -121,7 +121,7 @@ def test_broken_data_is_named(name, path, value, output, results):
 
 
 def test_a_table_is_no_file_to_load(results, tmp_path):
-    """The message says what it is for."""
+    """The message explains the purpose of the table."""
     results["pair"].save(tmp_path / "pair.csv")
     with pytest.raises(
         vi.errors.ParameterError, match=r"a table whose header .* input of .vibroimpact run"
@@ -270,7 +270,7 @@ def test_equispaced_motions_come_back_to_the_bit(clearance, tmp_path):
 @pytest.mark.parametrize("acceptance", [0.0, 0.03, 1.0])
 @pytest.mark.parametrize("phases", [[0, 2.0, 4.1], [0, 1.25, 4.0]])
 def test_acceptance_is_kept(phases, acceptance, precision, tmp_path):
-    """What counted as consistent does so again."""
+    """A motion that was consistent under its acceptance is consistent after loading."""
     motion = vi.periodic(TABLE, 0.94, phases, vi.Pattern("RRL"), None, precision, acceptance)
     (case,) = vi.read_namelist(write(tmp_path / "case.nml", motion.to_namelist()))
     assert case.run()[0].consistent == motion.consistent
@@ -286,7 +286,7 @@ def test_seeds_are_part_of_the_case(results, tmp_path):
 
 
 def test_no_namelist_can_tell(results):
-    """A motion with rest or another load, the rest of a trajectory: said, not guessed."""
+    """Motions with rest or another load, and continued trajectories, have no namelist: an error says so."""
     run = results["trajectory"]
     later = vi.simulate(TABLE, 0.94, 37.0, 3, run.final_state)
     for result in (results["rest"], results["free"], later):

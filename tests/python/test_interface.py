@@ -143,7 +143,7 @@ def test_jupyter_shows_oscillator_units_and_what_find_gives():
 
 
 def test_what_find_gives_is_a_line():
-    """It says how many there are; the motions are its items."""
+    """The representation gives the number of motions; the motions are its items."""
     found = vi.find(TABLE, 0.94, 37.0, 2, 1)
     assert repr(found) == "<FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>"
     assert repr(vi.find(TABLE, 0.94, 1e6, 2, 1)) == "<FoundMotions: 0 motions, 0 of them stable>"

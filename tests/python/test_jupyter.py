@@ -1,4 +1,4 @@
-"""What Jupyter shows of a result."""
+"""The HTML that Jupyter shows for a result."""
 
 import base64
 import sys
@@ -43,7 +43,7 @@ def test_jupyter_without_matplotlib(results, monkeypatch):
 
 
 def test_jupyter_of_an_empty_zone():
-    """There is nothing to see, and that is said."""
+    """The HTML of an empty zone states that it is empty."""
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), (0.9, 1.0), (1e5, 1e6), lines=5, guesses=1)
     assert "0 loops" in zone._repr_html_()
     assert "img" not in zone._repr_html_()

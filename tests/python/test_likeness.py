@@ -1,4 +1,4 @@
-"""Which motions are one: what `find` lists as two is two everywhere, and what it writes once is one."""
+"""Comparison of motions: `find`, `same_motion` and saved lists agree on which motions are the same."""
 
 import math
 
@@ -63,7 +63,7 @@ def test_mirror_images_and_turns(make):
 
 
 def test_rest_is_never_one_with_impacts_alone():
-    """Of two letters in a cycle each."""
+    """Two motions with two letters in one cycle are different if only one of them rests."""
     resting, plain = rest_motion(), pair_motion(RIG, 0.9, 6.0)
     assert len(resting.pattern) == len(plain.pattern)
     assert not same_motion(resting, plain)

@@ -22,7 +22,7 @@ EVENT_LIMIT = 13
 
 
 def child(code, seconds=60, environment=None):
-    """Runs a script in a process of its own, with a deadline."""
+    """Runs a script in a separate process with a time limit."""
     return subprocess.run(
         [sys.executable, "-c", textwrap.dedent(code)], timeout=seconds, capture_output=True, text=True,
         check=False, env=os.environ | (environment or {}),
@@ -82,7 +82,7 @@ def test_search_ends():
 
 
 def test_decay_ends():
-    """A free vibration with too many impacts is cut short, and says so."""
+    """A free vibration with too many impacts is cut short, and its result is marked."""
     found = vi.decay(FAST, 1e-3, z_dot=1.0, cycles=3, max_events=1000)
     assert found._result.tables["runs"].columns["status"].values.tolist() == [EVENT_LIMIT]
 

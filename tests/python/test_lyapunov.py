@@ -161,7 +161,7 @@ def test_lists_and_arrays_have_a_namelist_too(r, clearance, tmp_path):
 
 
 def test_the_final_state_of_a_simulation_is_a_start_too(tmp_path):
-    """As the five numbers that tell it."""
+    """The final state is given as its five numbers."""
     final = vi.simulate(FIGURE6, 1.04, 25.0, 3).final_state
     result = vi.lyapunov(FIGURE6, 1.04, 25.0, 40, final)
     (tmp_path / "case.nml").write_text(result.to_namelist())

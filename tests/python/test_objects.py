@@ -41,7 +41,7 @@ def test_equispaced_answers():
 
 
 def test_singular_phases():
-    """Equal restitution and equal halves leave the amplitude free: an error that says so."""
+    """Equal restitution and equal halves leave the amplitude undetermined, which is an error."""
     with pytest.raises(vi.errors.SingularError) as caught:
         vi.periodic(EVEN, 0.9, [0.0, math.pi], PAIR)
     assert isinstance(caught.value, ArithmeticError)

@@ -258,7 +258,7 @@ def test_settings_are_left_alone():
 
 
 def test_without_matplotlib(monkeypatch):
-    """An import error of the package's own says what to install; computing does not need it."""
+    """An import error of the package names what to install; computations work without matplotlib."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     for name in list(sys.modules):
         if name.split(".")[0] == "matplotlib":

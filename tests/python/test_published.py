@@ -54,7 +54,7 @@ def test_all_published_bifurcations():
 
 
 def validation(monkeypatch):
-    """What computes the tables of the page of published numbers."""
+    """The module that computes the tables on the page of published numbers."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     return importlib.import_module("generate.validation")
 

@@ -75,7 +75,7 @@ def test_the_gap_ends_before_the_printed_end():
     ("r", "there"), [(0.99, False), (1.0, True), (1.05, True), (1.09, True), (1.1, False)]
 )
 def test_equispaced_motions_on_masris_line(r, there):
-    """On d K/F0 = 37 they go on past r = 1.04."""
+    """The equispaced motions at d K/F0 = 37 continue beyond r = 1.04."""
     assert scan.equispaced_verdict(MASRI)(np.array([r]), np.array([37.0]))[0] == there
 
 
@@ -321,7 +321,7 @@ def test_failure_fails_what_needs_it_and_nothing_else(tmp_path, monkeypatch, cap
 
 
 class Terminal:
-    """A stream that says it is a terminal, or not."""
+    """A stream that reports whether it is a terminal."""
 
     def __init__(self, is_one):
         self.text, self.isatty = "", lambda: is_one
@@ -398,7 +398,7 @@ def test_two_readings_of_figure_10(name, osc, whole):
 
 @pytest.mark.slow
 def test_simulations_are_not_called_measurements(whole):
-    """Where only a simulation is compared the verdict says so; nothing calls it an experiment."""
+    """Where only a simulation is compared the verdict states that; no text calls it an experiment."""
     rows = [row for row in statements_of(whole) if "simulated" in row["found"]]
     assert len(rows) >= 8
     for row in rows:

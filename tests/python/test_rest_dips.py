@@ -21,7 +21,7 @@ CASES = {
 
 @pytest.fixture(scope="module")
 def motions():
-    """What each system settles on, from the primary mass at its middle, moving."""
+    """The motion on which each system settles; the primary mass starts in the middle with a velocity."""
     found = {}
     for sides, (xi, mu, walls, r, clearance) in CASES.items():
         osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
@@ -35,7 +35,7 @@ def motions():
 
 @pytest.mark.parametrize("sides", CASES)
 def test_letters(motions, sides):
-    """A rest that follows on a release from the same wall is a letter of its own."""
+    """A rest that follows a release from the same wall is a separate letter."""
     motion = motions[sides]
     letters = motion.pattern.symbols
     assert any(letters[i - 1] == letters[i] and "*" in letters[i] for i in range(len(letters)))

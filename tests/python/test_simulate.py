@@ -145,7 +145,7 @@ def test_namelist_gives_the_same_digits(tmp_path):
 
 
 def test_namelist_event_budget(tmp_path):
-    """A simulation cut short is status 1 and says so."""
+    """A simulation that is cut short has status 1 and a message."""
     path = tmp_path / "cut.nml"
     path.write_text(
         "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"

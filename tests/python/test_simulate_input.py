@@ -1,4 +1,4 @@
-"""What a caller of `simulate` can get wrong is named, with its value and what is allowed."""
+"""Wrong arguments of `simulate` are reported with their values and the allowed values."""
 
 import math
 
@@ -29,7 +29,7 @@ def test_frequency_values(value):
 @pytest.mark.parametrize("name", ["clearance", "load", "cycles", "discard"])
 @pytest.mark.parametrize("value", [NAN, INF, -1.0, 1e13])
 def test_values_of_lengths_and_cycles(name, value):
-    """None is negative or infinite; the message says the name that the caller typed, and no other."""
+    """Negative and infinite values are refused; the message uses the name that the caller typed."""
     assert_refused({name: value}, f"{name} = {value}", f"<= {name} <=", kind=ValueError)
 
 
@@ -87,7 +87,7 @@ def test_state_outside_the_walls(z):
     ("resting", 3.7), ("released", -2), ("speed", -1.0),
 ])  # fmt: skip
 def test_a_final_state_that_was_tampered_with(name, value):
-    """What a final state adds is checked like the rest."""
+    """The additional entries of a final state are checked like the others."""
     end = vi.simulate(RIG, 0.9, 6.0, 2).final_state
     assert_refused({"state": end | {name: value}}, name, kind=ValueError)
 

@@ -263,7 +263,7 @@ def test_modes():
 
 
 def test_repeats_and_messages_of_large_matrices():
-    """A matrix of 500 coordinates is read, and a fault in it is told in a short line."""
+    """A matrix of 500 coordinates is read, and the message about a fault in it is short."""
     zeros = "500*1"
     text = f"&structure mass = {zeros}, stiffness = 249999*0, -1 /\n"
     text += "&gap direction = 1, 499*0, opening = 1 /\n&simulate duration = 1 /\n"

@@ -97,7 +97,7 @@ def test_the_file_is_complete():
 
 
 def test_the_misprints_break_laws_by_their_own_neighbours():
-    """Momentum asks for 9.91 and the determinant for 0.025, from the printed numbers alone."""
+    """Momentum requires 9.91 and the determinant requires 0.025, from the printed numbers alone."""
     printed = {(row["quantity"], row["column"]): float(row["printed"]) for row in ROWS}
 
     def entry(name):

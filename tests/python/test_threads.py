@@ -22,7 +22,7 @@ WRONG = """
 
 
 def together(work):
-    """What `work(i)` answers in each of the threads, which begin at the same time."""
+    """The results of `work(i)` in threads that start at the same time."""
     start = threading.Barrier(THREADS)
 
     def begin(i):
@@ -42,7 +42,7 @@ def answer(path):
 
 
 def run(paths, folder):
-    """What is said about the files, and the bytes of the results."""
+    """The messages about the files, and the bytes of the results."""
     log = vi.run_namelists(paths, folder)
     output = [(fault, line.replace(str(folder), "FOLDER")) for fault, line in log.lines]
     return output, log.status, {path.name: path.read_bytes() for path in sorted(folder.iterdir())}

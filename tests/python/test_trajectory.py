@@ -35,7 +35,7 @@ def test_discarded_cycles_are_the_run_before():
 
 @pytest.mark.parametrize("budget", [1, 2, 7, 46, 100])
 def test_event_budget(budget):
-    """A run that is cut short says so, ends at its last event and goes on bit for bit."""
+    """A run that is cut short is marked, ends at its last event, and can be continued with the same bits."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20)
     cut = vi.simulate(RIG, 0.9, 6.0, 20, max_events=budget)
     assert not cut.complete

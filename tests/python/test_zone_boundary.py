@@ -96,7 +96,7 @@ def test_pieces_join_in_closed_rings(case):
 
 
 def test_corners_meet_both_conditions(case):
-    """Where two pieces meet, what is zero along each of them is zero."""
+    """Where two pieces meet, the conditions of both are met."""
     names = {"fold", "flip", "neimark_sacker", "window"}
     checked = 0
     for piece in case.boundary:

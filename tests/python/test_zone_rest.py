@@ -58,7 +58,7 @@ def test_verdict_beside_a_grazing(r, clearance):
 
 
 def test_a_simulated_motion_with_rest_is_not_denied():
-    """What a simulation settles on is a motion for `exact`, `find` and `zone` alike."""
+    """`exact`, `find` and `zone` all contain the motion on which a simulation settles."""
     r, clearance = 1.100088, 3.904359
     for motion in attractors(TURNED, r, clearance, 4):
         assert motion.pattern.sides == "LR*"

@@ -108,7 +108,7 @@ def unclosed():
 
 
 def test_an_open_boundary_is_kept_and_told(unclosed):
-    """What was traced is there, both ways from where it began, and lies on the boundary."""
+    """The traced part is kept in both directions from its start, and lies on the boundary."""
     cut, whole = unclosed
     assert not cut.closed
     assert cut.open_boundary
@@ -138,7 +138,7 @@ def test_membership_beside_an_open_boundary_is_undecided(unclosed):
 
 
 def test_a_seed_within_no_closed_boundary_is_named():
-    """A zone with too few points for its boundary does not contain its seed, and says so."""
+    """A zone with too few points for its boundary does not contain its seed, and the result names it."""
     seed = next(m for m in vi.equispaced(FIGURE6, 1.04, 25.0) if m.stable)
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True, max_points=100, seeds=[seed])
     assert not zone.closed
@@ -182,7 +182,7 @@ def test_a_boundary_is_followed_round_a_narrow_tongue():
 
 
 def test_a_seed_that_is_no_motion_is_named():
-    """It has no zone to be around, and the result says so instead of keeping silent."""
+    """A seed that is not a motion has no zone, and the result names it."""
     good = vi.equispaced(FIGURE6, 1.1, 25.0)[0]
     bad = dataclasses.replace(good, X=9 * good.X, phases=good.phases * 0.1)
     zone = vi.zone(FIGURE6, good.pattern, (1.0, 1.2), (10, 60), seeds=[good, bad])
