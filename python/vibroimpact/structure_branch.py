@@ -13,7 +13,7 @@ from . import checks, door, namelist
 from .errors import ParameterError, SingularError
 from .noun import Noun, column
 from .structure import Load, Structure
-from .structure_motion import StructureMotion, exact_structure
+from .structure_motion import StructureMotion, motion_from_phases
 from .structure_path import Parameter, Path, keys_of_parameter
 from .structure_trajectory import structure_of
 
@@ -29,7 +29,8 @@ class StructureSpecialPoint:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter).
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, simultaneous (impacts on two gaps at one
+        instant, beyond which their order is another), or bound (of the parameter).
     index : int
         Its place among the points of the branch.
     value : float
@@ -161,8 +162,10 @@ class StructureBranch(Noun, study="branch_structure"):
         i = checks.place(index, len(self), "point")
         if isinstance(i, range):
             return [self[j] for j in i]
-        guess = (self.phases[:, i], self.gaps.tolist(), self.cycles)
-        return exact_structure(*self.at(float(self.values[i])), guess)
+        structure, load = self.at(float(self.values[i]))
+        phases = np.array(self.phases[:, i])
+        # at a fold Newton's method has no unique step, while for known phases all else is linear
+        return motion_from_phases(structure, load, self.gaps, phases, self.cycles)
 
     def require(self) -> None:
         """SingularError if there is no branch."""

@@ -458,6 +458,13 @@ def _motion(
     )  # fmt: skip
 
 
+def motion_from_phases(
+    structure: Structure, load: Load, gaps: NDArray[np.int32], phases: _Array, cycles: int
+) -> StructureMotion:
+    """The exact motion whose phases are known."""
+    return _motion(structure, load, gaps, phases, cycles, ELIMINATED)
+
+
 def _rests(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
     """The table of rests."""
     table = np.zeros(len(gaps), dtype=[("gap", "i4"), ("begin", "f8"), ("end", "f8")])

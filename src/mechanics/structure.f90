@@ -258,7 +258,7 @@ contains
    end function is_extreme
 
    !> The motion of a structure while a set of gaps is at rest.
-   pure subroutine new_regime(structure, load, resting, regime, status)
+   pure subroutine new_regime(structure, load, resting, regime, status, searched)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Its load.
@@ -270,6 +270,8 @@ contains
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates;
       !! `stat%extreme_units`.
       integer, intent(out) :: status
+      !> Whether contacts will be searched in it, which takes tables; true if it is left out.
+      logical, intent(in), optional :: searched
       type(decoupled_type) :: parts
       real(wp), allocatable :: basis(:, :), inverse(:, :), forces(:, :), drifts(:, :)
       integer :: h
@@ -338,13 +340,18 @@ contains
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
-      call set_tables(regime)
+      call set_rates(regime)
       if (.not. regime%unit >= shortest_unit) status = stat%extreme_units
       associate (openings => structure%openings)
          if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &
             is_extreme(maxval([0.0_wp, abs(regime%steady)])) .or. &
             any(is_extreme(structure%effective))) status = stat%extreme_units
       end associate
+      if (status /= stat%ok) return
+      if (present(searched)) then
+         if (.not. searched) return
+      end if
+      call set_tables(regime)
    contains
       !> A matrix of the structure between the vectors of the basis.
       pure function between(matrix) result(reduced)
@@ -572,21 +579,32 @@ contains
       end do
    end subroutine set_rows
 
-   !> The rows for fast evaluation, and the tables for steps in time.
-   pure subroutine set_tables(regime)
+   !> The rows for fast evaluation, and the shortest time scale.
+   pure subroutine set_rates(regime)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
-      real(wp), allocatable :: speeds(:)
-      integer :: h, j
 
       call new_rows(regime%modes, regime%position, regime%velocity, regime%row_offset, &
          regime%ripple, regime%frequency, regime%rows)
       call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, regime%steady, &
          regime%frequency, regime%coordinates, regime%dx, regime%dv)
+      associate (speeds => [sqrt(regime%modes%stiffness), 2*regime%modes%damping, &
+         regime%frequency])
+         if (any(speeds > 0)) regime%unit = 1/maxval(speeds)
+      end associate
+   end subroutine set_rates
+
+   !> The tables for steps in time.
+   pure subroutine set_tables(regime)
+      !> In and out: filled in.
+      type(regime_type), intent(inout) :: regime
+      real(wp) :: speeds(2*size(regime%modes%stiffness) + 1), longest
+      integer :: h, j
+
       speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, regime%frequency]
-      speeds = pack(speeds, speeds > 0)
-      if (size(speeds) > 0) regime%unit = 1/maxval(speeds)
-      call new_steps(regime%modes, merge(4/minval(speeds), 1.0_wp, size(speeds) > 0), regime%steps)
+      longest = 1
+      if (any(speeds > 0)) longest = 4/minval(speeds, speeds > 0)
+      call new_steps(regime%modes, longest, regime%steps)
       allocate (regime%turns(size(regime%ripple, 2), levels))
       if (allocated(regime%to_force)) then
          ! all constant terms come with the record

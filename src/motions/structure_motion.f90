@@ -176,8 +176,10 @@ contains
          scale(:n) = matmul(abs(response(:, :, 0)), abs(impulses)) &
             + matmul(abs(equations%by_offset), abs(offsets)) + abs(forced(:, 0)) + abs(openings)
          value(n + 1:2*n) = speeds - matmul(response(:, :, 1), impulses) - forced(:, 1)
+         ! where all speeds vanish, displacements over the time of a radian remain
          scale(n + 1:2*n) = abs(speeds) + matmul(abs(response(:, :, 1)), abs(impulses)) &
-            + abs(forced(:, 1))
+            + abs(forced(:, 1)) + 2*acos(-1.0_wp)/equations%period*(abs(forced(:, 0)) &
+            + abs(openings))
          value(2*n + 1:) = matmul(equations%balance, impulses) + equations%supplied
          scale(2*n + 1:) = matmul(abs(equations%balance), abs(impulses)) + abs(equations%supplied)
          do i = 1, size(offsets)

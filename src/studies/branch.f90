@@ -20,7 +20,7 @@ module vi_branch
 
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
-      end_full = 5, end_stopped = 6
+      end_full = 5, end_stopped = 6, end_simultaneous = 7
 
    !> A step this short is not repeated to search for hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
@@ -58,6 +58,8 @@ contains
          text = 'bound of the parameter'
       case (end_repetition)
          text = 'meets a motion that repeats itself'
+      case (end_simultaneous)
+         text = 'two impacts at one instant'
       case (end_closed)
          text = 'closed'
       case (end_full)
@@ -312,6 +314,10 @@ contains
          case (repetition)
             branch%reason = end_repetition
             done = .true.
+         case (grazing)
+            ! at the end of a flight another gap closes: beyond it, its impact comes first
+            done = found(j)%conditions(j)%share >= 1
+            if (done) branch%reason = end_simultaneous
          case default
             done = .false.
          end select

@@ -251,8 +251,8 @@ contains
       type(change_type), intent(in) :: change
       character(*), intent(in) :: name
       type(line_type) :: special(size(motions)), detail(size(motions)), ends(2)
-      character(14), parameter :: names(6) = [character(14) :: 'fold', 'pitchfork', 'flip', &
-         'neimark_sacker', 'grazing', 'zero_approach']
+      character(14), parameter :: names(7) = [character(14) :: 'fold', 'pitchfork', 'flip', &
+         'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous']
       character(:), allocatable :: text
       real(wp) :: values(size(motions))
       integer :: i, k, n
@@ -266,6 +266,8 @@ contains
             if (condition%kind == 0) cycle
             special(i)%text = trim(condition_name(condition%kind, condition%index, &
                curve%frame%family%mirror, mirrored))
+            if (condition%kind == grazing .and. condition%share >= 1) special(i)%text = &
+               'simultaneous'
             call touch_detail(curve, condition, [trim(name)], detail(i)%text)
             if (condition%kind == edge) values(i) = merge(change%low, change%high, &
                condition%side > 0)
@@ -321,6 +323,8 @@ contains
             gap = findloc(structure%channel*structure%wall, condition%side, dim=1)
          end associate
          text = 'flight '//whole(condition%index)//' touches gap '//whole(gap - 1)
+         if (condition%share >= 1) text = 'gap '//whole(gap - 1)// &
+            ' closes at the end of flight '//whole(condition%index)
       case (zero_approach)
          text = 'impact '//whole(condition%index)
       case (edge)

@@ -5,13 +5,14 @@
 module vi_curve
    use vi_conditions, only: condition_value
    use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
-   use vi_frame, only: condition_type, neimark_sacker, unknown_count, wrap_phases
+   use vi_frame, only: condition_type, edge, neimark_sacker, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
    use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
       orbit_slopes, orbit_type, set_orbit, span_of
    use vi_rest_conditions, only: measure_in_period
    use vi_rest_family, only: measure_type, rest_period, rest_period_type
+   use vi_structure_conditions, only: structure_slope
    use vi_structure_family, only: member_equations, member_type, set_member
    use vi_slopes, only: has_slope, value_and_slope
    implicit none (type, external)
@@ -137,13 +138,16 @@ contains
       type(curve_type), intent(in) :: curve
       !> A root of its equations.
       real(wp), intent(in) :: point(:)
+      real(wp) :: slack
       integer :: n
 
       in_order = .true.
       if (curve%frame%resting) return
       n = size(curve%frame%family%sides)
-      in_order = all(point(n + 2:2*n) > point(n + 1:2*n - 1)) .and. point(2*n) - point(n + 1) &
-         < span_of(curve%frame%family)
+      ! impacts on two gaps of a structure may change their order, which is located like a touch
+      slack = merge(0.1_wp, 0.0_wp, allocated(curve%frame%structure))
+      in_order = all(point(n + 2:2*n) > point(n + 1:2*n - 1) - slack) .and. point(2*n) &
+         - point(n + 1) < span_of(curve%frame%family) + slack
    end function in_order
 
    !> Residuals of the motion and of the conditions, each with its gradient; the second right-hand
@@ -253,20 +257,22 @@ contains
       a(:size(point), :m + size(conditions)) = 0
       associate (s => curve%frame%structure, family => curve%frame%family)
          c = parameters_of(curve, point)
-         call set_member(s, family, point(:m), c(:size(curve%active)), member)
+         call set_member(s, family, point(:m), c(:size(s%path%changes)), member)
          if (.not. member%exists) return
          call member_equations(s, family, member, ahead, jacobian)
          b(1, :m) = ahead
          a(:m, :m) = jacobian
          do k = 1, size(curve%active)
             c = parameters_of(curve, point)
-            c(k) = c(k) + h
-            call values_at(c, ahead, exists)
-            if (.not. exists) return
-            c(k) = c(k) - 2*h
-            call values_at(c, behind, exists)
-            if (.not. exists) return
-            a(m + k, :m) = (ahead - behind)/(2*h)
+            associate (active => curve%active(k))
+               c(active) = c(active) + h
+               call values_at(c, ahead, exists)
+               if (.not. exists) return
+               c(active) = c(active) - 2*h
+               call values_at(c, behind, exists)
+               if (.not. exists) return
+            end associate
+            a(m + k, :m) = curve%scale(k)*(ahead - behind)/(2*h)
          end do
       end associate
       do j = 1, size(conditions)
@@ -283,7 +289,7 @@ contains
          type(member_type) :: near
 
          call set_member(curve%frame%structure, curve%frame%family, point(:m), &
-            c(:size(curve%active)), near)
+            c(:size(curve%frame%structure%path%changes)), near)
          exists = near%exists
          if (exists) call member_equations(curve%frame%structure, curve%frame%family, near, values)
       end subroutine values_at
@@ -358,8 +364,18 @@ contains
       if (curve%frame%resting) then
          call rest_slope(curve, condition, point, c, value, slope)
       else if (allocated(curve%frame%structure)) then
-         value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
-         call differences(curve, condition, point, 1, slope)
+         if (condition%kind == edge) then
+            value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
+            slope = 0
+            where (curve%active == condition%index) slope(size(slope) - size(curve%active) + 1:) = &
+               condition%side*curve%scale
+         else
+            call structure_slope(curve%frame, unknowns_of(curve, point), c, condition, &
+               curve%active, value, slope)
+            associate (by => slope(size(slope) - size(curve%active) + 1:))
+               by = curve%scale*by
+            end associate
+         end if
       else
          call set_orbit(curve%frame%family, unknowns_of(curve, point), c, o)
          call orbit_slope(curve, condition, point, c, o, value, whole)

@@ -5,7 +5,7 @@
 !! products of all 1 - lambda_i, of all 1 + lambda_i, and of all 1 - lambda_i lambda_j with i < j.
 !! Their magnitude is that of the least factor, which does not underflow for large structures.
 module vi_structure_conditions
-   use vi_family, only: repetition_distance
+   use vi_family, only: add_distance_slope, repetition_distance
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
       neimark_sacker, repetition, zero_approach
    use vi_kinds, only: wp
@@ -13,11 +13,11 @@ module vi_structure_conditions
    use vi_rows, only: row_values
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_family, only: flight_duration, member_multipliers, member_type, set_flights, &
-      set_member
+      set_member, set_unknowns
    implicit none (type, external)
    private
 
-   public :: structure_condition, structure_conditions
+   public :: structure_condition, structure_conditions, structure_slope
 
    !> The least gap counts up to this value, in units of length of the family.
    real(wp), parameter :: wide = 1
@@ -78,12 +78,80 @@ contains
       !> The condition, not an edge.
       type(condition_type), intent(in) :: condition
       type(member_type) :: member
+
+      call set_member(frame%structure, frame%family, unknowns, c(:size( &
+         frame%structure%path%changes)), member)
+      call value_of_member(frame, unknowns, member, condition, value)
+   end function structure_condition
+
+   !> The value of one condition, and its derivatives by central differences.
+   pure subroutine structure_slope(frame, unknowns, c, condition, active, value, slope)
+      !> The family, its repetitions, and its edges.
+      type(frame_type), intent(in) :: frame
+      !> (m) Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> The parameters of which the derivatives are wanted.
+      integer, intent(in) :: active(:)
+      !> The value.
+      real(wp), intent(out) :: value
+      !> (m + active) The derivatives by the unknowns and by these parameters.
+      real(wp), intent(out) :: slope(:)
+      real(wp), parameter :: h = 1.0e-6_wp
+      type(member_type) :: member
+      real(wp) :: moved(size(unknowns)), shares(size(frame%structure%path%changes)), both(2)
+      integer :: i, j, m
+
+      m = size(unknowns)
+      shares = c(:size(shares))
+      slope = 0
+      do j = 1, size(active)
+         do i = 1, 2
+            shares(active(j)) = c(active(j)) + (3 - 2*i)*h
+            call set_member(frame%structure, frame%family, unknowns, shares, member)
+            call value_of_member(frame, unknowns, member, condition, both(i))
+         end do
+         shares(active(j)) = c(active(j))
+         slope(m + j) = (both(1) - both(2))/(2*h)
+      end do
+      call set_member(frame%structure, frame%family, unknowns, shares, member)
+      call value_of_member(frame, unknowns, member, condition, value)
+      if (.not. member%exists) return
+      if (condition%kind == zero_approach) then
+         slope(condition%index) = sign(1, frame%family%sides(condition%index))
+      else if (condition%kind == repetition) then
+         call add_distance_slope(frame%family, frame%repetitions(condition%index), unknowns, &
+            1.0_wp, slope)
+      else
+         do j = 1, m
+            do i = 1, 2
+               moved = unknowns
+               moved(j) = unknowns(j) + (3 - 2*i)*h
+               call set_unknowns(frame%structure, frame%family, moved, member)
+               call value_of_member(frame, moved, member, condition, both(i))
+            end do
+            slope(j) = (both(1) - both(2))/(2*h)
+         end do
+      end if
+   end subroutine structure_slope
+
+   !> The value of one condition of a member; -1 if there is none.
+   pure subroutine value_of_member(frame, unknowns, member, condition, value)
+      !> The family, and its repetitions.
+      type(frame_type), intent(in) :: frame
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> In and out: the member; its flights are set if they are needed.
+      type(member_type), intent(inout) :: member
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> The value.
+      real(wp), intent(out) :: value
       type(spectrum_type) :: spectrum
       real(wp) :: three(3)
 
       value = -1
-      call set_member(frame%structure, frame%family, unknowns, c(:size( &
-         frame%structure%path%changes)), member)
       if (.not. member%exists) return
       select case (condition%kind)
       case (fold, flip, neimark_sacker)
@@ -96,7 +164,7 @@ contains
       case default
          value = simple_value(frame, unknowns, member, condition)
       end select
-   end function structure_condition
+   end subroutine value_of_member
 
    !> The value of an approach speed or of the distance to a motion that repeats itself.
    pure real(wp) function simple_value(frame, unknowns, member, condition) result(value)
@@ -150,9 +218,9 @@ contains
             end do
          end do
       end associate
-      ! a multiplier passes infinity where an approach speed passes zero
+      ! where an approach speed passes zero, a multiplier passes infinity and another one zero
       continued = product(sign(1.0_wp, member%speeds(:size(frame%family%sides))))
-      values = continued*values
+      values([fold, flip]) = continued*values([fold, flip])
       ! a multiplier approaches 1 where the motion repeats itself, as the square of the distance
       do i = 1, size(frame%repetitions)
          values(fold) = values(fold)/max(0.1_wp*frame%apart, &
@@ -178,7 +246,7 @@ contains
       end if
    end function lesser
 
-   !> The least gap within a flight: at stationary points, and at its ends of channels that are not
+   !> The least gap within a flight: at stationary points, and at its end of channels that are not
    !! in contact there.
    pure subroutine gap_of_flight(frame, member, touch, gap)
       !> The family.
@@ -217,9 +285,6 @@ contains
                here = touch
                here%side = wall*row
                here%share = k/real(nodes, wp)
-               if (k == 0 .or. k == nodes) then
-                  if (in_contact(frame, touch%index + merge(1, 0, k > 0), here%side)) cycle
-               end if
                if (k < nodes) then
                   ! the gap has a minimum between two nodes
                   if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
@@ -240,7 +305,9 @@ contains
                      here%share = k/real(nodes, wp)
                   end if
                end if
-               if (k > 0 .and. k < nodes) cycle
+               if (k < nodes) cycle
+               ! the next impact comes first: before it all other gaps are open
+               if (in_contact(frame, touch%index + 1, here%side)) cycle
                value = gap_at(frame, member, here%side, y(row, k))
                if (value >= gap) cycle
                gap = value

@@ -15,9 +15,8 @@ module vi_structure_extremes
 
 contains
 
-   !> The extremes, from nodes close together and, between two of them, a cubic through positions
-   !! and velocities, whose error is of the fourth order in the distance of the nodes, divided by
-   !! 384.
+   !> The extremes, from nodes close together and, where a velocity changes its sign between two of
+   !! them, from the motion where a cubic through positions and velocities turns.
    pure subroutine coordinate_extremes(family, member, extremes)
       !> The impacts.
       type(family_type), intent(in) :: family
@@ -25,8 +24,8 @@ contains
       type(member_type), intent(in) :: member
       !> (n, 2) Least and greatest value.
       real(wp), intent(out) :: extremes(:, :)
-      real(wp), dimension(size(extremes, 1)) :: q, rate, before, rate_before
-      real(wp) :: h, low
+      real(wp), dimension(size(extremes, 1)) :: q, rate, before, rate_before, there, rate_there
+      real(wp) :: h, share, value
       integer :: i, j, k, nodes
 
       extremes(:, 1) = huge(1.0_wp)
@@ -42,9 +41,12 @@ contains
             if (k > 0) then
                do j = 1, size(q)
                   if (.not. rate_before(j)*rate(j) < 0) cycle
-                  call turning_value(before(j), q(j), h*rate_before(j), h*rate(j), low)
-                  extremes(j, 1) = min(extremes(j, 1), low)
-                  extremes(j, 2) = max(extremes(j, 2), low)
+                  call turning_share(before(j), q(j), h*rate_before(j), h*rate(j), share)
+                  call coordinates_at(member, i, (k - 1 + share)*h, there, rate_there)
+                  ! the velocity that is left there changes the extreme by its square
+                  value = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - rate_before(j))
+                  extremes(j, 1) = min(extremes(j, 1), value)
+                  extremes(j, 2) = max(extremes(j, 2), value)
                end do
             end if
             before = q
@@ -57,13 +59,13 @@ contains
       extremes(:, 2) = max(extremes(:, 2), -before)
    end subroutine coordinate_extremes
 
-   !> The extreme value of a cubic between two nodes at which its slopes have opposite signs.
-   pure subroutine turning_value(a, b, slope_a, slope_b, value)
+   !> Where a cubic turns between two nodes at which its slopes have opposite signs.
+   pure subroutine turning_share(a, b, slope_a, slope_b, share)
       !> Values and slopes at both nodes, their distance being 1.
       real(wp), intent(in) :: a, b, slope_a, slope_b
-      !> The extreme value.
-      real(wp), intent(out) :: value
-      real(wp) :: low, high, middle, c2, c3
+      !> The share of the way.
+      real(wp), intent(out) :: share
+      real(wp) :: low, high, c2, c3
       integer :: i
 
       c2 = 3*(b - a) - 2*slope_a - slope_b
@@ -71,15 +73,14 @@ contains
       low = 0
       high = 1
       do i = 1, 50
-         middle = 0.5_wp*(low + high)
-         if ((slope_a + middle*(2*c2 + 3*middle*c3))*slope_a > 0) then
-            low = middle
+         share = 0.5_wp*(low + high)
+         if ((slope_a + share*(2*c2 + 3*share*c3))*slope_a > 0) then
+            low = share
          else
-            high = middle
+            high = share
          end if
       end do
-      value = a + middle*(slope_a + middle*(c2 + middle*c3))
-   end subroutine turning_value
+   end subroutine turning_share
 
    !> Coordinates and velocities at a time after an impact.
    pure subroutine coordinates_at(member, i, t, q, rate)

@@ -11,17 +11,18 @@ module vi_structure_family
    use vi_lapack_routines, only: geev
    use vi_modes, only: advance
    use vi_orbit, only: family_type
-   use vi_responses, only: offset_pairs
+   use vi_responses, only: jumps_of, offset_pairs
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type
    use vi_structure_map, only: apply_flight, apply_impact
-   use vi_structure_motion, only: equations_type, new_equations, residuals, since, state_after
+   use vi_structure_motion, only: equations_type, impulse_of, new_equations, residuals, since, &
+      state_after
    use vi_structure_path, only: changed, structure_path_type
    implicit none (type, external)
    private
 
    public :: flight_duration, free_unknowns, member_equations, member_multipliers, set_flights, &
-      set_member
+      set_member, set_unknowns
 
    !> What the members of a family have in common, besides the impacts (`family_type`, where a side
    !! is the number of a channel with the sign of its wall).
@@ -74,7 +75,7 @@ contains
    end function gap_of
 
    !> The member with given unknowns at given parameters.
-   pure subroutine set_member(s, family, unknowns, shares, member)
+   pure subroutine set_member(s, family, unknowns, shares, member, searched)
       !> The structure.
       type(structure_family_type), intent(in) :: s
       !> The impacts.
@@ -85,38 +86,62 @@ contains
       real(wp), intent(in) :: shares(:)
       !> The member.
       type(member_type), intent(out) :: member
+      !> Whether contacts will be searched in its flights; not by default.
+      logical, intent(in), optional :: searched
       type(load_type) :: load
-      real(wp), allocatable :: whole(:), rows(:, :)
-      integer, allocatable :: pairs(:), sides(:)
-      real(wp) :: period
-      integer :: i, n, status
+      real(wp), allocatable :: rows(:, :)
+      integer, allocatable :: pairs(:)
+      logical :: with_tables
+      integer :: status
 
+      with_tables = .false.
+      if (present(searched)) with_tables = searched
       call changed(s%path, shares, member%structure, load)
       call check_structure(member%structure, status)
       if (status /= stat%ok .or. .not. load%frequency > 0) return
-      call new_regime(member%structure, load, [integer :: ], member%regime, status)
+      call new_regime(member%structure, load, [integer :: ], member%regime, status, with_tables)
       if (status /= stat%ok) return
       member%regime%frequency = load%frequency
       allocate (pairs, source=offset_pairs(member%regime))
       if (size(pairs) /= s%p) return
-      sides = family%sides
-      if (family%mirror) sides = [sides, -sides]
-      n = size(sides)
-      whole = whole_unknowns(family, unknowns)
-      period = 2*acos(-1.0_wp)*family%cycles/load%frequency
-      call new_equations(member%structure, member%regime, [(gap_of(member%structure, sides(i)), &
-         i=1, n)], whole(n + 1:2*n)/load%frequency, period, member%equations, status)
-      if (status /= stat%ok) return
-      member%speeds = s%speed*sign(1, sides)*whole(:n)
       rows = member%regime%xq(pairs, :)
       member%turn = s%length*matmul(rows, s%free)
+      call set_unknowns(s, family, unknowns, member)
+   end subroutine set_member
+
+   !> Another member at the same parameters.
+   pure subroutine set_unknowns(s, family, unknowns, member)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      !> In and out: a member at these parameters; its flights are not set.
+      type(member_type), intent(inout) :: member
+      real(wp), allocatable :: whole(:)
+      integer :: sides(size(family%sides)*merge(2, 1, family%mirror))
+      integer :: i, n, status
+
+      member%exists = .false.
+      sides(:size(family%sides)) = family%sides
+      if (family%mirror) sides(size(family%sides) + 1:) = -family%sides
+      n = size(sides)
+      allocate (whole, source=whole_unknowns(family, unknowns))
+      associate (frequency => member%regime%frequency)
+         call new_equations(member%structure, member%regime, [(gap_of(member%structure, sides(i)), &
+            i=1, n)], whole(n + 1:2*n)/frequency, 2*acos(-1.0_wp)*family%cycles/frequency, &
+            member%equations, status)
+      end associate
+      if (status /= stat%ok) return
+      member%speeds = s%speed*sign(1, sides)*whole(:n)
       if (family%mirror) then
-         allocate (member%offsets(s%p), source=0.0_wp)
+         member%offsets = spread(0.0_wp, 1, s%p)
       else
          member%offsets = matmul(member%turn, whole(2*n + 1:))
       end if
       member%exists = .true.
-   end subroutine set_member
+   end subroutine set_unknowns
 
    !> The equations of a member: gaps, approach speeds, and balances of modes of frequency 0.
    pure subroutine member_equations(s, family, member, value, jacobian)
@@ -164,26 +189,32 @@ contains
       end do
    end subroutine member_equations
 
-   !> The pairs at the impacts of a member.
+   !> The pairs at the impacts of a member: from those after the first one by flights and impulses.
    pure subroutine set_flights(family, member)
       !> The impacts.
       type(family_type), intent(in) :: family
       !> In and out: the pairs are set.
       type(member_type), intent(inout) :: member
-      integer :: i, m, n
+      real(wp), dimension(size(member%regime%modes%stiffness)) :: in_x, in_v
+      real(wp) :: impulse, slope
+      integer :: i, m, n, next
 
       n = size(family%sides)
-      m = size(member%regime%modes%stiffness)
-      allocate (member%x_before(m, n + 1), member%v_before(m, n + 1), member%x_after(m, n + 1), &
-         member%v_after(m, n + 1))
-      do i = 1, n + 1
-         call state_after(member%structure, member%regime, member%equations, member%speeds, &
-            member%offsets, modulo(i - 1, size(member%speeds)) + 1, member%x_after(:, i), &
-            member%v_after(:, i))
-         if (i == 1) cycle
-         call advance(member%regime%modes, flight_duration(member, i - 1), &
-            member%x_after(:, i - 1), member%v_after(:, i - 1), member%x_before(:, i), &
-            member%v_before(:, i))
+      m = size(in_x)
+      if (.not. allocated(member%x_after)) allocate (member%x_before(m, n + 1), &
+         member%v_before(m, n + 1), member%x_after(m, n + 1), member%v_after(m, n + 1))
+      call state_after(member%structure, member%regime, member%equations, member%speeds, &
+         member%offsets, 1, member%x_after(:, 1), member%v_after(:, 1))
+      do i = 1, n
+         call advance(member%regime%modes, flight_duration(member, i), member%x_after(:, i), &
+            member%v_after(:, i), member%x_before(:, i + 1), member%v_before(:, i + 1))
+         next = modulo(i, size(member%speeds)) + 1
+         associate (gap => member%equations%gaps(next))
+            call impulse_of(member%structure, gap, member%speeds(next), impulse, slope)
+            call jumps_of(member%structure, member%regime, gap, in_x, in_v)
+         end associate
+         member%x_after(:, i + 1) = member%x_before(:, i + 1) + impulse*in_x
+         member%v_after(:, i + 1) = member%v_before(:, i + 1) + impulse*in_v
       end do
    end subroutine set_flights
 
@@ -198,8 +229,8 @@ contains
          modulo(i, size(member%speeds)) + 1, i)
    end function flight_duration
 
-   !> The multipliers of a member; of a motion that is its own mirror image those of the map of half
-   !! a period, with the mirror.
+   !> The multipliers of a member, without those of modes on which its impacts do not act; of a
+   !! motion that is its own mirror image those of the map of half a period, with the mirror.
    pure subroutine member_multipliers(family, member, multipliers, good)
       !> The impacts.
       type(family_type), intent(in) :: family
@@ -210,11 +241,15 @@ contains
       !> False if an impact has no approach speed, or DGEEV failed.
       logical, intent(out) :: good
       real(wp), dimension(2*size(member%x_after, 1), 2*size(member%x_after, 1)) :: d
+      real(wp), dimension(size(member%x_after, 1)) :: in_x, in_v
       real(wp), dimension(size(d, 1)) :: re, im
+      real(wp), allocatable :: part(:, :)
       real(wp) :: unused(1, 1), work(66*size(d, 1)), speed
-      integer :: i, n, next, info, status
+      logical :: moved(size(d, 1))
+      integer :: i, j, n, next, info, status
 
       n = size(family%sides)
+      moved = .false.
       d = 0
       do i = 1, size(d, 1)
          d(i, i) = 1
@@ -230,15 +265,23 @@ contains
             member%regime%frequency*member%equations%times(next), speed, &
             member%x_before(:, i + 1), member%v_before(:, i + 1), member%x_after(:, i + 1), &
             member%v_after(:, i + 1), d, status)
+         call jumps_of(member%structure, member%regime, member%equations%gaps(next), in_x, in_v)
+         moved(:size(in_x)) = moved(:size(in_x)) .or. abs(in_x) + abs(in_v) > 0
       end do
+      moved(pack([(i, i=1, size(in_x))], .not. member%regime%modes%stiffness > 0)) = &
+         .not. member%equations%apart
+      moved(size(in_x) + 1:) = moved(:size(in_x))
       if (family%mirror) d = -d
       good = all(abs(d) <= huge(1.0_wp))
       if (.not. good) return
-      call geev('N', 'N', size(d, 1), d, size(d, 1), re, im, unused, 1, unused, 1, work, &
-         size(work), info)
+      allocate (part(count(moved), count(moved)))
+      part = reshape(pack(d, spread(moved, 1, size(moved)) .and. spread(moved, 2, size(moved))), &
+         shape(part))
+      j = size(part, 1)
+      call geev('N', 'N', j, part, j, re, im, unused, 1, unused, 1, work, size(work), info)
       good = info == 0
-      allocate (multipliers(size(d, 1)))
-      multipliers = cmplx(re, im, wp)
+      allocate (multipliers(j))
+      multipliers = cmplx(re(:j), im(:j), wp)
    end subroutine member_multipliers
 
 end module vi_structure_family

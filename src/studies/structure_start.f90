@@ -139,7 +139,7 @@ contains
       if (condition%kind == edge) c(condition%index) = condition%bound
       associate (frame => curve%frame)
          call set_member(frame%structure, frame%family, unknowns_of(curve, point), &
-            c(:size(curve%active)), member)
+            c(:size(frame%structure%path%changes)), member, .true.)
          motion%speeds = member%speeds
          n = 2*size(member%speeds) + size(member%offsets)
          allocate (value(n), scale(n))

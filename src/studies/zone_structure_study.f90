@@ -2,6 +2,7 @@
 module vi_zone_structure_study
    use vi_branch_structure_study, only: check_structure_start, touch_detail
    use vi_curve_point, only: curve_type
+   use vi_frame, only: grazing
    use vi_kinds, only: wp
    use vi_linear, only: most
    use vi_motion_structure_study, only: find_structure_motion
@@ -234,6 +235,8 @@ contains
          associate (piece => found%pieces(i))
             call touch_detail(surface, piece%condition, names, text)
             piece%detail = text
+            if (piece%condition%kind == grazing .and. piece%condition%share >= 1) piece%name = &
+               'simultaneous'
             do j = 1, size(piece%vertices, 2)
                call to_parameters(piece%vertices(:, j))
             end do

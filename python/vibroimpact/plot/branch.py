@@ -21,6 +21,7 @@ SYMBOLS = {
 MARKERS = {
     "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),
     "neimark_sacker": ("^", style.REST), "grazing": ("D", style.IMPACT), "zero_approach": ("v", "k"),
+    "simultaneous": ("X", "#E69F00"),
 }  # fmt: skip
 STYLES = {"stable": "-", "unstable": "--", "inadmissible": ":"}
 

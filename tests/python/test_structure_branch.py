@@ -1,0 +1,339 @@
+"""Branches and zones of structures: the oscillator's own by another way, and laws on random structures."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_structure_motion import damper, random_structure
+from vibroimpact.errors import ParameterError, ParameterTypeError, SingularError
+
+XI, MU, RESTITUTION = 0.005, 0.042, 0.75
+#: Phases of the third column of Table 1 of the 1983 paper.
+PHASES = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """The motion of the third column of Table 1, of a structure and of the oscillator."""
+    structure = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), (PHASES, [0, 1]))
+    osc = vi.Oscillator(xi=XI, mu=MU, restitution=RESTITUTION)
+    return structure, vi.exact(osc, 0.94, 37.0, ([0, PHASES[1] - PHASES[0]], vi.Pattern("RL")))
+
+
+@pytest.mark.parametrize(
+    ("name", "bounds", "parameter", "factor"),
+    [
+        ("opening", (5, 30), "clearance", 2), ("frequency", (0.85, 1.1), "r", 1),
+        ("restitution", (0.4, 0.95), "restitution", 1), ("damping", (0.2, 10), "xi", XI),
+        ("mass_1_1", (0.01, 0.2), "mu", 1), ("damping_0_0", (0.002, 0.1), "xi", 0.5),
+    ],
+)  # fmt: skip
+def test_branches_of_the_oscillator(pair, name, bounds, parameter, factor):
+    """Both tracers find the same special points in the same order, and the same multipliers there."""
+    structure, motion = pair
+    ours = vi.branch(structure, name, bounds)
+    theirs = vi.branch(motion, parameter, tuple(factor * x for x in bounds))
+    assert [p.type for p in ours.special_points] == [p.type for p in theirs.special_points]
+    for here, there in zip(ours.special_points, theirs.special_points, strict=True):
+        assert here.value * factor == pytest.approx(theirs.values[there.index], rel=1e-9)
+        assert np.poly(ours.multipliers[:, here.index]) == pytest.approx(
+            np.poly(there.motion.multipliers), abs=1e-7
+        )
+    assert len(ours.special_points) > 1
+
+
+def test_a_load_factor_is_an_inverse_opening(pair):
+    """Twice the load has the same motions as half the openings."""
+    loads = vi.branch(pair[0], "load", (18.5 / 30, 18.5 / 5)).special_points
+    openings = vi.branch(pair[0], "opening", (5, 30)).special_points
+    found = [(p.type, 18.5 / p.value) for p in reversed(loads)]
+    assert [p.type for p in openings] == [kind for kind, _ in found]
+    assert [p.value for p in openings] == pytest.approx([value for _, value in found], rel=1e-9)
+
+
+def test_symmetric_motions_are_followed_through_pitchforks():
+    """The map of half a period decides; the oscillator's branch has the same points."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    motion = vi.exact(osc, 1.04, 25.0, vi.simulate(osc, 1.04, 25.0, cycles=100, discard=500))
+    structure = damper(0.0114, 0.028, 0.75, 25.0)
+    load = vi.Load(1.04, sine=[1, 0])
+    same = vi.exact(structure, load, vi.simulate(structure, load, cycles=600))
+    ours = vi.branch(same, "opening", (5, 50)).special_points
+    theirs = vi.branch(motion, "clearance", (10, 100)).special_points
+    assert [p.type for p in ours] == ["bound", "pitchfork", "neimark_sacker", "bound"]
+    assert [2 * p.value for p in ours] == pytest.approx([p.clearance for p in theirs], rel=1e-9)
+
+
+def followed(seeds):
+    """Branches of random structures with drags, springs between bodies, and free hosts."""
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        structure, load = random_structure(rng)
+        motions = [m for m in vi.find(structure, load) if not len(m.rests) and len(m.phases) <= 8]
+        if not motions:
+            continue
+        last = structure.coordinates - 1
+        bounds = {
+            "frequency": (0.9 * load.frequency, 1.1 * load.frequency), "load": (0.7, 1.4),
+            "opening_0": (0.8 * structure.gaps[0].opening, 1.2 * structure.gaps[0].opening),
+            "restitution_1": (0.25, 0.95), "damping": (0.6, 1.8), "stiffness": (0.9, 1.1),
+            f"mass_{last}_{last}": (0.8 * structure.mass[-1, -1], 1.3 * structure.mass[-1, -1]),
+        }  # fmt: skip
+        for name, (low, high) in bounds.items():
+            yield name, vi.branch(motions[0], name, (low, high))
+
+
+def law_of(kind, branch, i):
+    """How far a special point is from its law."""
+    multipliers = branch.multipliers[:, i]
+    if kind not in ("zero_approach", "simultaneous") and (branch.speeds[:, i] <= 0).any():
+        return 0.0  # beyond a zero of an approach speed there are no motions, and no multipliers
+    if kind in ("fold", "pitchfork"):
+        return np.abs(multipliers - 1).min()
+    if kind == "flip":  # of the motion itself, or of the shorter one that it meets
+        return min(np.abs(multipliers + 1).min(), np.abs(multipliers - 1).min())
+    if kind == "neimark_sacker":
+        pairs = multipliers[np.abs(multipliers.imag) > 1e-9]
+        return np.abs(np.abs(pairs) - 1).min()
+    if kind == "zero_approach":
+        return np.abs(branch.speeds[:, i]).min()
+    if kind == "simultaneous":
+        ends = np.append(branch.phases[:, i], branch.phases[0, i] + 2 * np.pi * branch.cycles)
+        return np.abs(np.diff(ends)).min()
+    return 0.0
+
+
+@pytest.mark.slow
+def test_special_points_of_random_structures():
+    """Each special point meets its law; verdicts change at special points alone; grazes touch."""
+    kinds = set()
+    for name, branch in followed(range(0, 12)):
+        special = {point.index: point for point in branch.special_points}
+        assert branch.residual.max() < 1e-9, name
+        for i, point in special.items():
+            kinds.add(point.type)
+            assert law_of(point.type, branch, i) < 1e-6, (name, point)
+            if point.type == "grazing" and branch.admissible[i - 1] + branch.admissible[i + 1] == 1:
+                motion = branch[i]
+                t = np.linspace(0, motion.period, 40_001)
+                q, _ = motion.sample(t + motion.phases[0] / motion.load.frequency)
+                gap = int(point.detail.split()[-1])
+                apart = (
+                    motion.structure.gaps[gap].opening - motion.structure.gaps[gap].direction @ q
+                )
+                assert abs(apart.min()) < 1e-5 * np.ptp(q), (name, point)
+        largest = np.abs(branch.multipliers).max(axis=0)
+        for verdict in (branch.admissible, branch.stable):
+            for i in np.flatnonzero(verdict[:-1] + verdict[1:] == 1).tolist():
+                # rounding decides next to a motion that repeats itself, and where multipliers are huge
+                if np.abs(largest[i : i + 2] - 1).max() < 1e-6 or largest[i] > 1e6:
+                    continue
+                if {verdict[i], verdict[i + 1]} == {0, 1}:
+                    assert i in special or i + 1 in special, (name, branch.values[i])
+    assert {"fold", "flip", "neimark_sacker", "grazing", "zero_approach", "simultaneous"} <= kinds
+
+
+def test_points_are_exact_motions(pair):
+    """Phases, speeds and extremes of a point are those of its motion, which has the parameter's value."""
+    branch = vi.branch(pair[0], "opening", (15, 30))
+    for i in range(0, len(branch), 9):
+        motion = branch[i]
+        assert motion.consistent
+        assert motion.structure.gaps[1].opening == branch.values[i]
+        assert motion.speeds == pytest.approx(branch.speeds[:, i], rel=1e-11)
+        assert motion.impulses == pytest.approx(branch.impulses[:, i], rel=1e-11)
+        assert abs(motion.determinant - motion.law) < 1e-12
+        # a coordinate can be largest at an impact, where its velocity jumps
+        t = np.append(np.linspace(0, motion.period, 20_001), motion.phases / motion.load.frequency)
+        q, _ = motion.sample(t)
+        scale = np.ptp(q, axis=1)
+        assert (np.abs(q.max(axis=1) - branch.q_max[:, i]) < 1e-6 * scale).all()
+        assert (np.abs(q.min(axis=1) - branch.q_min[:, i]) < 1e-6 * scale).all()
+
+
+def rotor(p):
+    """A damper whose host has a mass and a stiffness that depend on one parameter."""
+    gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    structure = vi.Structure([1 + 0.1 * p**2, 0.042], [0.01, 0], [math.exp(0.1 * p), 0], gaps)
+    return structure, vi.Load(0.94 + 0.02 * math.sin(p), sine=[1, 0])
+
+
+def test_any_function_of_a_parameter(pair):
+    """A function of the parameter has its values at every point, and the same points as its name."""
+    branch = vi.branch(pair[0], rotor, (-0.5, 0.5), at=0.0)
+    for i in range(0, len(branch), 7):
+        structure, load = rotor(float(branch.values[i]))
+        motion = branch[i]
+        assert motion.structure.mass == pytest.approx(structure.mass, abs=1e-14)
+        assert motion.structure.stiffness == pytest.approx(structure.stiffness, abs=1e-14)
+        exact = vi.exact(structure, load, motion)
+        assert exact.phases == pytest.approx(branch.phases[:, i], abs=1e-9)
+
+    def opening(p):
+        gaps = [vi.Gap([-1, 1], p, 0.75), vi.Gap([1, -1], p, 0.75)]
+        return vi.Structure([1, 0.042], [0.01, 0], [1, 0], gaps), vi.Load(0.94, sine=[1, 0])
+
+    one = vi.branch(pair[0], opening, (5, 30), at=18.5).special_points
+    other = vi.branch(pair[0], "opening", (5, 30)).special_points
+    assert [p.value for p in one] == pytest.approx([p.value for p in other], rel=1e-11)
+
+
+def test_restitution_that_depends_on_the_speed():
+    """Where the points are stable, simulations settle on them; [P] meets its law with R'(v)."""
+    law = vi.PowerLaw(0.9, speed=1.0, exponent=0.25)
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, law)])
+    motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    branch = vi.branch(motion, "restitution", (0.7, 1.0))
+    settled = 0
+    for i in range(0, len(branch), 8):
+        here = branch[i]
+        assert here.structure.gaps[0].restitution.R0 == branch.values[i]
+        assert abs(here.determinant - here.law) < 1e-12
+        if not here.stable:
+            continue
+        state = (here.q - 1e-3, here.q_dot)
+        start = here.phases[0] / here.load.frequency
+        run = vi.simulate(here.structure, here.load, cycles=400, start=start, state=state)
+        assert run.events["speed"][-1] == pytest.approx(here.speeds[0], rel=1e-9)
+        settled += 1
+    assert settled > 2
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"parameter": "width"}, ["parameter", "width", "no such name"]),
+        ({"parameter": "opening_7"}, ["opening_7", "2 gaps"]),
+        ({"parameter": "mass_0"}, ["mass_0", "row and column"]),
+        ({"parameter": "frequency_1"}, ["frequency_1", "no numbers"]),
+        ({"parameter": "constant"}, ["constant", "nothing"]),
+        ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["restitution", "between 0 and 1"]),
+        ({"parameter": "frequency", "bounds": (-1, 2)}, ["frequency", "above 0"]),
+        ({"bounds": (20, 30)}, ["low", "18.5"]), ({"bounds": (30, 20)}, ["high", "20"]),
+        ({"bounds": (math.nan, 30)}, ["low", "nan"]), ({"bounds": 3}, ["bounds", "3"]),
+        ({"at": 1.0}, ["at", "function"]), ({"parameter": rotor}, ["at"]),
+        ({"parameter": rotor, "bounds": (-1, 1), "at": 0.5}, ["at", "0.5", "another structure"]),
+        ({"longest_step": 0.0}, ["longest_step", "0"]), ({"max_points": 3}, ["max_points", "3"]),
+    ],
+)  # fmt: skip
+def test_bad_options_are_named(pair, options, words):
+    with pytest.raises((ParameterError, ParameterTypeError)) as error:
+        vi.branch(pair[0], **{"parameter": "opening", "bounds": (5, 30), **options})
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_motions_that_cannot_be_followed_are_named():
+    ball = vi.Structure([1, 1], [0, 0], [1, 0], [vi.Gap([1, -1], 0.0, 0.2)])
+    load = vi.Load(0.8, cosine=[0.5, 0], constant=[0, -1])
+    rests = [m for m in vi.find(ball, load, max_impacts=0) if len(m.rests)]
+    assert rests
+    with pytest.raises(ParameterError, match="without rest"):
+        vi.branch(rests[0], "frequency", (0.7, 0.9))
+    twice = (PHASES + [phase + 2 * math.pi for phase in PHASES], [0, 1, 0, 1], 2)
+    repeats = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), twice)
+    with pytest.raises(SingularError, match="repeats itself"):
+        vi.branch(repeats, "opening", (5, 30))
+
+
+@pytest.fixture(scope="module")
+def zones(pair):
+    """The zone of the motion of Table 1 over frequency and opening, of the structure and the oscillator."""
+    ours = vi.zone(pair[0], x=("frequency", 0.8, 1.2), y=("opening", 2.0, 40.0))
+    theirs = vi.zone(pair[1].osc, "RL", (0.8, 1.2), (4.0, 80.0), symmetric=False)
+    return ours, theirs
+
+
+def test_zones_of_the_oscillator(zones):
+    """The loop around the motion is one of the oscillator's: its vertices meet the same condition there."""
+    ours, theirs = zones
+    assert ours.closed
+    assert ours.contains(0.94, 18.5)
+    ring = min(theirs.loops, key=lambda loop: loop[:, 0].max())
+    # the rings are fine polygons of their curves, each over its own plane
+    assert ours.loops[0].min(axis=0) * (1, 2) == pytest.approx(ring.min(axis=0), rel=1e-6)
+    assert ours.loops[0].max(axis=0) * (1, 2) == pytest.approx(ring.max(axis=0), rel=1e-6)
+    osc, checked = theirs.osc, 0
+    for piece in ours.boundary:
+        for j in range(0, len(piece), 5):
+            if piece.type not in ("flip", "pitchfork"):
+                continue
+            r, clearance = float(piece.x[j]), 2 * float(piece.y[j])
+            if piece.type == "flip":
+                guess = (piece.phases[:, j] - piece.phases[0, j], vi.Pattern("RL"))
+                motion = vi.exact(osc, r, clearance, guess)
+                assert np.abs(motion.multipliers + 1).min() < 1e-6
+            else:
+                motions = vi.equispaced(osc, r, clearance)
+                assert min(np.abs(m.multipliers - 1).min() for m in motions) < 1e-6
+            checked += 1
+    assert checked > 20
+
+
+def test_zones_hold_what_simulation_finds():
+    """Points of the plane of a random structure: inside, the motion attracts; outside, it does not."""
+    gaps = [vi.Gap([0, -1, 1], 6.0, 0.7), vi.Gap([0, 1, -1], 6.0, 0.7)]
+    k = np.array([[2, -1, 0], [-1, 1, 0], [0, 0, 0]])
+    structure = vi.Structure([1, 1, 0.1], 0.05 * k, k, gaps)
+    load = vi.Load(0.65, sine=[0, 0.5, 0])
+    motions = [m for m in vi.find(structure, load) if not len(m.rests) and m.stable]
+    motion = motions[0]
+    zone = vi.zone(motion, x=("frequency", 0.5, 0.8), y=("load", 0.5, 2.0))
+    assert zone.closed
+    assert zone.contains(0.65, 1.0)
+    assert zone.area > 0
+    rng = np.random.default_rng(1)
+    kinds = set()
+    for x, y in zip(rng.uniform(0.5, 0.8, 40), rng.uniform(0.5, 2.0, 40), strict=True):
+        here = zone.motion(x, y)
+        inside = bool(zone.contains(x, y))
+        kinds.add(inside)
+        if here is None or here.stable is None:
+            assert not inside
+        else:
+            assert inside == (here.stable and here.admissible)
+        if inside:
+            assert here is not None
+            run = vi.simulate(
+                here.structure, here.load, cycles=30, start=here.phases[0] / here.load.frequency,
+                state=(here.q + 1e-9, here.q_dot),
+            )  # fmt: skip
+            end, _ = here.sample([run.end])
+            assert np.abs(run.final_state[0] - end[:, 0]).max() < 1e-4
+    assert kinds == {False, True}
+
+
+def test_bad_axes_are_named(pair):
+    for options, word in (
+        ({"x": ("frequency", 0.8, 1.2), "y": ("frequency", 0.8, 1.2)}, "what x changes"),
+        ({"x": ("opening_0", 10, 20), "y": ("opening", 10, 20)}, "what x changes"),
+        ({"x": ("frequency", 0.8), "y": ("opening", 10, 20)}, "x"),
+        ({"x": ("frequency", 1.0, 1.2), "y": ("opening", 10, 20)}, "x_low"),
+        ({"x": ("frequency", 0.8, 1.2), "y": ("opening", 10, 15)}, "y_high"),
+        ({"x": ("frequency", 0.8, 1.2), "y": ("opening", 10, 20), "lines": 2}, "lines"),
+    ):
+        with pytest.raises(ParameterError, match=word):
+            vi.zone(pair[0], **options)
+
+
+def test_results_are_read_back(pair, zones, tmp_path):
+    """The same bits from files, and from the case as a namelist."""
+    branch = vi.branch(pair[0], "opening", (15, 20))
+    for found in (branch, zones[0]):
+        for name in ("a.json", "a.nc", "a.mat"):
+            path = tmp_path / name
+            found.save(path)
+            again = vi.load(path)
+            assert type(again) is type(found)
+            assert again.to_json() == found.to_json()
+    (case,) = vi.read_namelist(_written(tmp_path, branch.to_namelist()))
+    (again,) = case.run()
+    assert again.values.tobytes() == branch.values.tobytes()
+    assert vi.load(tmp_path / "a.mat").motion(0.94, 18.5).stable
+
+
+def _written(folder, text):
+    path = folder / "case.nml"
+    path.write_text(text)
+    return path
