@@ -8,7 +8,7 @@ module vi_structure_extremes
    implicit none (type, external)
    private
 
-   public :: coordinate_extremes, turning_value
+   public :: coordinate_extremes, turning_share
 
    !> Nodes per time unit of the structure, and limits on their number.
    integer, parameter :: density = 4, fewest = 16, most = 20000

@@ -8,7 +8,7 @@ module vi_structure_sweep
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_status, only: stat
    use vi_structure, only: load_type, state_of, structure_type
-   use vi_structure_extremes, only: turning_value
+   use vi_structure_extremes, only: turning_share
    use vi_structure_find, only: open_gaps
    use vi_structure_path, only: changed, structure_path_type
    use vi_structure_return, only: most_events, one_cycle, repetition, some_cycles
@@ -206,8 +206,8 @@ contains
          run%period + (after%elapsed - elapsed), x, v, sizes)
    end subroutine measure_cycle
 
-   !> Adds a flight or rest: extremes between nodes close together by cubics through positions and
-   !! velocities, squares by Gauss's rule.
+   !> Adds a flight or rest: extremes where cubics through nodes close together turn,
+   !! squares by Gauss's rule.
    pure subroutine measure(run, number, phase, duration, x, v, sizes)
       !> The run, and the number of its regime.
       type(run_type), intent(in) :: run
@@ -219,8 +219,8 @@ contains
       !> In and out: the sums.
       type(size_type), intent(inout) :: sizes
       real(wp), dimension(size(x)) :: x_now, v_now
-      real(wp), dimension(size(sizes%low)) :: q, rate, last, last_rate
-      real(wp) :: h, turned
+      real(wp), dimension(size(sizes%low)) :: q, rate, last, last_rate, there, rate_there
+      real(wp) :: h, share, turned
       integer :: i, j, k, panels
 
       if (.not. duration > 0) return
@@ -235,7 +235,12 @@ contains
             if (i > 0) then
                do j = 1, size(q)
                   if (.not. last_rate(j)*rate(j) < 0) cycle
-                  call turning_value(last(j), q(j), h*last_rate(j), h*rate(j), turned)
+                  call turning_share(last(j), q(j), h*last_rate(j), h*rate(j), share)
+                  call advance(regime%modes, (i - 1 + share)*h, x, v, x_now, v_now)
+                  call state_of(regime, phase + run%load%frequency*(i - 1 + share)*h, x_now, &
+                     v_now, there, rate_there)
+                  ! the velocity that is left there changes the extreme by its square
+                  turned = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - last_rate(j))
                   sizes%low(j) = min(sizes%low(j), turned)
                   sizes%high(j) = max(sizes%high(j), turned)
                end do
