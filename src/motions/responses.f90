@@ -8,13 +8,23 @@
 module vi_responses
    use vi_kinds, only: wp
    use vi_modes, only: step_functions
-   use vi_status, only: stat
    use vi_structure, only: regime_type, structure_type
    implicit none (type, external)
    private
 
-   public :: forced_row, jumps_of, offset_pairs, pair_response, ripple_row, row_of_gap, &
-      steady_pairs
+   public :: forced_row, jumps_of, offset_pairs, pair_response, periodic_pair, ripple_row, &
+      row_of_gap, steady_pairs
+
+   !> A pair and a period, and what all its periodic responses share.
+   type, public :: periodic_pair_type
+      !> omega^2 and sigma of the pair, and the period.
+      real(wp) :: stiffness = 0, damping = 0, period = 0
+      !> x and v just after a jump by 1 of x, and of v: the columns of (I - Phi(T))^-1, for a pair
+      !! with a frequency.
+      real(wp) :: from_x(2) = 0, from_v(2) = 0
+      !> Whether there is no response, because an undamped pair resonates with the period.
+      logical :: resonant = .false.
+   end type periodic_pair_type
 
 contains
 
@@ -120,49 +130,56 @@ contains
       d(0) = d(0) + dot_product(of_x, x) + dot_product(of_v, v)
    end subroutine forced_row
 
+   !> What the periodic responses of a pair need of the pair and the period.
+   elemental type(periodic_pair_type) function periodic_pair(stiffness, damping, period) &
+      result(pair)
+      !> omega^2 and sigma of the pair, and the period.
+      real(wp), intent(in) :: stiffness, damping, period
+      real(wp) :: u, w, s2, s3, divisor
+
+      pair%stiffness = stiffness
+      pair%damping = damping
+      pair%period = period
+      if (.not. stiffness > 0) return
+      ! with 1 - u = omega^2 s2
+      call step_functions(stiffness, damping, period, u, w, s2, s3)
+      divisor = stiffness*(s2*(stiffness*s2 + 2*damping*w) + w**2)
+      pair%resonant = .not. divisor > (8*epsilon(1.0_wp)*max(1.0_wp, sqrt(stiffness)*period))**2
+      if (pair%resonant) return
+      pair%from_x = [stiffness*s2 + 2*damping*w, -stiffness*w]/divisor
+      pair%from_v = [w, stiffness*s2]/divisor
+   end function periodic_pair
+
    !> The periodic response of one pair to jumps at time 0, at a time in (0, period], with its first
-   !! two derivatives.
-   pure subroutine pair_response(stiffness, damping, in_x, in_v, period, time, x, v, resonant)
-      !> omega^2 and sigma of the pair.
-      real(wp), intent(in) :: stiffness, damping
+   !! two derivatives; 0 where the pair resonates with the period.
+   pure subroutine pair_response(pair, in_x, in_v, time, x, v)
+      !> The pair.
+      type(periodic_pair_type), intent(in) :: pair
       !> The jumps.
       real(wp), intent(in) :: in_x, in_v
-      !> The period, and the time after the jumps: 0 is just after them, the period just before.
-      real(wp), intent(in) :: period, time
+      !> The time after the jumps: 0 is just after them, the period just before.
+      real(wp), intent(in) :: time
       !> Derivatives of order 0 to 2 of x and v.
       real(wp), intent(out) :: x(0:2), v(0:2)
-      !> Whether there is none, because an undamped pair resonates with the period.
-      logical, intent(out) :: resonant
-      real(wp) :: u, w, s2, s3, first(2), divisor, share
+      real(wp) :: u, w, first(2), share
 
-      resonant = .false.
-      if (stiffness > 0) then
-         ! (I - Phi(T))^-1 of the jumps, with 1 - u = omega^2 s2
-         call step_functions(stiffness, damping, period, u, w, s2, s3)
-         divisor = stiffness*(s2*(stiffness*s2 + 2*damping*w) + w**2)
-         resonant = .not. divisor > (8*epsilon(1.0_wp)*max(1.0_wp, sqrt(stiffness)*period))**2
-         if (resonant) then
-            x = 0
-            v = 0
-            return
-         end if
-         first = [(stiffness*s2 + 2*damping*w)*in_x + w*in_v, &
-            -stiffness*w*in_x + stiffness*s2*in_v]/divisor
-         call step_functions(stiffness, damping, time, u, w)
+      if (pair%stiffness > 0) then
+         first = in_x*pair%from_x + in_v*pair%from_v
+         call step_functions(pair%stiffness, pair%damping, time, u, w)
          x(0) = u*first(1) + w*first(2)
-         v(0) = (u - 2*damping*w)*first(2) - stiffness*w*first(1)
+         v(0) = (u - 2*pair%damping*w)*first(2) - pair%stiffness*w*first(1)
          x(1) = v(0)
-         v(1) = -stiffness*x(0) - 2*damping*v(0)
+         v(1) = -pair%stiffness*x(0) - 2*pair%damping*v(0)
       else
-         share = time/period
-         call drifting_response(2*damping, period, share, x(0), v(0))
+         share = time/pair%period
+         call drifting_response(2*pair%damping, pair%period, share, x(0), v(0))
          x(0) = in_v*x(0) - in_x*share
-         v(0) = in_v*v(0) - in_x/period
+         v(0) = in_v*v(0) - in_x/pair%period
          x(1) = v(0)
-         v(1) = -2*damping*(v(0) + in_x/period) - in_v/period
+         v(1) = -2*pair%damping*(v(0) + in_x/pair%period) - in_v/pair%period
       end if
       x(2) = v(1)
-      v(2) = -stiffness*x(1) - 2*damping*v(1)
+      v(2) = -pair%stiffness*x(1) - 2*pair%damping*v(1)
    end subroutine pair_response
 
    !> x and v of a pair of frequency 0 after a unit jump of v, less its mean over the period; x up

@@ -11,8 +11,8 @@ module vi_structure_motion
    use vi_lapack, only: least_squares, least_squares_work
    use vi_modes, only: advance, step_functions
    use vi_restitution, only: constant_law
-   use vi_responses, only: forced_row, jumps_of, offset_pairs, pair_response, &
-      ripple_row, row_of_gap, steady_pairs
+   use vi_responses, only: forced_row, jumps_of, offset_pairs, pair_response, periodic_pair, &
+      periodic_pair_type, ripple_row, row_of_gap, steady_pairs
    use vi_status, only: stat
    use vi_structure, only: regime_type, restitution_of, structure_type
    implicit none (type, external)
@@ -62,8 +62,8 @@ contains
       real(wp), dimension(size(regime%modes%stiffness), size(gaps)) :: in_x, in_v, of_x, of_v
       integer, allocatable :: pairs(:)
       real(wp) :: x(0:2), v(0:2)
+      type(periodic_pair_type) :: pair
       logical, allocatable :: participates(:)
-      logical :: resonant
       integer :: i, j, k, n
 
       n = size(gaps)
@@ -81,13 +81,13 @@ contains
       end do
       equations%response = 0
       do k = 1, size(regime%modes%stiffness)
+         pair = periodic_pair(regime%modes%stiffness(k), regime%modes%damping(k), period)
          do j = 1, n
             if (.not. abs(in_x(k, j)) + abs(in_v(k, j)) > 0) cycle
             do i = 1, n
                if (.not. abs(of_x(k, i)) + abs(of_v(k, i)) > 0) cycle
-               call pair_response(regime%modes%stiffness(k), regime%modes%damping(k), &
-                  in_x(k, j), in_v(k, j), period, since(times, period, i, j), x, v, resonant)
-               if (resonant) status = stat%resonance
+               call pair_response(pair, in_x(k, j), in_v(k, j), since(times, period, i, j), x, v)
+               if (pair%resonant) status = stat%resonance
                equations%response(i, j, :) = equations%response(i, j, :) + of_x(k, i)*x &
                   + of_v(k, i)*v
             end do
@@ -288,14 +288,15 @@ contains
       real(wp), intent(out) :: x(:), v(:)
       real(wp), dimension(size(x)) :: in_x, in_v
       real(wp) :: impulse, slope, of_x(0:2), of_v(0:2), time
+      type(periodic_pair_type) :: pair(size(x))
       integer, allocatable :: pairs(:)
-      logical :: resonant
       integer :: j, k
 
       call steady_pairs(regime%modes%stiffness, regime%modes%damping, regime%modes%drift, &
          regime%modes%force, x, v)
       allocate (pairs, source=offset_pairs(regime))
       x(pairs) = offsets
+      pair = periodic_pair(regime%modes%stiffness, regime%modes%damping, equations%period)
       do j = 1, size(speeds)
          call impulse_of(structure, equations%gaps(j), speeds(j), impulse, slope)
          call jumps_of(structure, regime, equations%gaps(j), in_x, in_v)
@@ -303,8 +304,7 @@ contains
          if (j /= at) time = since(equations%times, equations%period, at, j)
          do k = 1, size(x)
             if (.not. abs(in_x(k)) + abs(in_v(k)) > 0) cycle
-            call pair_response(regime%modes%stiffness(k), regime%modes%damping(k), in_x(k), &
-               in_v(k), equations%period, time, of_x, of_v, resonant)
+            call pair_response(pair(k), in_x(k), in_v(k), time, of_x, of_v)
             x(k) = x(k) + impulse*of_x(0)
             v(k) = v(k) + impulse*of_v(0)
          end do
