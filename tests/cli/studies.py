@@ -3,6 +3,7 @@
 import re
 
 import pytest
+import vibroimpact as vi
 from programs import SYSTEM, column, rows
 
 WALLS = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
@@ -52,8 +53,8 @@ def assert_zone(table, zone):
         assert {(row["type"], row["detail"], row["loop"]) for row in part} == {
             (piece.type, piece.detail, str(piece.loop + 1))
         }
-        assert column(part, "r").tolist() == piece.r.tolist()
-        assert column(part, "clearance").tolist() == piece.clearance.tolist()
+        for name in ("x", "y") if isinstance(zone, vi.StructureZone) else ("r", "clearance"):
+            assert column(part, name).tolist() == getattr(piece, name).tolist()
 
 
 def assert_atlas(path, atlas):
@@ -94,6 +95,14 @@ def assert_result(path, case):
         assert_zone(table, case.run()[0])
         return
     branches = case.run()
+    if isinstance(branches[0], vi.StructureBranch):
+        (branch,) = branches
+        assert column(table, "value").tolist() == branch.values.tolist()
+        for i, speeds in enumerate(branch.speeds, start=1):
+            assert column(table, f"speed_{i}").tolist() == speeds.tolist()
+        special = {point.index: point.type for point in branch.special_points}
+        assert [row["special"] for row in table] == [special.get(i, "") for i in range(len(table))]
+        return
     assert {row["branch"] for row in table} == {str(i + 1) for i in range(len(branches))}
     for i, branch in enumerate(branches, start=1):
         assert_branch([row for row in table if row["branch"] == str(i)], branch)

@@ -193,7 +193,7 @@ def basins_structure(
     >>> plane = (("q_0", -10, 10, 8), ("q_dot_0", -20, 20, 8))
     >>> result = vi.basins(damper, vi.Load(0.94, sine=[1, 0]), plane)
     >>> result.attractors[:2]
-    [<attractor 2/1 (1)>, <attractor 2/1 (2)>]
+    [<attractor no impacts>, <attractor 2/1 (1)>]
     >>> result.labels.shape
     (8, 8)
     """
