@@ -7,7 +7,7 @@ module studies_atlas
    use vi_pattern, only: pattern_type
    use vi_rings, only: dense_ring, winding
    use vi_zone_request, only: zone_request_type
-   use vi_survey, only: attractor_type, limits_type, survey, survey_work
+   use vi_survey, only: attractor_type, limits_type, settle_from, survey, survey_work
    use vi_survey_outcome, only: beyond, chaotic, count_outcomes, no_impacts, not_settled, periodic
    use vi_zone, only: find_zone, release_type, simulate_nodes, zone_type, zone_work
    implicit none (type, external)
@@ -150,7 +150,7 @@ contains
    subroutine test_outcomes()
       real(wp), parameter :: window(2, 2) = reshape([0.8_wp, 1.2_wp, 2.0_wp, 200.0_wp], [2, 2])
       type(oscillator_type) :: osc
-      type(attractor_type) :: points(60), same(60), wide(60)
+      type(attractor_type) :: points(60), same(60), narrow, wide
       type(atlas_request_type) :: request
       type(atlas_type) :: stopped
       integer :: counts(7), progress(3), i, n
@@ -174,19 +174,24 @@ contains
       end do
       call survey(osc, window(:, 1), window(:, 2), 400, limits_type(2, 1, 10000000), 2, same)
       call check(all(same%outcome == points%outcome), 'outcomes do not depend on threads')
-      ! what is beyond the limits is within wider ones, and the same motion
-      call survey(osc, window(:, 1), window(:, 2), 400, limits_type(8, 4, 10000000), 2, wide)
+      ! what is beyond the limits is within wider ones, and the same motion. A survey examines again
+      ! what has not settled, and how far it simulates before that depends on the limits: rounding
+      ! then decides where a trajectory that still wanders is. So each is examined once here
       n = 0
       do i = 1, size(points)
-         if (points(i)%outcome /= beyond) cycle
-         if (size(points(i)%symbols) > 8 .or. points(i)%cycles > 4) cycle
+         narrow = attractor_type(r=points(i)%r, clearance=points(i)%clearance)
+         wide = narrow
+         call settle_from(osc, 1, 400, limits_type(2, 1, 10000000), narrow)
+         if (narrow%outcome /= beyond) cycle
+         if (size(narrow%symbols) > 8 .or. narrow%cycles > 4) cycle
          n = n + 1
-         call check(wide(i)%outcome == periodic, 'wider limits hold what was beyond')
-         if (wide(i)%outcome /= periodic) cycle
-         call check(wide(i)%cycles == points(i)%cycles .and. &
-            same_symbols(wide(i)%symbols, points(i)%symbols), 'as the same pattern')
+         call settle_from(osc, 1, 400, limits_type(8, 4, 10000000), wide)
+         call check(wide%outcome == periodic, 'wider limits hold what was beyond')
+         if (wide%outcome /= periodic) cycle
+         call check(wide%cycles == narrow%cycles .and. same_symbols(wide%symbols, narrow%symbols), &
+            'as the same pattern')
       end do
-      call check(n > 3, 'some are beyond the narrow limits alone')
+      call check(n > 5, 'some are beyond the narrow limits alone')
       ! a stop is heard, and what was not begun is not settled
       request = atlas_request_type(osc, window(:, 1), window(:, 2), max_impacts=2, survey=60)
       progress = [0, 0, 1]

@@ -80,18 +80,33 @@ def test_mirror_image_under_load():
     assert numbers[1:] == pytest.approx(np.array([run.events[n] for n in COLUMNS]), abs=1e-9)
 
 
+def apart(run, other, shift=0.0):
+    """Return the largest difference of any number, event by event, from a run begun earlier by `shift`."""
+    assert np.array_equal(other.events["kind"], run.events["kind"])
+    numbers = np.array(
+        [other.events[name] - run.events[name] for name in ("time", "phase", *COLUMNS)]
+    )
+    numbers[0] -= shift
+    return np.abs(numbers).max(0)
+
+
 def test_shift_by_load_periods():
-    """The same state whole load periods later: the same events later, the same phases."""
+    """The same state whole load periods later: the same events later, the same phases.
+
+    Times have fewer digits there. That grows no more than a small change of the state does.
+    """
     first = state(t=0.7, x=0.1, z=0.3)
     run = vi.simulate(RIG, 0.9, 6.0, 6, first)
+    changed = [
+        vi.simulate(RIG, 0.9, 6.0, 6, first | {name: first[name] + 1e-10})
+        for name in ("x", "x_dot", "z", "z_dot")
+    ]
+    growth = np.max([apart(run, other) for other in changed], axis=0) / 1e-10
+    growth = np.maximum.accumulate(growth)
     for periods in (1, 1000):
-        rounding = 1e6 * 4 * EPS * (7 + periods * 7)  # of the time, and its growth
         shift = periods * TURN / 0.9
         later = vi.simulate(RIG, 0.9, 6.0, 6, first | {"t": 0.7 + shift})
-        assert np.array_equal(later.events["kind"], run.events["kind"])
-        assert later.events["time"] - shift == pytest.approx(run.events["time"], abs=rounding)
-        for name in ("phase", *COLUMNS):
-            assert later.events[name] == pytest.approx(run.events[name], abs=rounding)
+        assert np.all(apart(run, later, shift) <= growth * EPS * later.events["time"])
 
 
 @pytest.mark.parametrize("factor", [2.0, 0.5, 1024.0, 3.0, 0.1])
