@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import checks
-from .errors import ParameterError
+from .errors import ParameterError, SingularError
 from .restitution import (
     ByValue,
     PowerLaw,
@@ -21,6 +21,7 @@ from .restitution import (
     keys_of_law,
     numbers_of,
 )
+from .status import DEFECTIVE, raise_status, sentence
 
 __all__ = ["Gap", "Load", "Structure"]
 
@@ -218,6 +219,24 @@ class Structure(ByValue):
             for j, column in enumerate(columns):
                 values[: len(column), j] = column
         return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
+
+    def _raise_status(self, code: int) -> None:
+        """As `raise_status`; names the eigenvalues of two modes that nearly coincide."""
+        if code != DEFECTIVE:
+            raise_status(code)
+            return
+        n = self.coordinates
+        rates = np.linalg.solve(self.mass, np.hstack([self.stiffness, self.damping]))
+        values, vectors = np.linalg.eig(np.vstack([np.eye(n, 2 * n, n), -rates]))
+        # complex eigenvalues first: two real ones that coincide are a pair at critical damping
+        moving = np.abs(values) > 1e-6 * np.abs(values).max()
+        for kept in (values.imag > 0, moving & (values.imag == 0)):
+            parallel = np.triu(np.abs(vectors[:, kept].conj().T @ vectors[:, kept]), 1)
+            if parallel.max(initial=0.0) > 0.99:
+                first, second = np.unravel_index(int(np.argmax(parallel)), parallel.shape)
+                pair = f"{values[kept][first]:.6g} and {values[kept][second]:.6g}"
+                raise SingularError(f"{sentence(code)}; their eigenvalues are {pair}")
+        raise_status(code)
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
         """The groups of a namelist that describe it."""

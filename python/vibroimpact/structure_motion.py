@@ -15,7 +15,7 @@ from .errors import ParameterError
 from .interrupt import with_stack
 from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
-from .status import MORE_EVENTS, VERDICT, raise_status
+from .status import MORE_EVENTS, VERDICT
 from .structure import Load, Structure
 from .structure_trajectory import (
     OfStructure,
@@ -447,7 +447,7 @@ def _motion(
         matrices, directions, values, load.frequency, harmonics, constant,
         gaps + 1, phases, cycles, wanted,
     )  # fmt: skip
-    raise_status(status)
+    structure._raise_status(status)
     request = {
         "kind": "exact" if wanted == EXACT else "periodic", "cycles": cycles, "gaps": gaps.tolist(),
         "phases": phases.tolist(),
@@ -512,7 +512,7 @@ def settled(
         if status != MORE_EVENTS:
             break
         capacity = int(max(counts[0], counts[2]))
-    raise_status(status)
+    structure._raise_status(status)
     known = {"cycles": cycles} if cycles else {}
     request: dict[str, Any] = {
         "kind": "settled", **known, "settling": settling, "max_cycles": most_cycles,

@@ -511,7 +511,7 @@ def simulate_structure(
         room = min(8 * room, max_events)
     failed = status not in (0, MORE_EVENTS)
     if failed and count == 0:
-        raise_status(status)
+        structure._raise_status(status)
     events = new_events(count)
     events["time"], events["speed"], events["impulse"] = table[:3, :count]
     events["kind"] = KINDS[labels[0, :count] - 1]

@@ -1,9 +1,12 @@
 """Bodies whose damping makes modes nearly coincide: no digits are lost, or the body is refused by name."""
 
+import re
+
 import mpmath
 import numpy as np
 import pytest
 import vibroimpact as vi
+from scipy.linalg import expm
 
 
 def flown(mass, damping, stiffness, state, t):
@@ -92,3 +95,47 @@ def test_pairs_that_coincide(ratio, sigma):
     assert 0.0 in messages
     assert max(messages) < 1e-6
     assert all("change a damping coefficient" in message for message in messages.values())
+    value = complex(-sigma, np.sqrt(1 - sigma**2))
+    for message in messages.values():
+        named = [complex(number) for number in re.findall(r"-[0-9.]+[+-][0-9.]+j", message)]
+        assert named == pytest.approx([value, value], abs=1e-3)
+
+
+def copies(seed):
+    """Two or three copies of a body with coupled damping, in turned coordinates."""
+    rng = np.random.default_rng(seed)
+    n, count = 2 + seed % 2, 2 + seed // 2 % 2
+    stiff, damped = rng.normal(size=(2, n, n))
+    turn = np.linalg.qr(rng.normal(size=(n * count, n * count)))[0]
+    stiffness = turn @ np.kron(np.eye(count), stiff @ stiff.T + 0.2 * np.eye(n)) @ turn.T
+    damping = turn @ np.kron(np.eye(count), 0.2 * damped @ damped.T) @ turn.T
+    return np.eye(n * count), (damping + damping.T) / 2, (stiffness + stiffness.T) / 2
+
+
+def ring(cells):
+    """Equal masses in a ring of springs, each with a small mass on a spring and a dashpot."""
+    between = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    around = np.roll(np.eye(cells), 1, axis=0)
+    ground = (1.0 + 0.8) * np.eye(cells) - 0.4 * (around + around.T)
+    one = np.eye(cells)
+    stiffness = np.kron(ground, np.diag([1.0, 0.0])) + np.kron(one, 0.3 * between)
+    return np.kron(one, np.diag([1.0, 0.2])), np.kron(one, 0.05 * between), stiffness
+
+
+@pytest.mark.parametrize("body", [*map(copies, range(24)), *map(ring, (3, 4, 5, 6, 8))])
+def test_repeated_pairs_of_symmetric_bodies(body):
+    """Complex eigenvalues that repeat, with eigenvectors of their own, cost no digits."""
+    mass, damping, stiffness = body
+    n = len(mass)
+    first_order = np.block(
+        [
+            [np.zeros((n, n)), np.eye(n)],
+            [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)],
+        ]
+    )
+    values = np.linalg.eigvals(first_order)
+    nearest = np.abs(values[:, None] - values) + np.diag(np.full(2 * n, np.inf))
+    assert np.count_nonzero((nearest.min(0) < 1e-9) & (values.imag > 0)) >= 2
+    state = np.random.default_rng(n).normal(size=(2, n))
+    exact = expm(7.0 * first_order) @ state.ravel()
+    assert np.abs(flown(*body, state, 7.0) - exact).max() <= 1e-12
