@@ -391,7 +391,7 @@ def or_structure(
     def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
-            if args and isinstance(args[0], kind or Structure):
+            if any(isinstance(x, kind or Structure) for x in (*args[:1], *kwargs.values())):
                 return of_structure(*args, **kwargs)
             return of_oscillator(*args, **kwargs)
 

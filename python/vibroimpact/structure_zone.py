@@ -194,18 +194,28 @@ class StructureZone(Noun, study="zone_structure"):
         return Path(self._result, *self._start, [self.x, self.y]).at(*place)
 
     def motion(self, x: float, y: float) -> StructureMotion | None:
-        """The motion at a point, followed from the nearest vertex of the boundary; it need not be stable.
+        """The motion at a point, followed from the boundary: from the nearest vertex of each piece in turn.
 
-        None if it cannot be followed so far.
+        The first one that is stable and admissible; otherwise the first admissible one. None if none can be
+        followed so far.
         """
-        if not self.boundary:
-            return None
         target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
         size = np.array([np.ptp(self.x), np.ptp(self.y)])
-        near = [np.linalg.norm((np.c_[p.x, p.y] - target) / size, axis=1) for p in self.boundary]
-        best = min(range(len(near)), key=lambda i: float(near[i].min()))
-        piece, j = self.boundary[best], int(np.argmin(near[best]))
-        start, phases, found = np.array([piece.x[j], piece.y[j]]), piece.phases[:, j], None
+        vertices = []
+        for piece in self.boundary:
+            apart = np.linalg.norm((np.c_[piece.x, piece.y] - target) / size, axis=1)
+            vertices.append((float(apart.min()), piece, int(np.argmin(apart))))
+        other = None
+        for _, piece, j in sorted(vertices, key=lambda vertex: vertex[0]):
+            found = self._followed(np.array([piece.x[j], piece.y[j]]), piece.phases[:, j], target)
+            if found is not None and found.stable:
+                return found
+            other = other or found
+        return other
+
+    def _followed(self, start: _Array, phases: _Array, target: _Array) -> StructureMotion | None:
+        """The admissible motion at a point, followed from another point."""
+        found = None
         for share in np.linspace(0, 1, 7)[1:]:
             place = start + share * (target - start) if share < 1 else target
             try:

@@ -39,7 +39,7 @@ def parameter_label(name: str) -> str:
 
 def draw_structure_branch(branch: StructureBranch, ax: Any = None, y: str = "q_max_0") -> Any:
     """Draw one column of a branch against its parameter."""
-    match = re.fullmatch(r"(\w+)_(\d+)", y)
+    match = re.fullmatch(r"(\w+)_(\d+)", y) if isinstance(y, str) else None
     names = {
         name: f"{name}s" if name in ("speed", "impulse", "phase") else name for name in COLUMNS
     }
