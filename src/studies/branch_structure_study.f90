@@ -183,9 +183,9 @@ contains
       reported = follow_work
       cut = is_stopped(progress)
       n = size(conditions)
-      if (n == 0) then
-         call result%fail( &
-            'the branch cannot be followed from this motion: it is at a singular point')
+      if (n == 0 .or. (n == 1 .and. .not. cut)) then
+         call result%fail('the branch cannot be followed from this motion: it is at a singular &
+            &point, or its bounds are too far apart')
          return
       end if
       allocate (motions(n), extremes(case%coordinates, n, 2))

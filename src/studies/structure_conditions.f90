@@ -285,6 +285,8 @@ contains
                here = touch
                here%side = wall*row
                here%share = k/real(nodes, wp)
+               ! an impact leaves its wall; without restitution its speed is 0, up to rounding
+               if (k == 0 .and. in_contact(frame, touch%index, here%side)) cycle
                if (k < nodes) then
                   ! the gap has a minimum between two nodes
                   if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then

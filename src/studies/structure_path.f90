@@ -6,7 +6,7 @@ module vi_structure_path
    use vi_kinds, only: wp
    use vi_restitution, only: table_law
    use vi_structure, only: load_type, structure_type
-   use vi_text, only: counted, whole
+   use vi_text, only: counted, number_text, whole
    implicit none (type, external)
    private
 
@@ -208,7 +208,7 @@ contains
       call split(name, word, places, good)
       kind = findloc([character(11) :: 'mass', 'damping', 'stiffness', '', 'opening', &
          'restitution', 'frequency', 'load', '', 'constant'] == word, .true., 1)
-      if (kind == 0 .or. .not. good) then
+      if (kind == 0 .or. len(word) == 0 .or. .not. good) then
          message = 'it has no such name'
          return
       end if
@@ -366,6 +366,7 @@ contains
       type(change_type), intent(out) :: change
       !> What is wrong with it; empty if nothing is.
       character(:), allocatable, intent(out) :: message
+      real(wp) :: value
       integer :: most(3), i
 
       message = ''
@@ -403,6 +404,15 @@ contains
       change%low = bounds(1)
       change%high = bounds(2)
       change%start = start
+      do i = 1, size(entries, 2)
+         value = entry_at(change, change%series(:, i), (start - bounds(1))/(bounds(2) - bounds(1)))
+         if (abs(value - get(structure, load, entries(:, i))) <= 1.0e-6_wp*maxval(abs( &
+            series(:, i)))) cycle
+         message = 'the series of entry '//whole(i)//' is '//trim(number_text(value, .false., 10)) &
+            //' at the motion, which has '//trim(number_text(get(structure, load, entries(:, i)), &
+            .false., 10))
+         return
+      end do
    end subroutine new_function
 
    !> Whether the mirror image -q(t + T/2) of every motion q(t) is a motion too, with odd numbers of

@@ -82,6 +82,10 @@ contains
       s%p = size(pairs)
       allocate (s%free(size(structure%mass, 1), s%p))
       s%free = regime%qx(:, pairs)
+      do i = 1, s%p
+         ! a displacement is the unit, whatever the unit of mass
+         s%free(:, i) = s%free(:, i)/maxval(abs(s%free(:, i)))
+      end do
       pattern%sides = complete%channel(found%gaps)*complete%wall(found%gaps)
       pattern%cycles = found%cycles
       shares = [((changes(i)%start - changes(i)%low)/(changes(i)%high - changes(i)%low), &
@@ -169,6 +173,7 @@ contains
       real(wp), allocatable, intent(out) :: unknowns(:)
       type(member_type) :: member
       real(wp), dimension(size(regime%modes%stiffness)) :: x, v
+      integer :: pairs(s%p)
       integer :: n
 
       n = size(found%gaps)
@@ -176,14 +181,16 @@ contains
       unknowns(:n) = sign(1, family%sides)*found%motion%speeds/s%speed
       unknowns(n + 1:2*n) = found%motion%phases
       if (s%p == 0) return
-      ! at the start the displacements are those of the modes themselves
+      ! at the start the displacements are those of the modes themselves, but for their unit
       call set_member(s, family, unknowns, shares, member)
       if (.not. member%exists) return
       call set_flights(family, member)
       associate (state => found%motion%states(:, 1))
          call to_pairs(regime, found%motion%phases(1), state(:size(x)), state(size(x) + 1:), x, v)
       end associate
-      unknowns(2*n + 1:) = pack(x - member%x_after(:, 1), .not. regime%modes%stiffness > 0)/s%length
+      pairs = offset_pairs(regime)
+      unknowns(2*n + 1:) = maxval(abs(regime%qx(:, pairs)), dim=1)*(x(pairs) - &
+         member%x_after(pairs, 1))/s%length
    end subroutine unknowns_of_motion
 
 end module vi_structure_start
