@@ -57,6 +57,20 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
     return places, np.concatenate([np.asarray(v, dtype=float) for *_, v in parts])
 
 
+def laws_of(structure: Structure) -> list[object]:
+    """What a parameter cannot change in the laws of restitution of all gaps."""
+    found: list[object] = []
+    for gap in structure.gaps:
+        law = gap.restitution
+        if isinstance(law, PowerLaw):
+            found.append((law.speed, law.exponent, law.sharpness))
+        elif isinstance(law, TabulatedRestitution):
+            found.append((list(law.speeds), list(law.values)))
+        else:
+            found.append(None)
+    return found
+
+
 def with_entries(
     structure: Structure, load: Load, places: NDArray[np.int64], values: _Array
 ) -> tuple[Structure, Load]:
@@ -152,6 +166,10 @@ def _series(
         if found.shape != places.shape or (found != places).any():
             raise ParameterError(
                 f"the parameter gives another number of coordinates, gaps or harmonics at {p!r}"
+            )
+        if laws_of(pair[0]) != laws_of(structure):
+            raise ParameterError(
+                f"the parameter gives another law of restitution at {p!r}: it may change R and R0 alone"
             )
         return numbers
 

@@ -237,6 +237,19 @@ def test_series_that_do_not_meet_the_motion_are_named(tmp_path):
         vi.read_namelist(_written(tmp_path, text))
 
 
+def test_a_function_keeps_the_laws_of_restitution(pair):
+    """It may change R and R0; other numbers of a law would be lost."""
+
+    def slower(p):
+        gaps = [
+            vi.Gap(sign * np.array([-1, 1]), 18.5, vi.PowerLaw(0.75, p, 0.2)) for sign in (1, -1)
+        ]
+        return vi.Structure([1, p * MU], [2 * XI, 0], [1, 0], gaps), vi.Load(0.94, sine=[1, 0])
+
+    with pytest.raises(ParameterError, match="another law of restitution"):
+        vi.branch(pair[0], slower, (0.5, 1.5), at=1.0)
+
+
 def test_units_do_not_matter():
     """In another unit of mass a structure with a free mass has the same branch, in about as many points."""
     found = []
