@@ -308,7 +308,7 @@ contains
       integer :: sizes(2), i
 
       if (.not. study%has('axes')) then
-         call result%open('states', 'state', [n])
+         call result%open('states', 'initial', [n])
          return
       end if
       sizes = study%whole_numbers('values')

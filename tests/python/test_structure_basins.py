@@ -190,3 +190,12 @@ def test_an_event_limit_is_a_label():
     found = vi.basins(DAMPER, LOAD, PLANE, max_events=20)
     assert (found.labels == -3).all()
     assert "90 not decided" in repr(found)
+
+
+@pytest.mark.parametrize("suffix", ["json", "nc", "mat"])
+def test_random_states_are_read_back(tmp_path, suffix):
+    """The number of states is not the size of the derivative of a motion."""
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    found = vi.basins(wall, vi.Load(1.0, cosine=[1]), states=20)
+    found.save(tmp_path / f"a.{suffix}")
+    assert vi.load(tmp_path / f"a.{suffix}").to_json() == found.to_json()
