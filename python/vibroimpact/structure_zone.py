@@ -225,7 +225,7 @@ class StructureZone(Noun, study="zone_structure"):
             except SingularError:
                 return None
             phases = found.phases
-        return found if found is not None and found.consistent and found.admissible else None
+        return found
 
     @property
     def area(self) -> float:

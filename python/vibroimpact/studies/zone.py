@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
 from ..errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
+from ..likeness import is_symmetric
 from ..model import Oscillator, Pattern, pattern_of
 from ..motion import Motion
 from ..namelist import symmetric_word
@@ -288,8 +289,17 @@ class Zone(Noun, study="zone"):
             np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
             for piece in self.boundary
         ]
-        best = min(range(len(distances)), key=lambda i: float(distances[i].min()))
-        piece, j = self.boundary[best], int(np.argmin(distances[best]))
+        # next to a pitchfork Newton's method can leave for the other family: then from another piece
+        for i in sorted(range(len(distances)), key=lambda i: float(distances[i].min()))[:4]:
+            found = self._followed(self.boundary[i], int(np.argmin(distances[i])), r, clearance)
+            if found is None or not (found.admissible and found.consistent):
+                continue
+            if is_symmetric(found) == self.boundary[i].symmetric:
+                return found
+        return None
+
+    def _followed(self, piece: Piece, j: int, r: float, clearance: float) -> Motion | None:
+        """The motion at a point, followed from a vertex; None if it cannot be followed so far."""
         x, theta = piece.x[:, j], piece.theta[:, j]
         begin, last = float(piece.clearance[j]), None
         for part in np.linspace(0, 1, 7)[1:].tolist():
@@ -300,7 +310,7 @@ class Zone(Noun, study="zone"):
             except SingularError:
                 return None
             x, theta = last.X / there, last.phases + last.tau
-        return last if last is not None and last.admissible and last.consistent else None
+        return last
 
     @property
     def area(self) -> float:
