@@ -356,6 +356,23 @@ def test_zones_of_the_oscillator(zones):
     assert checked > 20
 
 
+@pytest.mark.slow
+def test_the_symmetric_zone_of_figure_6():
+    """The same points of the window are inside; the rig of the 1983 paper, with a pitchfork and a fold."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    theirs = vi.zone(osc, "RL", (0.8, 1.2), (2.0, 60.0), symmetric=True)
+    load = vi.Load(1.04, sine=[1, 0])
+    pair = osc.structure(25.0)
+    motion = vi.exact(pair, load, vi.simulate(pair, load, cycles=600))
+    ours = vi.zone(motion, x=("frequency", 0.8, 1.2), y=("opening", 1.0, 30.0))
+    assert all(piece.symmetric for piece in ours.boundary)
+    rng = np.random.default_rng(3)
+    r, clearance = rng.uniform(0.8, 1.2, 3000), np.exp(rng.uniform(*np.log([2, 60]), 3000))
+    inside = theirs.contains(r, clearance)
+    assert 500 < inside.sum() < 2500
+    assert (ours.contains(r, clearance / 2) == inside).all()
+
+
 def test_zones_hold_what_simulation_finds():
     """Points of the plane of a random structure: inside, the motion attracts; outside, it does not."""
     gaps = [vi.Gap([0, -1, 1], 6.0, 0.7), vi.Gap([0, 1, -1], 6.0, 0.7)]

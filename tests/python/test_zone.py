@@ -271,3 +271,24 @@ def test_symmetric_is_one_of_three(symmetric):
             vi.Oscillator(xi=0.01, mu=0.03, restitution=0.75), vi.Pattern("RL"), (0.8, 1.2), (2, 200),
             symmetric=symmetric,
         )  # fmt: skip
+
+
+def test_motions_of_a_zone_belong_to_its_family():
+    """Next to a pitchfork, the motion returned is no symmetric one of a zone of unsymmetric motions."""
+    zone = vi.zone(
+        vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75),
+        "RL",
+        (0.8, 1.2),
+        (2, 60),
+        symmetric=False,
+    )
+    found = 0
+    for clearance in np.geomspace(30, 42, 12).tolist():
+        if not zone.contains(0.94, clearance):
+            continue
+        motion = zone.motion(0.94, clearance)
+        if motion is not None:
+            found += 1
+            assert motion.stable
+            assert not vi.is_symmetric(motion)
+    assert found
