@@ -225,7 +225,7 @@ class StructureZone(Noun, study="zone_structure"):
             except SingularError:
                 return None
             phases = found.phases
-        return found
+        return found if found is not None and found.consistent and found.admissible else None
 
     @property
     def area(self) -> float:
