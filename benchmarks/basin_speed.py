@@ -1,7 +1,7 @@
 """Seconds for basins over a plane of initial states, on one thread: this package and a numba event loop.
 
 Table 1's set at D = 37. The numba loop simulates every state until its state at the start of a load cycle has
-repeated to 1e-6 for some cycles; which of the two mirror images it is on is the sign of its position there. About
+repeated to 1e-6 for some cycles; the sign of its position there gives which of the two mirror images it is. About
 5 % of the states wander for so long that rounding decides, so fractions are compared.
 
 Run with `python benchmarks/basin_speed.py` (needs numba).
@@ -20,7 +20,7 @@ from table import row, show
 
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 R, D = 0.94, 37.0
-#: States each way, of both sides and of this package alone.
+#: States along each axis: for both programs, and for this package alone.
 SIDE, LARGE, ROUNDS = 60, 200, 5
 AXIS = (-30.0, 30.0)
 
@@ -62,7 +62,7 @@ def plane(xi, mu, restitution, r, clearance, axis, most, out):
 
 
 def ours(side):
-    """CPU seconds and fractions of the two largest basins, smaller first."""
+    """CPU seconds, and fractions of the two largest basins, the smaller one first."""
     begin = time.process_time()
     found = vi.basins(OSC, R, D, (("x", *AXIS, side), ("x_dot", *AXIS, side)), threads=1)
     return time.process_time() - begin, np.sort(np.sort(found.fractions)[-2:])

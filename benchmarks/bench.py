@@ -2,7 +2,7 @@
 
     python benchmarks/bench.py [PAGE.md]
 
-Exit status 1 if a peer's answer was another one.
+Exit status 1 if a peer's answer differs.
 """
 
 import os

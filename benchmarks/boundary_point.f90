@@ -1,8 +1,8 @@
-!> What a point of the traced boundary of a zone costs.
+!> The cost of a point of the traced boundary of a zone.
 !!
 !! `boundary_point SIDES SYMMETRIC KIND ROUNDS`, say `boundary_point RL 0 2 5`, prints microseconds
-!! of CPU per vertex of the loops, all conditions being checked at it, per point of the longest
-!! piece along which the condition of that kind is zero, nothing else being looked at, and per step
+!! of CPU per vertex of the loops, where all conditions are checked, per point of the longest
+!! piece, where only the condition of that kind is evaluated, and per step
 !! of the net; a line for each round. With the name of a file it instead reads points of such a
 !! piece from there (u_i, theta_i, r, log D) and prints how far the curve is from them.
 program boundary_point

@@ -35,7 +35,7 @@ NPAR=2, THL={{}}, THU={{}}, UZSTOP={{1: [{low}, {high}]}}
 
 
 def auto_folder():
-    """Where AUTO's object files are; None without AUTO or a compiler."""
+    """Folder of AUTO's object files; None without AUTO or a compiler."""
     folders = [os.environ.get("AUTO_DIR", ""), "/usr/lib/auto-07p"]
     program = shutil.which("auto-07p") or shutil.which("auto")
     if program:
@@ -94,14 +94,14 @@ class Auto:
         return cpu_of([f"./{name}"], self.folder)
 
     def points(self, count):
-        """How many points it makes; they are left in fort.99, as lines u_i, theta_i, r, log D."""
+        """The number of points computed, which are written to fort.99 as lines u_i, theta_i, r, log D."""
         self.run(count, "telling")
         rows = (line.split() for line in (self.folder / "fort.7").read_text().splitlines())
         return sum(1 for row in rows if row[0] != "0")
 
 
 def measure(program, auto, sides, symmetric, kind, number, multiplier):
-    """A point of the bare curve, a vertex of the zone, a step of the net, AUTO's point; how far AUTO's are off."""
+    """Times of a point of the curve, a vertex of the zone, a step of the net, a point by AUTO; its deviation."""
     own = [str(program), sides, str(int(symmetric)), str(number), "1"]
     times, others, apart = [], [], None
     with tempfile.TemporaryDirectory() as folder:
@@ -114,7 +114,7 @@ def measure(program, auto, sides, symmetric, kind, number, multiplier):
             answer = subprocess.run(own, check=True, capture_output=True, text=True).stdout
             times.append([float(word) for word in answer.split()])
             if peer:
-                # what it takes to begin is taken off
+                # the time of the start is subtracted
                 others.append(1e6 * (peer.run(count) - peer.run(2)) / (count - 2))
         if peer:
             command = [*own, f"{folder}/fort.99"]
@@ -125,7 +125,7 @@ def measure(program, auto, sides, symmetric, kind, number, multiplier):
 
 
 def rows(program=PROGRAM) -> list[dict]:
-    """What was measured, one dictionary a line: `peer` and `same_answer` are None where there is no peer."""
+    """The measurements, one dictionary per row; `peer` and `same_answer` are None without a peer."""
     if not Path(program).exists():
         sys.exit(f"{program} is not there: ninja -C build/fortran benchmarks/boundary_point")
     auto = auto_folder()

@@ -1,7 +1,7 @@
 """Time of a chart of the equispaced motion, 200 x 200 points, and of exact motions followed over it.
 
-The peers: a numba loop that intersects the same line and circle and takes the multipliers of [P], without any look
-at the flights between the impacts; and the core's general procedures, one motion after the other.
+The peers: a numba loop that intersects the same line and circle and computes the multipliers of [P], and checks no
+flights between impacts; and the core's general procedures, one motion after the other.
 
 Run with `python benchmarks/chart_speed.py` (needs numba).
 """
@@ -48,7 +48,7 @@ def one_after_the_other():
 
 @numba.njit(fastmath=True)
 def numba_chart(xi, mu, restitution, r, clearance, radii):
-    """Spectral radius of both equispaced motions (2, D, R), NaN where there is none; flights are not looked at."""
+    """Spectral radius of both equispaced motions (2, D, R), NaN where there is none; flights are not checked."""
     alpha, wall = np.array([0.0, math.pi]), np.full(2, restitution)
     a, x, y = np.empty((4, 5)), np.empty(4), np.empty(2)
     p, part, new = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4))
@@ -81,7 +81,7 @@ def numba_chart(xi, mu, restitution, r, clearance, radii):
 
 
 def same_verdicts(radii):
-    """Whether numba and the core find the same motions, stable ones the same."""
+    """Whether numba and the core find the same motions with the same stability."""
     _, _, verdicts, status = _core.equispaced_chart(
         OSC.xi, OSC.mu, OSC.restitution, R, D, 1, False, 1
     )
@@ -112,7 +112,7 @@ def same_answers():
 
 
 def rows():
-    """Milliseconds of the chart, beside both peers."""
+    """Milliseconds of the chart, by this package and both peers."""
     radii = np.empty((2, D.size, R.size))
 
     def loop():
@@ -134,7 +134,7 @@ def multipliers_row():
 
 
 def exact_row():
-    """The same for an exact motion: search, flood, verdicts, dataset."""
+    """The same for an exact motion: search, continuation over the grid, verdicts, dataset."""
     (spent,) = medians(lambda: vi.chart(OSC, vi.Pattern("RRL"), R, D, threads=1))
     return row("chart of exact motions RRL, 200 x 200", "ms", spent)
 

@@ -15,9 +15,9 @@ from vibroimpact.explorer.process import SETTLED, visited
 
 MOVES = 150
 SLIDES = 12
-#: In turn, each to anywhere between two values.
+#: Sliders moved in turn, each to random values between these two.
 SLIDERS = (("xi", 0.002, 0.05), ("mu", 0.01, 0.1), ("R1", 0.5, 0.9), ("R2", 0.5, 0.9))
-#: Milliseconds from what `act` does to the frame behind the first change of an element.
+#: Milliseconds from the event of `act` to the frame after the first change of an element.
 TIMED = """([name, act]) => new Promise((done) => {
   const begin = performance.now(), element = document.getElementById(name)
   const seen = new MutationObserver(() => {
@@ -30,7 +30,7 @@ TIMED = """([name, act]) => new Promise((done) => {
 
 
 def moved(tab, right, down):
-    """The pointer goes to a place of the chart (parts of its box): until the motions there are drawn."""
+    """Milliseconds from a move of the pointer (in parts of the chart's box) until the motions there are drawn."""
     box = tab.locator("#chart").bounding_box()
     x, y = box["x"] + right * box["width"], box["y"] + down * box["height"]
     waits = tab.evaluate_handle(
@@ -50,7 +50,7 @@ def moved(tab, right, down):
 
 
 def slid(tab, name, value):
-    """A slider goes to a value: until the zones are drawn."""
+    """Milliseconds from a move of a slider until the zones are drawn."""
     act = (
         f"const s = document.querySelector('[data-slider={name}]'); s.value = {value}; "
         "s.dispatchEvent(new Event('input'))"
@@ -68,7 +68,7 @@ def cpu(process):
 
 
 def measured(process, tab):
-    """Of pointer and slider: milliseconds of each, and the server's mean of CPU."""
+    """For pointer and slider: milliseconds of each move, and the server's mean CPU time."""
     draw = random.Random(1)
     begin = cpu(process)
     moves = [moved(tab, draw.uniform(0.15, 0.95), draw.uniform(0.1, 0.8)) for _ in range(MOVES)]

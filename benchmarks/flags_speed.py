@@ -2,7 +2,7 @@
 
 This package (`stability_flags`, one thread), a numba loop with its own Householder least squares and double-shift
 QR, and NumPy's batched `qr`, `solve` and `eigvals`, on the same random points; it stops unless all give the same
-verdicts and radii. Beside them the LAPACK calls alone on points of the same kind, without what makes their
+verdicts and radii. For comparison the LAPACK calls alone on points of the same kind, without assembly of their
 matrices, if reference_chain is built.
 
 Run with `python benchmarks/flags_speed.py` (needs numba).
@@ -278,7 +278,7 @@ def microseconds(calls):
 
 
 def lapack_alone():
-    """Microseconds a point of the bare LAPACK calls by N, if reference_chain is built."""
+    """Microseconds a point of the LAPACK calls alone by N, if reference_chain is built."""
     if not CHAIN.exists():
         return {}
     lines = subprocess.run([CHAIN], check=True, capture_output=True, text=True).stdout.splitlines()

@@ -23,7 +23,7 @@ LAG = math.atan2(2 * XI * R, 1 - R * R)
 
 def start(run):
     """State of one run: time and the steady motion of the primary mass at it."""
-    # from just after one greatest position to just after the next, the contact is ahead
+    # from just after one greatest position until just after the next, the contact is still to come
     phase = math.pi / 2 + LAG + 0.3 + 2.2 * run / (RUNS - 1)
     x = AMPLITUDE * math.sin(phase - LAG)
     x_dot = AMPLITUDE * R * math.cos(phase - LAG)

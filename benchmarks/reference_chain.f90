@@ -1,8 +1,8 @@
-!> What the chain of the 1983 theory costs beside the LAPACK calls that it cannot do without.
+!> The cost of the chain of the 1983 theory, relative to the LAPACK calls that it needs.
 !!
-!! For N = 2, 3, 5, 8 impacts, in microseconds a point: (a) the bare LAPACK calls of the same sizes
+!! For N = 2, 3, 5, 8 impacts, in microseconds a point: (a) only LAPACK calls of the same sizes
 !! on the same matrices, (b) `periodic_points` without flights, (c) with flights. All three take
-!! turns within one run, so that a slow moment of the machine hits them alike; the median of the
+!! turns within one run, so that a slow moment of the machine affects all; the median of the
 !! turns counts.
 module bench_chain
    use vi_assess, only: paper_acceptance
@@ -20,7 +20,7 @@ module bench_chain
    public :: measure
 
    integer, parameter :: points = 1000, repetitions = 15
-   !> LAPACK as it is, without the checks that vi_lapack adds.
+   !> Direct LAPACK calls, without the checks that vi_lapack adds.
    interface
       subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: wp

@@ -1,4 +1,4 @@
-"""The LAPACK path from phases to a motion with its multipliers, over the LAPACK calls that it cannot do without.
+"""The LAPACK path from phases to a motion with its multipliers, relative to the LAPACK calls that it needs.
 
 Reads what the program reference_chain prints (build it first: ninja -C build/fortran benchmarks/reference_chain).
 """
@@ -12,7 +12,7 @@ PROGRAM = Path(__file__).resolve().parents[1] / "build/fortran/benchmarks/refere
 
 
 def rows():
-    """Microseconds a point of the chain without flights; the target is 1.15 times the bare calls."""
+    """Microseconds a point of the chain without flights; the target is 1.15 times the LAPACK calls alone."""
     lines = subprocess.run(
         [PROGRAM], check=True, capture_output=True, text=True
     ).stdout.splitlines()

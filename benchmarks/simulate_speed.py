@@ -1,6 +1,6 @@
 """Impacts a second: this package, a hand-written numba event loop, and integrators with events.
 
-The same work for all: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
+All do the same work: 1000 load cycles from rest with the parameters of Figure 6, at a stable and at a
 chaotic point. The numba loop flies in closed form, looks at the gap 40 times a load cycle and finishes by
 Newton: fast, but it can miss a contact that is shorter than its step. The others (50 cycles only) integrate and
 look for sign changes (SciPy, SUNDIALS, Siconos) or isolate the zeros of Taylor polynomials (heyoka, in
@@ -62,7 +62,7 @@ def fly(xi, mu, restitution, r, clearance, end, state, times, n):
         angle = r * t - lag
         b = x - amplitude * math.sin(angle)
         a = (v - amplitude * r * math.cos(angle) + xi * b) / eta
-        if n == MOST:  # it cannot get out of an accumulation of impacts
+        if n == MOST:  # it cannot pass an accumulation of impacts
             return n
         h, found = 0.0, 0
         while found == 0:
@@ -168,7 +168,7 @@ def seconds(work, calls):
 
 
 def integrators(r, clearance, cycles):
-    """CPU time and number of impacts by what a user would install to integrate with events."""
+    """CPU time and number of impacts by common integrators with events."""
     yield "SciPy DOP853", *seconds(lambda: scipy_impacts(r, clearance, cycles), 1)
     yield "SUNDIALS CVODE", *seconds(lambda: sundials_impacts(r, clearance, cycles), 1)
     if taylor_peer.here():

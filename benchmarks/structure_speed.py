@@ -2,7 +2,7 @@
 
 The time of a chain is that of a run less that of a run of no duration, so that it is the time of the flights
 and impacts without the preparation. The cost of an impact should grow as channels x modes of the bodies it
-touches. Two masses are simulated by the path for any structure, as a structure that is recognised as the
+touches. Two masses are simulated by the procedures for any structure, as a structure that is recognised as the
 oscillator of 1983, and as that oscillator; all do the same work. Another peer, if it is installed, is heyoka.
 
 Run with `python benchmarks/structure_speed.py`.

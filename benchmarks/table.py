@@ -17,12 +17,12 @@ def row(work, unit, ours, target=None, peer=None, peer_name="", same_answer=None
 
 
 def digits(number):
-    """Three digits, without a power of ten where there are no more than five."""
+    """Three significant digits, without a power of ten if the number has at most five digits."""
     return f"{number:.0f}" if 1000 <= number < 1e5 else f"{number:.3g}"
 
 
 def more_is_better(item):
-    """Whether a row counts what gets done rather than what it costs."""
+    """Whether a row measures a rate, of which more is better, and not a cost."""
     return item["unit"].endswith(("/s", "times", "found"))
 
 

@@ -1,6 +1,6 @@
 """The peer heyoka: adaptive Taylor integration, compiled for each system, with zeros of its polynomials as events.
 
-Its steps take their polynomials to 2^-52, and all zeros of an event in a step are isolated. Impacts are
+The polynomials of its steps have an error of 2^-52, and all zeros of an event in a step are isolated. Impacts are
 callbacks in Python, as a user would write them.
 """
 
@@ -13,7 +13,7 @@ NAME = "heyoka"
 
 
 def here():
-    """Whether it is installed."""
+    """Whether heyoka is installed."""
     return find_spec(NAME) is not None
 
 
@@ -84,7 +84,7 @@ def simulate(xi, mu, restitution, r, clearance, cycles):
 
 
 def restart(integrator, time, state):
-    """Put an integrator to a time and a state."""
+    """Set an integrator to a time and a state."""
     integrator.time = time
     integrator.state[:] = state
     integrator.reset_cooldowns()

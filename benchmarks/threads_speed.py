@@ -1,7 +1,7 @@
 """How much faster two threads are than one, by the clock, with the same answers to the last bit.
 
-Run with `python benchmarks/threads_speed.py` on a machine that does nothing else. The clock counts what other
-programs take, which lengthens a round and never shortens it: so the ratio is that of the least times.
+Run with `python benchmarks/threads_speed.py` on an otherwise idle machine. Other programs can only lengthen a
+round, so that the ratio is that of the least times.
 """
 
 import sys
@@ -55,7 +55,7 @@ WORK = {
 
 
 def rows():
-    """How many times as fast two threads are."""
+    """The speedup by two threads."""
     answer = []
     for name, work in WORK.items():
         times = {1: [], 2: []}

@@ -1,14 +1,14 @@
-"""An option of all tests, and what makes a run of all of them shorter."""
+"""An option of all tests, and the order of tests that shortens a full run."""
 
 import os
 
 import vibroimpact  # noqa: F401
 
-# Importing the editable package has just built what changed: the processes that tests start skip that.
+# Importing the editable package has just built all changes: processes started by tests skip the build.
 os.environ["VIBROIMPACT_BUILT"] = "1"
 
-#: Files of tests that take longest, in that order: started first where several files run at a time,
-#: none of them is left for the end, when other processors have nothing to do.
+#: Test files by decreasing duration: started first where several files run in parallel,
+#: none of them runs last while other processors are idle.
 LONGEST = (
     "test_audit.py", "test_reproduce.py", "test_commands.py", "test_explorer_trouble.py", "test_explorer_looks.py",
     "test_explorer_page.py", "test_batch_studies.py", "test_batch_command_line.py", "test_branch_crossings.py",
@@ -17,7 +17,7 @@ LONGEST = (
 
 
 def pytest_addoption(parser):
-    """A short run."""
+    """Add the option for a short run."""
     parser.addoption(
         "--once",
         action="store_true",
@@ -26,13 +26,13 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """Limit the random examples before files of tests ask for theirs."""
+    """Limit the number of random examples, before test files read it."""
     if config.getoption("--once"):
         os.environ["VIBROIMPACT_EXAMPLES"] = "25"
 
 
 def pytest_collection_modifyitems(config, items):
-    """Order the files, and leave out all but the first of the tests that share a function."""
+    """Order the files, and with --once keep only the first case of each test function."""
     if "PYTEST_XDIST_WORKER" in os.environ:
         order = {name: place for place, name in enumerate(LONGEST)}
         items.sort(key=lambda item: order.get(item.path.name, len(order)))

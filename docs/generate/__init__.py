@@ -1,1 +1,1 @@
-"""What writes the generated pages: `pages()` of each module gives their names and texts."""
+"""Generators of pages: `pages()` of each module gives their names and texts."""

@@ -11,7 +11,7 @@ FOLDERS = {
     "tests/cli": "The programs",
     "tests/fortran": "The Fortran core",
 }
-#: What a file takes from elsewhere, by a word that it holds.
+#: The source of a file's independent data, by a word in the file.
 ROUTES = {
     "first_principles": "`first_principles.py`",
     "reference_simulation": "`reference_simulation.py`",
@@ -25,7 +25,7 @@ ROUTES = {
     "hypothesis": "random systems",
 }
 
-#: Words of files whose single checks are listed: they compare with an independent model.
+#: Words of files whose checks are listed one by one, because they compare with an independent model.
 INDEPENDENT = ("first_principles", "reference_simulation", "reference_motion", "scipy.optimize")
 
 
@@ -36,7 +36,7 @@ def words(name):
 
 
 def python_checks(path):
-    """(purpose of the file, [what each test checks]); the name of a test that has no docstring."""
+    """(purpose of the file, [what each test checks]); for a test without a docstring, its name."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     found = []
     for node in ast.walk(tree):
@@ -70,14 +70,14 @@ def fortran_checks(path):
 
 
 def is_independent(path):
-    """Whether a file of tests/python is no test but what tests compare with."""
+    """Whether a file of tests/python holds no tests but a model or data that tests compare with."""
     return path.suffix == ".py" and not path.name.startswith(
         ("test_", "conftest", "programs", "shared_")
     )
 
 
 def pages():
-    """A count by subject, what the tests compare with, then the single checks against independent code or data."""
+    """A count by subject, the references, then the single checks against independent code or data."""
     totals, body, details, routes, whole = [], [], [], [], 0
     for folder, title in FOLDERS.items():
         table, lists, total = [], [], 0

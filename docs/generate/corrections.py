@@ -1,4 +1,4 @@
-"""What each correction of the appendix does, computed when the page is made."""
+"""The effect of each correction of the appendix, computed when the page is made."""
 
 import re
 

@@ -1,6 +1,6 @@
 """The Fortran modules: their purpose and what is public in them, from the comments of the sources."""
 
-# Not ford: its 680 pages (23 s, 22 MB) load style and search from other hosts, and are bare without.
+# Not by ford: its 680 pages (23 s, 22 MB) load style and search from other hosts.
 
 import re
 
@@ -12,7 +12,7 @@ HEAD = re.compile(
     r"|character\([\w *:]+\))\s+)*(?:function|subroutine)\s+(\w+)|^   type(?:, \w+(?:\(\w+\))?)* ::\s*(\w+)"
     r"|^   [\w()* ]+, parameter(?:, public)? ::\s*(\w+)|^      integer\(c_int\) function (\w+)"
 )
-#: The codes of vi_status: a comment above each.
+#: The codes of vi_status, each below a comment.
 CODE = re.compile(r"^ +!> (.*)\n +integer :: (\w+) = (\d+)$", re.MULTILINE)
 
 

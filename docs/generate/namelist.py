@@ -4,7 +4,7 @@ from .shared import ROOT
 
 
 def pages():
-    """One table for each group, and what the tables leave out."""
+    """One table for each group, and notes on what the tables omit."""
     text = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
     tables = text.partition(".ci/check_keys.py --write. -->\n")[2].partition("## The result")[0]
     return {

@@ -8,12 +8,12 @@ from vibroimpact.command import parsers
 
 from .shared import PROGRAM
 
-#: Letters in a line.
+#: Characters in a line.
 WIDTH = 96
 
 
 def wrapped(text):
-    """A text whose examples go on in the next line where they are long; no option is broken."""
+    """A text whose long examples are wrapped between options."""
     fold = textwrap.TextWrapper(WIDTH, subsequent_indent=4 * " ", break_on_hyphens=False)
     return "\n".join(
         fold.fill(line) if line.startswith("example: ") else line

@@ -5,7 +5,7 @@ from fnmatch import fnmatch
 import vibroimpact
 import vibroimpact.plot
 
-#: Modules by subject; what is public in a module that stands nowhere comes last.
+#: Modules by subject; public names of modules not listed here come last.
 SUBJECTS = {
     "System, pattern, units": ("model",),
     "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "status"),
@@ -32,7 +32,7 @@ def directive(name, thing):
     kind = "class" if isinstance(thing, type) else "function"
     if isinstance(thing, type) and issubclass(thing, BaseException):
         kind = "exception"
-    # the fields of a named tuple have no text of their own
+    # the fields of a named tuple have no docstrings
     members = kind == "class" and not issubclass(thing, tuple)
     return [f".. auto{kind}:: vibroimpact.{name}", *(["   :members:"] if members else []), ""]
 
@@ -62,7 +62,7 @@ def pages():
 
 
 def place(module, homes):
-    """The first of some names or patterns of modules that a module fits; how many there are if none."""
+    """Index of the first name or pattern that matches a module; their number if none does."""
     return next((i for i, name in enumerate(homes) if fnmatch(module, name)), len(homes))
 
 

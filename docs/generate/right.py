@@ -46,7 +46,7 @@ def maps_of(motion):
 
 
 def newtons_law(motion):
-    """What is missing in Newton's law, momentum and restitution, over the clearance."""
+    """The residuals of Newton's law, momentum and restitution, over the clearance."""
     lengths = np.divide(
         [motion.X, *(np.full(len(motion.X), w) for w in waves(motion))], motion.clearance
     )
@@ -55,7 +55,7 @@ def newtons_law(motion):
 
 
 def linear_problem(motion):
-    """Clearance and positions of the linear problem (DGELS) with the phases found, relative to the clearance."""
+    """Clearance and positions of the linear problem (DGELS) with exact phases, relative to the clearance."""
     linear = vi.periodic(motion.osc, motion.r, motion.phases, motion.pattern)
     apart = [linear.clearance - motion.clearance, *(linear.X - motion.X)]
     return np.abs(apart).max() / motion.clearance
@@ -77,14 +77,14 @@ def determinant(motion):
 
 
 def multiplier(motion):
-    """The largest multiplier against 50 digits, relative."""
+    """Relative error of the largest multiplier, against 50 digits."""
     with mp.workdps(DIGITS):
         known = float(ReferenceMotion(motion).largest_multiplier())
     return abs(np.abs(motion.multipliers).max() / known - 1)
 
 
 def simulated(motion):
-    """Impacts of a simulation over five periods of a stable motion: their load phases (rad)."""
+    """Load phases (rad) of the impacts of a simulation over five periods of a stable motion."""
     periods = 5
     run = vi.simulate(
         motion.osc,
@@ -116,7 +116,7 @@ def many_digits(osc, r, clearance):
 
 
 def structures(motion):
-    """Impacts of the same system as a structure with a third mass, over ten periods: their times."""
+    """Times of the impacts of the same system as a structure with a third mass, over ten periods."""
     osc, D = motion.osc, motion.clearance
     structure = vi.Structure(
         [1, osc.mu, 1], [2 * osc.xi, 0, 0.1], [[1, 0, 0], [0, 0, 0], [0, 0, 2]],
@@ -144,7 +144,7 @@ def exponent(motion):
 
 
 def boundaries():
-    """det([P] - I) or det([P] + I) of the independent model at each vertex of a zone whose condition it is."""
+    """det([P] - I) or det([P] + I) of the independent model at the vertices of a zone where it is zero."""
     zone = vi.zone(FIRST, "RL", (0.9, 1.0), (20.0, 60.0))
     errors = []
     for piece in zone.boundary:
@@ -163,7 +163,7 @@ def boundaries():
 
 
 def rows():
-    """Each comparison: what with what, the number of cases, and the worst error."""
+    """Each comparison: quantity, reference, number of cases, and largest error."""
     all_motions = [motion for point in POINTS for motion in motions(*point)]
     isolated = [
         motion for motion in all_motions

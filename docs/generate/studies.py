@@ -1,4 +1,4 @@
-"""What can be asked for, as the core declares its studies, and what one row of each table is."""
+"""The studies, as the core declares them, and the meaning of a row of each table."""
 
 import inspect
 
@@ -10,7 +10,7 @@ from vibroimpact.tables import language
 
 from .shared import ROOT
 
-#: Functions of other modules that do the same.
+#: Functions of other modules for the same study.
 FUNCTIONS = {"simulate": ("simulate_bundle",)}
 
 

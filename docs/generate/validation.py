@@ -23,7 +23,7 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def bound(x, least=1e-13):
-    """A difference by the next larger number of one digit, which hardly depends on the last bits."""
+    """A difference, rounded up to one digit, which hardly depends on the last bits."""
     if x < least:
         return "below 10⁻¹³"
     power = math.floor(math.log10(x))
@@ -173,7 +173,7 @@ def ball():
 
 
 def written(text, names=("one_wall", "bifurcations", "chain", "ball")):
-    """The page with some of its tables as they are computed now."""
+    """The page with some of its tables computed again."""
 
     def table(found):
         if found[2] not in names:

@@ -1,4 +1,4 @@
-"""The library for C as `meson install` puts it somewhere, and a program that calls it."""
+"""The library for C, installed by `meson install`, and a program that calls it."""
 
 import shutil
 
@@ -11,7 +11,7 @@ def installed(tmp_path_factory):
     """The library, built in the folder of the Fortran tests."""
     if not (BUILD / "build.ninja").exists():
         call(tool("meson"), "setup", BUILD, ROOT, "-Dpython=disabled")
-    # several workers may come here at once
+    # several workers may run this at once
     turn = [tool("in-turn")] if shutil.which(tool("in-turn")) else []
     call(*turn, tool("ninja"), "-C", BUILD)
     away = tmp_path_factory.mktemp("installed")

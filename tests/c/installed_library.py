@@ -1,4 +1,4 @@
-"""The library for C where it is installed, and calls of programs."""
+"""The installed library for C, and calls of programs."""
 
 import os
 import subprocess
@@ -11,7 +11,7 @@ BUILD = ROOT / "build/fortran"
 
 
 def call(*words, **options):
-    """Run a program that has to end well; its stdout."""
+    """Run a program that must succeed; its stdout."""
     options = {"timeout": 1800, "stdin": subprocess.DEVNULL, **options}
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True, **options)
     assert done.returncode == 0, f"{words[0]}: {done.returncode}\n{done.stdout}\n{done.stderr}"
@@ -26,7 +26,7 @@ def tool(name):
 
 @dataclass(frozen=True)
 class Installed:
-    """A folder with bin, include and lib, and what pkg-config says of it."""
+    """A folder with bin, include and lib, and the flags by pkg-config."""
 
     prefix: Path
     libdir: Path
@@ -37,7 +37,7 @@ class Installed:
         return self.prefix / "bin/vibroimpact-batch"
 
     def environment(self):
-        """Where other programs find the library."""
+        """Environment in which other programs find the library."""
         return {
             **os.environ,
             "LD_LIBRARY_PATH": str(self.libdir),

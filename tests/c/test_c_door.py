@@ -42,11 +42,11 @@ CASES["structure"] = (
 CASES["record"] = CASES["structure"].partition("&load")[0] + (
     "&load record = 1, -1, .5, 2, -2, 1, step = 2, base = 'acceleration' /\n&simulate duration = 40 /\n"
 )
-# of other studies, but for two that take long, the case that `vibroimpact init` writes
+# for other studies, except two slow ones, the case that `vibroimpact init` writes
 CASES |= {
     name: template(name, "case.nml") for name in STUDIES if name not in (*CASES, "chart", "atlas")
 }
-#: Nothing can be found there.
+#: A case without a solution.
 NOWHERE = FREE + (
     "&zone sides = 'RL', symmetric = 'yes', r_min = 3, r_max = 3.1,\n"
     "  clearance_min = 5000, clearance_max = 6000 /\n"
@@ -63,7 +63,7 @@ WRONG = {
 
 
 class Door:
-    """The C program in a folder of its own, beside vibroimpact-batch."""
+    """The C program, and vibroimpact-batch, in a separate folder."""
 
     def __init__(self, program, installed, folder):
         self.program, self.installed, self.folder = program, installed, folder
@@ -78,7 +78,7 @@ class Door:
         return done.stdout
 
     def batch(self, text):
-        """What the program writes and says about the same text."""
+        """Files and messages of the program for the same text."""
         (self.folder / "case.nml").write_text(text, encoding="utf-8")
         return subprocess.run(
             [self.installed.program, "case.nml", "-o", "results"], cwd=self.folder,
@@ -93,7 +93,7 @@ def run(door, installed, tmp_path):
 
 @pytest.mark.parametrize("name", CASES)
 def test_digits_of_the_program(run, name):
-    """A result as CSV is, byte for byte, the file that the program writes; the status is its too."""
+    """A result as CSV has the bytes of the file that the program writes, and its status."""
     output = run.batch(CASES[name])
     assert output.returncode == 0, output.stderr
     wanted = (run.folder / "results/case.csv").read_text(encoding="utf-8")
@@ -101,7 +101,7 @@ def test_digits_of_the_program(run, name):
 
 
 def test_digits_of_python(run):
-    """A structure by C, and by the call in Python that takes arrays."""
+    """A simulation of a structure by C has the digits of the call from Python."""
     rows = [line for line in run("show", CASES["structure"]).splitlines() if line[0] != "#"]
     table = list(csv.DictReader(rows))
     gaps = [
@@ -145,7 +145,7 @@ def test_wrong_text(run, name):
     report = run("refuse", WRONG[name])
     status, line, message = report.split(" ", 2)
     assert status == "2"
-    if name == "two_cases":  # which the program takes
+    if name == "two_cases":  # which the program accepts
         assert message == "the text holds 2 cases; must hold one"
         return
     output = run.batch(WRONG[name])
@@ -155,7 +155,7 @@ def test_wrong_text(run, name):
 
 
 def test_nothing_found(run):
-    """What is not there is status 1 with a line that says so, and no file."""
+    """A case without a solution has status 1 and the program's message, and no table."""
     output = run.batch(NOWHERE)
     assert output.returncode == 1
     (run.folder / "case.nml").write_text(NOWHERE)
@@ -182,7 +182,7 @@ def test_each_case_of_a_text(run):
 
 @pytest.mark.parametrize("name", ["response", "lyapunov", "basins"])
 def test_stop_from_another_thread(run, name):
-    """A counters that are written by another thread ends the case before its work is done."""
+    """Another thread ends a case before its work is done, by writing to its counters."""
     longer = {
         "response": ("r_points = 3", "r_points = 400"),
         "lyapunov": ("values = 5", "values = 500"),
@@ -222,7 +222,7 @@ def test_small_stacks(run, name):
 
 
 def test_misuse(run):
-    """Null pointers, handles that are none, and values that do not fit: a status, and no breakdown."""
+    """Null pointers, invalid handles and wrong values give a status, and no crash."""
     run("misuse", CASES["zone"])
 
 
@@ -233,7 +233,7 @@ def test_memory_is_given_back(run, name):
 
 
 def test_descriptions_are_json(run):
-    """Also a text with line feeds in it; the language is that of `vibroimpact-batch --describe`."""
+    """Descriptions are valid JSON, also with line feeds in a text, and those of `vibroimpact-batch --describe`."""
     report = json.loads(run("describe", CASES["zone"]))
     (text,) = next(item["words"] for item in report["columns"] if item["name"] == "text")
     assert text.startswith("&system\n")
@@ -244,7 +244,7 @@ def test_descriptions_are_json(run):
 
 
 def test_symbols_are_its_own(installed):
-    """The library shows what the header declares, and nothing else: no LAPACK of someone else's."""
+    """The library exports the symbols of the header, and no others, such as those of LAPACK."""
     shared = installed.libdir / "libvibroimpact.so"
     shown = {line.split()[-1] for line in call("nm", "-D", "--defined-only", shared).splitlines()}
     header = (ROOT / "src/c/vibroimpact.h").read_text()

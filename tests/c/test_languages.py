@@ -1,4 +1,4 @@
-"""The examples of docs/languages print the same rows in every language that this machine has."""
+"""The examples of docs/languages print the same rows in every language installed here."""
 
 import csv
 import shutil
@@ -22,7 +22,7 @@ def need(program, name):
 
 @pytest.fixture(scope="module")
 def rows(installed, tmp_path_factory):
-    """What each example has to print, from the CSV of the program."""
+    """The rows that each example must print, from the CSV of the program."""
     folder = tmp_path_factory.mktemp("rows")
     (folder / "case.nml").write_text(CASE)
     call(installed.program, "case.nml", "-o", ".", cwd=folder)
@@ -44,7 +44,7 @@ def test_c(installed, rows, tmp_path):
 
 
 def test_structure(installed, tmp_path):
-    """The impacts that C prints are those of the call in Python."""
+    """The impacts printed by C are those of the call in Python."""
     source = EXAMPLES / "structure.c"
     program = installed.compile(source, tmp_path / "s", "-std=c99", "-Wall", "-Wextra", "-Werror")
     printed = call(program)
@@ -80,7 +80,7 @@ def test_cmake(installed, rows, tmp_path):
 
 @pytest.mark.slow
 def test_octave(installed, rows, tmp_path):
-    """The function that Octave and MATLAB call; a wrong case is an error with the message."""
+    """The MEX function for Octave and MATLAB gives the rows; a wrong case raises its message as an error."""
     need("octave-cli", "Octave")
     need("mkoctfile", "Octave")
     where = [f"-Wl,-rpath,{installed.libdir}", *installed.flags]

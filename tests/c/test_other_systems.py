@@ -1,4 +1,4 @@
-"""What is compiled on other systems only: its syntax and types, with declarations as those systems have them."""
+"""Code compiled on other systems only: syntax and types, with the declarations of those systems."""
 
 import shutil
 import subprocess
@@ -30,7 +30,7 @@ STANDARD = {
     "int pthread_attr_getstacksize(const pthread_attr_t *, size_t *);\n"
     "void *pthread_get_stackaddr_np(pthread_t);\nsize_t pthread_get_stacksize_np(pthread_t);\n",
 }
-#: Macros that a system's compiler defines, and the files that it has not.
+#: Macro defined by a system's compiler, and headers that it lacks.
 SYSTEMS = {"macOS": ("__APPLE__", ()), "Windows": ("_WIN32", ("pthread.h",))}
 
 
@@ -38,7 +38,7 @@ SYSTEMS = {"macOS": ("__APPLE__", ()), "Windows": ("_WIN32", ("pthread.h",))}
 @pytest.mark.parametrize("system", SYSTEMS)
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)
 def test_syntax(source, system, tmp_path):
-    """It has not been run there; see docs/limits.md."""
+    """The code for a system compiles with its declarations; it is not run (see docs/limits.md)."""
     macro, lacking = SYSTEMS[system]
     for name, text in STANDARD.items():
         if name not in lacking:

@@ -1,4 +1,4 @@
-"""Cases of studies of attractors, and what is asserted of each of their results."""
+"""Cases of studies of attractors, and the checks of each of their results."""
 
 import re
 
@@ -34,7 +34,7 @@ PLANE = f"""{TABLE}&basins clearance = 37
 
 
 def assert_both(text, batch, command, status=0):
-    """The rows of a case, which both programs give alike, and which give themselves again."""
+    """The rows of a case; both programs must give them, and give them again from the result."""
     done = batch.case(text)
     assert done.status == status, done
     assert command("case.nml", "-o", "command") == done
@@ -53,7 +53,7 @@ def case_of(batch):
 
 
 def told(path):
-    """What the header says of each attractor: name, kind, share, greatest multiplier or exponent."""
+    """The header's entries of each attractor: name, kind, share, greatest multiplier or exponent."""
     pattern = (
         r"# ! (\d+): (.+) \((.+)\), share (\S+?)(?:, (?:greatest|largest)[^,;]* (\S+?))?[,;].*"
     )

@@ -28,7 +28,7 @@ def launcher():
 
 @pytest.fixture
 def batch(tmp_path, binary):
-    """Runner of the stand-alone program in a folder of its own."""
+    """Runner of the stand-alone program in a separate folder."""
     return Runner([binary], tmp_path)
 
 

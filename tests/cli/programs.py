@@ -60,7 +60,7 @@ COMPLETE = """&system
 IMPACT = ["X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"]
 SHARED = ["clearance", "A", "tau", "residual", "x_min", "x_max", "attenuation"]
 WORDS = {True: "true", False: "false", None: "unknown"}
-#: What a sanitizer or the compiler's runtime library says when a program breaks.
+#: Messages of a sanitizer or the compiler's runtime library when a program breaks.
 BREAKDOWN = ("Fortran runtime", "Backtrace", "Sanitizer", "runtime error", "SIG", "Traceback")
 
 
@@ -79,7 +79,7 @@ WRITTEN = re.compile(
 
 @dataclass(frozen=True)
 class Outcome:
-    """Exit status, what was said on the two channels, and which files are told, wherever they are."""
+    """Exit status, standard output and error, and the names of the files reported, without their folders."""
 
     status: int
     out: bytes
@@ -109,7 +109,7 @@ class Runner:
         if not options and call[0] == find_command():
             done = call_here(call, self.cwd)
         else:
-            # what hangs is stopped, what a busy machine slows down is not
+            # the limit stops a hanging program, but not one slowed by a busy machine
             options = {"cwd": self.cwd, "timeout": 600, "stdin": subprocess.DEVNULL, **options}
             if "input" in options:
                 del options["stdin"]
@@ -127,7 +127,7 @@ class Runner:
 
 
 def call_here(call, cwd):
-    """Call the command `vibroimpact` in this process, with the streams, folder and filters of a new one."""
+    """Call the command `vibroimpact` in this process, with the streams, folder and filters of a new process."""
     from vibroimpact.command import main
 
     words = [os.fsdecode(word) for word in call]
@@ -170,9 +170,9 @@ def call_here(call, cwd):
 
 
 def bound_by_permissions():
-    """In a child before it starts: even root may only read and write what the permissions allow.
+    """Called in a child before it starts: even root may then only read and write what permissions allow.
 
-    Root does otherwise by two capabilities, which a program cannot have once they are out of the bounding set.
+    Root bypasses permissions by two capabilities, which are removed from the bounding set.
     """
     if os.geteuid() != 0:
         return
@@ -189,7 +189,7 @@ def write(path, text):
     return path
 
 
-#: Makes a bar appear at once, and be drawn at every look.
+#: Makes a bar appear at once, and be drawn at every update.
 EAGER = (
     "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
     "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
@@ -197,9 +197,9 @@ EAGER = (
 
 
 def on_terminal(cwd, *words, stop=None, again=None, more=""):
-    """Exit status of `vibroimpact`, and what it says on a terminal, with a bar from the start.
+    """Exit status of `vibroimpact`, and its output on a terminal, with a bar from the start.
 
-    It is interrupted when it has said what the pattern `stop` finds, and again when a file is there whose name
+    It is interrupted when its output matches the pattern `stop`, and again when a file exists whose name
     fits the pattern `again`. Python lines `more` are run before the program.
     """
     (cwd / "eager").mkdir(exist_ok=True)
@@ -228,14 +228,14 @@ def on_terminal(cwd, *words, stop=None, again=None, more=""):
 
 
 def wait_for(there):
-    """Wait until something is there, half a minute at most."""
+    """Wait until a condition holds, half a minute at most."""
     end = time.monotonic() + 30
     while not there() and time.monotonic() < end:
         time.sleep(0.02)
 
 
 def bars(output):
-    """How long the bar was, each time it was drawn."""
+    """Length of the bar at each time it was drawn."""
     return [len(item) for item in re.findall(r"\[(#*) *\]", output)]
 
 
@@ -244,7 +244,7 @@ def find_batch():
     chosen = os.environ.get("VIBROIMPACT_BATCH")
     if chosen:
         return str(Path(chosen).resolve(strict=True))
-    importlib.import_module("vibroimpact")  # which builds what has changed, the program too
+    importlib.import_module("vibroimpact")  # the import builds all changes, also of the program
     found = find_launcher()
     if found and Path(found).read_bytes()[:2] != b"#!":
         return found
@@ -264,7 +264,7 @@ def find_command():
 
 
 def find_twin():
-    """The start of `vibroimpact run`, or of the program itself where another build was chosen.
+    """The command line of `vibroimpact run`, or of the program itself if another build was chosen.
 
     Other compiler options may change last bits, so another build is compared with itself.
     """

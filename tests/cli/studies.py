@@ -1,4 +1,4 @@
-"""Cases of branches, zones and atlases, and how their results are compared with those of the API."""
+"""Cases of branches, zones and atlases, and the comparison of their results with those of the API."""
 
 import re
 
@@ -60,7 +60,7 @@ def assert_zone(table, zone):
 def assert_atlas(path, atlas):
     """The zones of the table are those of the API's, in this order; lost attractors are in its header."""
     table = rows(path)
-    words = {True: "true", False: "false", None: "false"}  # with rest they are not told apart
+    words = {True: "true", False: "false", None: "false"}  # with rest: no symmetric family
     wanted = {
         (zone.pattern.sides, str(zone.pattern.cycles), words[zone.symmetric]): zone
         for zone in atlas.zones if zone.boundary

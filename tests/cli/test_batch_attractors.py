@@ -1,4 +1,4 @@
-"""Bifurcation diagrams, responses and basins in namelists: laws, and the digits of the API from both programs."""
+"""Bifurcation diagrams, responses and basins in namelists: laws, and agreement of both programs with the API."""
 
 import inspect
 import math
@@ -31,7 +31,7 @@ ELSEWHERE = ("simulate", "find", "chart", "branch", "zone", "atlas")
 
 
 def assert_diagram(table, result):
-    """Digit by digit."""
+    """Every digit of the table is that of the API's diagram."""
     points = result.points
     assert [row["run"] for row in table] == [result.runs[i] for i in points["run"]]
     assert column(table, result.parameter).tolist() == result.values[points["index"]].tolist()
@@ -67,7 +67,7 @@ def test_diagrams_of_the_api(text, batch, command, same_build):
 
 
 def test_sweeps_agree_outside_the_hysteresis(batch):
-    """Up and down end on one motion or its mirror image but for a stretch in between."""
+    """Sweeps up and down give one motion or its mirror image, except within the hysteresis."""
     text = DIAGRAM.replace("low = 20, high = 26, values = 4", "low = 50, high = 75, values = 26")
     assert batch.case(text.replace("settling = 60", "settling = 300")).status == 0
     reach = {}
@@ -81,7 +81,7 @@ def test_sweeps_agree_outside_the_hysteresis(batch):
     both_ways = [pair == ("2/1", "2/1") for pair in labels]
     only_up = [pair[0] == "2/1" != pair[1] for pair in labels]
     neither = ["2/1" not in pair for pair in labels]
-    # first both, then only the sweep up, then neither: no gaps
+    # the two-impact motion: first in both sweeps, then only in the sweep up, then in neither, without gaps
     assert [*both_ways] == sorted(both_ways, reverse=True)
     assert [*neither] == sorted(neither)
     assert sum(both_ways) > 3 < sum(only_up)
@@ -136,7 +136,7 @@ def test_response_of_the_api(text, batch, command, same_build):
 
 
 def test_response_is_that_of_the_motions(batch):
-    """Of the stable two-impact motion, which is what is left there, by its closed form."""
+    """The response is that of the stable two-impact motion by its closed form."""
     assert batch.case(RESPONSE.replace("inverse_clearance = 0.03", "clearance = 40")).status == 0
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     table = rows(batch.cwd / "results/case.csv")[-2:]
@@ -199,7 +199,7 @@ def test_basins_of_the_api(text, batch, command, same_build):
 
 
 def test_shares_sum_to_one(batch):
-    """... and are those of the labels; the attractors come by falling share."""
+    """Shares sum to one, are those of the labels, and decrease from attractor to attractor."""
     assert batch.case(PLANE).status == 0
     shares = [float(item[3]) for item in told(batch.cwd / "results/case.csv")]
     labels = [int(row["label"]) for row in rows(batch.cwd / "results/case.csv")]
@@ -209,7 +209,7 @@ def test_shares_sum_to_one(batch):
 
 
 def test_attractors_are_motions(batch):
-    """The greatest multiplier is that of the motion that &motion finds."""
+    """The greatest multiplier of an attractor is that of the motion found by &motion."""
     motion = "&motion kind = 'exact', sides = 'RL', clearance = 37, phases_over_pi = 0, 1.37 /\n"
     assert batch.case(TABLE + motion + PLANE.replace(TABLE, "")).status == 0
     row = rows(batch.cwd / "results/case_1.csv")[0]
@@ -223,7 +223,7 @@ def test_attractors_are_motions(batch):
 
 
 def test_mirror_images_go_to_mirror_images(batch):
-    """States near an attractor go to it; their mirror images half a load cycle later to its own."""
+    """States near an attractor go to it; their mirror images, half a load cycle later, go to its mirror image."""
     plane = PLANE.replace(TABLE, EQUAL).replace("= 37", "= 14").replace("8, 9", "3, 3")
     assert batch.case(plane).status == 0
     header = (batch.cwd / "results/case.csv").read_text()
@@ -246,7 +246,7 @@ def test_mirror_images_go_to_mirror_images(batch):
 
 
 def test_what_never_settles_is_not_decided(batch, command):
-    """Free vibration dies out for ever: nothing is written, status 1."""
+    """Free vibration decays without end: no attractor is found, nothing is written, and the status is 1."""
     done = batch.case(PLANE.replace("probes", "load = 0, cycles = 50, probes"))
     assert (done.status, done.out) == (1, b"")
     assert done.faults == ["case: 72 of 72 states not decided"]
@@ -295,7 +295,7 @@ def test_resonance_without_damping(batch):
 
 
 def test_defaults_are_those_of_the_api(tmp_path):
-    """What a namelist leaves out is what a call leaves out."""
+    """Keys left out of a namelist have the defaults of the API."""
     line = "parameter = 'clearance', low = 9, high = 10, values = 2"
     text = (
         f"{EQUAL}&lyapunov clearance = 9 /\n&bifurcation {line} /\n&bifurcation {line}, sweep = 'states' /\n"
@@ -323,7 +323,7 @@ def test_defaults_are_those_of_the_api(tmp_path):
 
 @pytest.mark.parametrize("program", ["batch", "command"])
 def test_interrupt_leaves_whole_items(program, request):
-    """What was done before is whole; what was stopped is marked as cut short, if anything of it is kept."""
+    """After an interrupt finished results are whole, and a kept part of the stopped one is marked as cut short."""
     run = request.getfixturevalue(program)
     longest = "&bifurcation parameter = 'clearance', low = 9, high = 10, values = 100, settling = 1000000 /\n"
     done = f"&lyapunov clearance = 9, cycles = 50, {MOVING} /\n"
@@ -351,7 +351,7 @@ def test_interrupt_leaves_whole_items(program, request):
 
 @pytest.mark.parametrize("name", [name for name in STUDIES if name not in ELSEWHERE])
 def test_inputs(name, batch, command, same_build):
-    """The files that show what there is, from both programs and again from the results."""
+    """The namelists of inputs/ give the same results by both programs, and again from the results."""
     path = str(ROOT / "inputs" / f"{name}.nml")
     done = batch(path, "-o", "out")
     assert (done.status, done.err) == (0, b"")

@@ -1,4 +1,4 @@
-"""Bad input: one line with file, line, group, key, value, what is allowed; status 2; no result."""
+"""Invalid input: one line with file, line, group, key, value, what is allowed; status 2; no result."""
 
 import shutil
 
@@ -24,7 +24,7 @@ NAME = "at most 100 letters, digits"
 NEEDED = "1e-6 <= r <= 1e6"
 WHOLE = "a whole number with 1 <= cycles <= 10000"
 
-#: One line of the complete case is replaced: its number, its new text, what is allowed.
+#: One line of the complete case is replaced: its number, its new text, the allowed values.
 VALUES = [
     *[(2, f"xi = {v}", "0 <= xi < 1") for v in (
         "-0.1", "1", "1.5", "nan", "inf", "-inf", "1e999", "abc", "'0.1'", ".true.", "(0.1,0)",
@@ -149,7 +149,7 @@ def value_cases():
     group = {2: "system", 3: "system", 4: "system", 5: "system", 13: "output", 14: "output"}
     for line, text, allowed in VALUES:
         start = f"&{group.get(line, 'motion')} {text}: must be "
-        # of a value of a thousand letters the middle is left out
+        # the middle of a value of a thousand letters is left out
         yield text[:40], changed(line, "  " + text), line, start[:250], allowed
     for text, allowed in KEYS:
         yield text, changed(9, "  " + text), 9, f"&motion {text}: must be ", allowed
@@ -169,7 +169,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def said_by_command(folder):
-    """What the command says to all bad files in one call, and its status."""
+    """The command's messages about all bad files in one call, and its status."""
     names = [f"bad{i}.nml" for i in range(len(CASES))]
     return Runner(find_twin(), folder)(*names, "-o", "out")
 
@@ -187,7 +187,7 @@ def test_fault_is_named(i, folder, binary):
 
 
 def test_command_says_the_same(folder, binary, said_by_command):
-    """The command and the program say the same to all files in one call, with the same status."""
+    """The command and the program give the same messages about all files in one call, and the same status."""
     names = [f"bad{i}.nml" for i in range(len(CASES))]
     done = Runner([binary], folder)(*names, "-o", "out")
     assert done.status == said_by_command.status == 2
@@ -195,7 +195,7 @@ def test_command_says_the_same(folder, binary, said_by_command):
 
 
 def text_of(done):
-    """The lines on stderr; bytes that are no UTF-8 have a test of their own."""
+    """The lines on stderr; bytes that are not UTF-8 are tested separately."""
     return done.err.decode(errors="replace").split("\n")
 
 
@@ -206,7 +206,7 @@ def test_message_in_full(batch):
 
 
 def test_unreadable_files(batch, command):
-    """A file that is missing, a folder or below a file is one line each; both programs agree."""
+    """A missing file, a folder, and a path below a file give one line each; both programs agree."""
     (batch.cwd / "folder.nml").mkdir()
     write(batch.cwd / "plain", "x")
     names = ["nope.nml", "folder.nml", "plain/x.nml", ""]
@@ -227,7 +227,7 @@ def test_reason_of_a_long_path(batch):
 
 
 def test_file_without_permission(batch):
-    """A file without read permission says so."""
+    """A file without read permission is reported as such."""
     write(batch.cwd / "case.nml", PAIR).chmod(0)
     done = batch("case.nml", preexec_fn=bound_by_permissions)
     assert (done.status, len(done.faults)) == (2, 1)
@@ -235,7 +235,7 @@ def test_file_without_permission(batch):
 
 
 def test_other_files_still_run(batch, command):
-    """A bad file keeps no other file from running, wherever it stands; the status is the worst."""
+    """A bad file, wherever it stands, does not keep other files from running; the status is the worst."""
     write(batch.cwd / "first.nml", PAIR)
     write(batch.cwd / "bad.nml", changed(2, "xi = 2"))
     write(batch.cwd / "last.nml", PAIR)
@@ -256,7 +256,7 @@ def test_nothing_of_a_bad_file_runs(batch):
 
 
 def test_refused_file_takes_no_names(batch):
-    """The names of a file that did not run are free for the next file."""
+    """Result names of a refused file are free for the next file."""
     twice = PAIR + "&output name = 'a' /\n" + PAIR + "&output name = 'b' /\n"
     write(batch.cwd / "refused.nml", twice + PAIR + "&output name = 'b' /\n")
     write(batch.cwd / "good.nml", PAIR + "&output name = 'a' /\n")
@@ -276,7 +276,7 @@ def test_one_name_in_two_files(batch):
 
 
 def test_fault_with_control_characters_is_one_line(batch):
-    """Carriage returns, form feeds and escapes of a bad value stay out of the message."""
+    """Carriage returns, form feeds and escapes of a bad value are not in the message."""
     done = batch.case(COMPLETE.replace("'case'", "'a\rb\x0bc\x0cd\x1b[31me'"))
     assert done.status == 2
     assert len(done.faults) == 1, done.faults
@@ -284,7 +284,7 @@ def test_fault_with_control_characters_is_one_line(batch):
 
 
 def test_bytes_that_are_no_utf8(batch, command):
-    """A value in Latin-1 is echoed byte by byte, by the command too."""
+    """A value in Latin-1 is echoed byte by byte, also by the command."""
     text = changed(2, "xi = caf?").encode().replace(b"?", b"\xe9")
     done = batch.case(text)
     assert b"xi = caf\xe9: must be" in done.err
@@ -292,7 +292,7 @@ def test_bytes_that_are_no_utf8(batch, command):
 
 
 def test_earlier_result_survives_bad_input(batch):
-    """A file that became bad leaves the results of its earlier run alone."""
+    """Invalid input does not change the results of an earlier run."""
     assert batch.case(PAIR).status == 0
     before = contents(batch.cwd / "results")
     assert batch.case(PAIR.replace("1.37", "2.37")).status == 2
@@ -302,7 +302,7 @@ def test_earlier_result_survives_bad_input(batch):
 
 @pytest.mark.parametrize("text", ["1e-5000", "-2.5d-400"])
 def test_a_number_that_would_be_rounded_to_zero(text, batch):
-    """It is in the range, so the message says what is wrong with it."""
+    """A number in its range that would be rounded to zero is refused with that reason."""
     done = batch.case(changed(2, f"  xi = {text}"))
     assert done.status == 2
     assert done.faults[0].endswith("; a number so near 0 is not represented, write 0")

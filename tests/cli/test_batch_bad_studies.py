@@ -1,4 +1,4 @@
-"""Wrong keys of branches, zones and atlases, and groups that do not go together: one clear error each."""
+"""Wrong keys of branches, zones and atlases, and incompatible groups: one clear error each."""
 
 import pytest
 from programs import PAIR, SYSTEM, assert_refused, contents
@@ -26,7 +26,7 @@ BAD_BRANCH = [
 
 @pytest.mark.parametrize(("old", "new", "wanted"), BAD_BRANCH)
 def test_bad_branch(old, new, wanted, batch):
-    """A key of the group on the third line."""
+    """A wrong key of &branch is named with its line, the third."""
     assert old in BRANCH
     assert_refused(BRANCH.replace(old, new), "branch", wanted, 3, batch)
 
@@ -107,7 +107,7 @@ def test_bad_atlas(old, new, wanted, line, batch):
      "&branch low = .9: must be a number"),
 ])  # fmt: skip
 def test_bad_company(text, message, batch):
-    """Groups that do not go together."""
+    """Incompatible groups give one message, status 2 and no result."""
     done = batch.case(text)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert message in done.faults[0]

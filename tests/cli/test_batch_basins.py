@@ -1,4 +1,4 @@
-"""Spacing of a line of values, and random states, in namelists: the digits of the API from both programs."""
+"""Spacings and random states in namelists: both programs give the digits of the API."""
 
 import math
 import re
@@ -58,7 +58,7 @@ def test_exponents_in_ratios_of_the_api(batch, command, same_build):
 
 
 def test_two_values_have_any_spacing(batch):
-    """Between two ends there is nothing to space: the same table."""
+    """With two values both spacings give the same table."""
     tables = []
     for text in (DIAGRAM, RATIOS):
         assert batch.case(text.replace("values = 4", "values = 2")).status == 0
@@ -88,7 +88,7 @@ def test_spacing_without_a_parameter(batch):
 
 
 def sure(path):
-    """What the header says of each attractor's share, of its largest disc, and the uncertainty exponent."""
+    """The header's entries: share and largest disc of each attractor, and the uncertainty exponent."""
     number = r"(\S+)"
     disc = rf", radius of the largest disc {number} about \w+, \w+ = {number}, {number}"
     text = path.read_text()
@@ -122,7 +122,7 @@ def test_random_states_of_the_api(text, batch, command, same_build):
 
 
 def test_safety_of_the_api(batch, command, same_build):
-    """A plane's discs and exponent; and the standard errors on standard output."""
+    """Discs and exponent of a plane are those of the API, and so are the standard errors printed."""
     text = PLANE.replace("8, 9", "40, 33")
     assert_both(text, batch, command)
     result = case_of(batch).run()[0]
@@ -141,7 +141,7 @@ def test_safety_of_the_api(batch, command, same_build):
 
 
 def test_a_plane_without_a_boundary_has_no_exponent(batch):
-    """One attractor alone; the largest disc reaches from the middle to a cell beyond the edge."""
+    """A plane with one attractor has no exponent; its disc reaches from the middle to a cell beyond the edge."""
     text = PLANE.replace(TABLE, WALLS).replace("= 37", "= 6").replace("8, 9", "17, 19")
     assert batch.case(text).status == 0
     ((_, error, radius, x, x_dot),), exponents = sure(batch.cwd / "results/case.csv")
@@ -151,7 +151,7 @@ def test_a_plane_without_a_boundary_has_no_exponent(batch):
 
 
 def test_another_seed_has_other_states(batch):
-    """... of the same shares within their errors; and more states begin with those of fewer."""
+    """Another seed gives other states with the same shares; more states begin with the same ones."""
     tables = []
     for new in ("states = 600, seed = 4", "states = 150, seed = 5", "states = 150, seed = 4"):
         assert batch.case(RANDOM.replace("states = 150, seed = 4", new)).status == 0
@@ -183,7 +183,7 @@ def test_bad_random_states(old, new, wanted, line, batch):
 
 @pytest.mark.parametrize("name", ["x", "low", "inverse_clearance", "probes", "2*x"])
 def test_a_name_is_no_number(name, batch):
-    """The compiler's reader takes the name of a variable for a number that is left out."""
+    """A name in place of a number is refused; the compiler's reader would take it for an omitted number."""
     assert_refused(RANDOM.replace("= 50", f"= {name}"), "basins", "1 <= probes", 4, batch)
     text = DIAGRAM.replace("low = 20", f"low = 20, {name}")
     assert_refused(text, "bifurcation", "a number in the range of the parameter", 3, batch)

@@ -1,4 +1,4 @@
-"""Charts of the program: the digits of Python, the header, empty windows, bad input."""
+"""Charts of the program: the digits of Python, the header, empty windows, invalid input."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ CHOICES = {"both": None, "yes": True, "no": False}
     [("RL", "both"), ("RL", "yes"), ("RL", "no"), ("RRL", "both"), ("RRLL", "yes")],
 )
 def test_digits_of_python(batch, sides, symmetric):
-    """Row by row the dataset of `chart`, to the last bit."""
+    """Each row has the digits of the dataset of `chart`."""
     pytest.importorskip("xarray")
     text = SYSTEM + CHART.replace("'RL'", f"'{sides}'").replace("both", symmetric)
     assert batch.case(text).status == 0
@@ -66,7 +66,7 @@ def test_result_is_an_input(batch):
 
 
 def test_empty_window(batch):
-    """No motion anywhere: it is said, nothing is written, status 1."""
+    """A window without motions gives a message, status 1, and no file."""
     text = SYSTEM + CHART.replace("= 3", "= 3000").replace("= 60", "= 9000")
     outcome = batch.case(text)
     assert outcome.status == 1
@@ -117,14 +117,14 @@ def test_bad_input(batch, old, new, words):
 
 
 def test_symmetry_that_cannot_be(batch):
-    """'yes' needs a pattern that allows it."""
+    """symmetric = 'yes' is refused for a pattern that allows no symmetric motion."""
     outcome = batch.case(SYSTEM + CHART.replace("'both'", "'yes'").replace("'RL'", "'RRL'"))
     assert outcome.status == 2
     assert "second half mirrors the first" in outcome.faults[0]
 
 
 def test_r_of_the_system(batch):
-    """A chart has no r of its own; beside a motion the system needs one."""
+    """Before a chart alone &system must not give r; if a motion follows too, it must."""
     given = SYSTEM.replace(" /", ", r = 0.9 /")
     outcome = batch.case(given + CHART)
     assert outcome.status == 2

@@ -25,7 +25,7 @@ def good(batch):
 
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["case.nml", "--help"]])
 def test_help(arguments, good):
-    """--help prints usage, example and exit statuses to stdout, does nothing else, and gives 0."""
+    """--help prints usage, example and exit statuses to stdout, does nothing else, and has status 0."""
     done = good(*arguments)
     text = done.out.decode()
     assert (done.status, done.err) == (0, b"")
@@ -47,7 +47,7 @@ def test_no_arguments(batch):
 
 @pytest.mark.parametrize("arguments", [["case.nml", "-o"], ["-o"], ["case.nml", "-o", ""]])
 def test_missing_folder(arguments, good):
-    """-o without a folder is one line and status 2, before anything runs."""
+    """-o without a folder gives one line and status 2, before anything runs."""
     done = good(*arguments)
     assert (done.status, done.out) == (2, b"")
     assert done.faults == ["-o: must be followed by a folder"]
@@ -56,7 +56,7 @@ def test_missing_folder(arguments, good):
 
 @pytest.mark.parametrize("option", ["-x", "--output", "-O", "--Help", "-o=x", "--no-such", "-1"])
 def test_unknown_option(option, good):
-    """An unknown option is named, with what there is, before anything runs."""
+    """An unknown option is named, with the known ones, before anything runs."""
     done = good("case.nml", option)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert done.faults[0].startswith(f"{option}: is not an option; must be ")
@@ -94,7 +94,7 @@ def test_example_of_the_program(batch):
     assert "table1_unequispaced.csv" in contents(batch.cwd / "results")
 
 
-# those that write: test_help.py; explore, which does not end by itself: test_explorer.py
+# examples that write: test_help.py; explore, which does not end by itself: test_explorer.py
 @pytest.mark.parametrize("sub", [[], ["doctor"], ["bench"], ["completion"]])
 def test_example_of_the_command(sub, tmp_path):
     """The example of each help of the command works as it stands."""
@@ -134,7 +134,7 @@ def test_inputs_of_the_project_run(batch, command):
 
 
 def test_launcher_is_the_program(launcher, good, same_build):
-    """The installed `vibroimpact-batch` gives what the compiled program gives."""
+    """The installed `vibroimpact-batch` gives the results of the compiled program."""
     done = good("case.nml", "nope.nml", "-o", "out")
     assert Runner([launcher], good.cwd)("case.nml", "nope.nml", "-o", "again") == done
     assert contents(good.cwd / "again") == contents(good.cwd / "out")
@@ -142,7 +142,7 @@ def test_launcher_is_the_program(launcher, good, same_build):
 
 @pytest.mark.parametrize("which", ["launcher", "command"])
 def test_interrupt_leaves_no_traceback(which, launcher, tmp_path):
-    """Ctrl-C ends the installed programs without a Python traceback or a half result."""
+    """Ctrl-C ends the installed programs without a Python traceback or a partial file."""
     write(tmp_path / "case.nml", chain(1000))
     call = [launcher] if which == "launcher" else [find_command(), "run"]
     process = subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Files and folders: results are there whole or not at all, whatever goes wrong."""
+"""Files and folders: whatever fails, a result is written whole or not at all."""
 
 import os
 import resource
@@ -86,7 +86,7 @@ def test_ten_thousand_lines(batch):
 
 
 def test_ten_thousand_lines_in_one_group(batch):
-    """A list of 400 phases spread over 10,000 lines is one list."""
+    """A list of 400 phases spread over 10,000 lines is read as one list."""
     text = chain(400).replace(", ", ",\n! next\n" + "\n" * 24)
     assert text.count("\n") > 10_000
     assert batch.case(text).status == 0
@@ -115,14 +115,14 @@ def test_kill_leaves_whole_results(program, complete_run, binary, tmp_path):
 
 
 def limit_file_size():
-    """Let no file of the child grow above 1000 bytes; a write then fails as on a full disk."""
+    """Limit files of the child to 1000 bytes; a write then fails as on a full disk."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 
 
 @pytest.mark.parametrize("old", [b"the old result\n", None])
 def test_command_on_a_full_disk(old, command, same_build):
-    """If writing fails in mid file, status 2 says so; the old result stays, no new one appears."""
+    """If writing fails in the middle of a file the status is 2; the old result stays, and no new one appears."""
     (command.cwd / "results").mkdir()
     if old:
         write(command.cwd / "results/case.csv", old)
@@ -133,7 +133,7 @@ def test_command_on_a_full_disk(old, command, same_build):
 
 
 def test_program_at_its_file_size_limit(binary, tmp_path):
-    """At the limit the program fails or is ended, but the old result is the only one."""
+    """At the limit the program fails or is killed, and only the old result remains."""
     (tmp_path / "results").mkdir()
     write(tmp_path / "results/case.csv", "old\n")
     write(tmp_path / "case.nml", PAIR)
@@ -158,9 +158,9 @@ def small_disk(tmp_path):
 
 @pytest.mark.parametrize("program", ["program", "command"])
 def test_full_disk(program, small_disk, complete_run, binary):
-    """On a disk that fills up: whole results until then, status 2, and nothing empty or half."""
+    """On a disk that fills up earlier results are whole, the status is 2, and no file is empty or partial."""
     call = [binary] if program == "program" else find_twin()
-    # in a process of its own: a file that could not be closed would keep the disk busy
+    # in a separate process: a file that could not be closed would keep the disk busy
     done = Runner(call, complete_run)("many.nml", "-o", str(small_disk), timeout=300)
     expected = contents(complete_run / "results")
     found = contents(small_disk)
@@ -171,7 +171,7 @@ def test_full_disk(program, small_disk, complete_run, binary):
 
 
 def test_concurrent_runs_into_one_folder(complete_run, binary, tmp_path):
-    """Runs at the same time into one folder all succeed and leave what one run would."""
+    """Concurrent runs into one folder all succeed, and leave the results of a single run."""
     runs = [start([binary], complete_run, "many.nml", "-o", str(tmp_path / "out"))
             for _ in range(8)]  # fmt: skip
     output = [run.communicate(timeout=60)[1] for run in runs]
@@ -185,7 +185,7 @@ def test_concurrent_runs_into_one_folder(complete_run, binary, tmp_path):
     "file", "file/below", pytest.param("/proc/nowhere", marks=pytest.mark.skipif(
         not LINUX, reason="no /proc"))])  # fmt: skip
 def test_folder_that_cannot_be_made(folder, batch, command):
-    """A folder below a file or where none can be made: one line, status 2, in both programs."""
+    """A folder that cannot be made, as below a file, gives one line and status 2 in both programs."""
     write(batch.cwd / "file", "mine")
     done = batch.case(PAIR, "-o", folder)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
@@ -197,7 +197,7 @@ def test_folder_that_cannot_be_made(folder, batch, command):
     assert (again.status, again.out, len(again.faults)) == (2, b"", 1)
     if again != done and below:
         assert again.faults == [f"vibroimpact run: -o {done.faults[0]}"]
-    elif again != done:  # there the system says why
+    elif again != done:  # here the system gives the reason
         assert again.faults[0].startswith(f"vibroimpact run: {folder}: ")
         assert again.faults[0].endswith(f"; {wanted}")
     assert sorted(contents(batch.cwd)) == ["case.nml", "file"]
@@ -223,7 +223,7 @@ def test_read_only_folder(batch):
 
 
 def test_result_that_cannot_be_replaced(batch, command):
-    """A folder of the result's name stays; the fault names it; no temporary file is left."""
+    """A folder with the name of the result stays and is named in the message; no temporary file is left."""
     keep = batch.cwd / "results/case.csv/keep"
     keep.parent.mkdir(parents=True)
     write(keep, "kept")
@@ -244,7 +244,7 @@ def test_read_only_result_is_replaced_whole(batch):
 
 @pytest.mark.parametrize("link", ["case.csv", "case.csv.part", "case.txt", "case.txt.part"])
 def test_links_are_not_written_through(link, batch):
-    """A link in the result folder does not lead a result out of it."""
+    """A result replaces a link of its name; it is not written to the link's target."""
     victim = write(batch.cwd / "victim", "mine")
     (batch.cwd / "results").mkdir()
     (batch.cwd / "results" / link).symlink_to(victim)
@@ -253,7 +253,7 @@ def test_links_are_not_written_through(link, batch):
 
 
 def test_left_over_temporary_file_is_no_obstacle(batch):
-    """What a killed run left behind does not keep the next one from finishing."""
+    """A temporary file of a killed run does not disturb the next run."""
     (batch.cwd / "results").mkdir()
     write(batch.cwd / "results/case.csv.part", "half")
     assert batch.case(PAIR).status == 0
@@ -261,7 +261,7 @@ def test_left_over_temporary_file_is_no_obstacle(batch):
 
 
 def test_table_does_not_replace_its_input(batch):
-    """A printout that would fall on its own namelist file leaves the user's text alone."""
+    """A printout with the path of its own namelist file does not replace it."""
     text = COMPLETE.replace("'csv'", "'table'")
     batch.case(text, "-o", ".", name="case.txt")
     assert (batch.cwd / "case.txt").read_text() == text
@@ -281,7 +281,7 @@ def test_default_folder(batch, command):
     "out", "./out", "out/", "a/b/c", "../{name}/out", "{absolute}/deep/er", "mit Leer zeichen",
     "Ergebniß/Ünï", "./-", "dot.dot/", "trailing ", "o'quote\"s"])  # fmt: skip
 def test_folders(folder, batch, command):
-    """Relative, absolute, nested, with blanks, UTF-8: the folder is made and is the one named."""
+    """The folder named is made, be it relative, absolute, nested, with blanks or in UTF-8."""
     folder = folder.format(name=batch.cwd.name, absolute=batch.cwd)
     assert batch.case(PAIR, "-o", folder).status == 0
     assert list(contents(batch.cwd / folder)) == ["case.csv"]
@@ -292,7 +292,7 @@ def test_folders(folder, batch, command):
 @pytest.mark.parametrize("name", ["mit Leer zeichen.nml", "Ünï cödé.nml", "a/b/c.nml", "case",
                                   "./case.nml", "'quoted'.nml", "per%cent.nml"])  # fmt: skip
 def test_files(name, batch, command):
-    """Input files may have any name, and both programs take them alike."""
+    """Input files may have any name, in both programs."""
     (batch.cwd / name).parent.mkdir(parents=True, exist_ok=True)
     done = batch.case(PAIR, "-o", "out", name=name)
     assert (done.status, done.err) == (0, b"")
@@ -301,7 +301,7 @@ def test_files(name, batch, command):
 
 
 def test_file_by_absolute_path(batch):
-    """An absolute path names the file and stands in the messages."""
+    """A file can be given by its absolute path, which appears in the messages."""
     path = write(batch.cwd / "case.nml", PAIR.replace("0.005", "5"))
     assert batch(str(path)).faults[0].startswith(f"{path}:1: &system xi = 5: ")
 
@@ -315,7 +315,7 @@ def test_blank_at_the_end_of_a_name_counts(batch):
 
 
 def test_input_from_a_pipe(batch):
-    """A pipe is read, or it is said that it cannot be read; it is not called empty."""
+    """A pipe is read, or refused because it cannot be read; it is not called empty."""
     done = batch("/dev/stdin", "-o", "out", input=PAIR.encode())
     assert done.status == 0 or "cannot be read" in done.faults[0], done
 

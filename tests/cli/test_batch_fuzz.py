@@ -1,4 +1,4 @@
-"""Mutated namelists: whatever the bytes, one line and status 2, or a result that is an input."""
+"""Mutated namelists: any bytes give one line and status 2, or a result that is an input."""
 
 import random
 
@@ -39,7 +39,7 @@ def mutated(rng):
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory, binary):
-    """A folder of mutated files, and what the program said to each of them alone."""
+    """A folder of mutated files, and the outcome of the program for each of them alone."""
     folder = tmp_path_factory.mktemp("fuzz")
     rng = random.Random(87)
     names = [f"f{i}.nml" for i in range(COUNT)]
@@ -50,7 +50,7 @@ def ran(tmp_path_factory, binary):
 
 
 def test_no_breakdown_and_one_line_a_fault(ran):
-    """Status 0 says nothing on stderr; status 2 is one line that starts with the file's name."""
+    """Status 0 comes with an empty stderr, status 2 with one line that starts with the file's name."""
     folder, output = ran
     assert {done.status for done in output.values()} >= {0, 2}
     for name, done in output.items():
@@ -66,7 +66,7 @@ def test_no_breakdown_and_one_line_a_fault(ran):
 
 
 def test_nothing_outside_the_folder(ran):
-    """Only the input files and `out` are there, and in `out` only results."""
+    """The folder holds only the input files and `out`, and `out` only results."""
     folder, output = ran
     assert {path.name for path in folder.iterdir()} - {"out", *output} == set()
     assert all(name.endswith((".csv", ".txt")) for name in contents(folder / "out"))
@@ -83,7 +83,7 @@ def test_survivors_are_inputs(ran, binary, tmp_path):
 
 
 def test_command_agrees(ran, tmp_path):
-    """The command says the same to all files, but for names that collide in one call."""
+    """The command gives the same messages, except for names of results that collide in one call."""
     folder, output = ran
     done = Runner(find_twin(), folder)(*output, "-o", str(tmp_path / "out"))
     lines = set(done.err.decode(errors="replace").split("\n"))

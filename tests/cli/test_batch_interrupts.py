@@ -17,7 +17,7 @@ LONG = "&simulate clearance = 5, cycles = 2000000, max_events = 50000000 /\n"
 
 @contextlib.contextmanager
 def started(binary, folder, interrupt=signal.SIG_DFL):
-    """The running program; ended with the block. Shells ignore SIGINT in what they run in the background."""
+    """The running program, ended with the block. Background processes of shells inherit that SIGINT is ignored."""
     with subprocess.Popen(
         [binary, "case.nml", "-o", "out"],
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -31,7 +31,7 @@ def started(binary, folder, interrupt=signal.SIG_DFL):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
-    """The case before it is whole, the one after it is not run; no half of a file is left."""
+    """The case before it is whole, the one after it is not run, and no partial file is left."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG + SHORT)
     with started(binary, tmp_path) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
@@ -42,7 +42,7 @@ def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
     assert "case_2: interrupted: the simulation was stopped after" in faults
     assert "case_1: out/case_1.csv" in message
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert names in (["case_1.csv", "case_2.csv"], ["case_1.csv"])  # it can stop before an impact
+    assert names in (["case_1.csv", "case_2.csv"], ["case_1.csv"])  # it may stop before an impact
     if len(names) == 2:
         head = (tmp_path / "out/case_2.csv").read_text().split("\ntime", 1)[0]
         assert "# ! cut short: the simulation was stopped after" in head
@@ -66,7 +66,7 @@ def test_a_second_interrupt_ends_the_program_at_once(binary, tmp_path):
     "numbers", [(signal.SIGINT,), (signal.SIGTERM,), (signal.SIGTERM, signal.SIGINT) * 3]
 )
 def test_an_interrupt_removes_the_file_that_is_written(numbers, binary, tmp_path):
-    """Signals during the writing of a table, one or several, end it at once; its temporary file is removed."""
+    """One or several signals while a table is written end this at once; the temporary file is removed."""
     write(tmp_path / "case.nml", SYSTEM + LONG.replace("2000000,", "300000,") + SHORT)
     names = []
     for _ in range(2):
@@ -91,7 +91,7 @@ def test_an_interrupt_removes_the_file_that_is_written(numbers, binary, tmp_path
 
 
 def test_a_second_interrupt_gives_up_the_finished_part(binary, tmp_path):
-    """The first one stops the simulation, whose events so far are written; the second one ends that."""
+    """The first signal stops the simulation and writes its events so far; the second one stops the writing."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("2000000,", "10000000,"))
     with started(binary, tmp_path) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
@@ -106,7 +106,7 @@ def test_a_second_interrupt_gives_up_the_finished_part(binary, tmp_path):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_ends_the_reading_of_a_pipe(number, binary, tmp_path):
-    """Nothing has been computed, so the program ends at once, as the signal ends others."""
+    """While a pipe is read nothing has been computed, and the signal ends the program at once by default."""
     os.mkfifo(tmp_path / "case.nml")
     # the pipe is open as soon as the program opens it, too
     with started(binary, tmp_path) as process, open(tmp_path / "case.nml", "wb") as pipe:
@@ -118,7 +118,7 @@ def test_an_interrupt_ends_the_reading_of_a_pipe(number, binary, tmp_path):
 
 
 def test_a_signal_that_the_caller_ignores_stays_ignored(binary, tmp_path):
-    """As with nohup, or in the background of a shell script."""
+    """A signal ignored by the caller, as with nohup or in the background of a script, stays ignored."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("2000000,", "30000,"))
     with started(binary, tmp_path, signal.SIG_IGN) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())

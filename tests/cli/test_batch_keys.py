@@ -1,4 +1,4 @@
-"""The tables of keys, as `--describe` prints them: every door keeps what they say."""
+"""The tables of keys, as `--describe` prints them, hold for namelists, options and Python."""
 
 import inspect
 import json
@@ -81,7 +81,7 @@ SMALLEST = {
     ),
     **{name: smallest(name) for name in OTHERS},
 }
-#: What a call from Python takes beside the oscillator, for the keys that it has by their names.
+#: Calls from Python with the arguments that have no default, and further keys by name.
 CALLS = {
     "simulate": lambda osc, **keys: vi.simulate(osc, 0.94, **{"clearance": 37, "cycles": 1} | keys),
     "zone": lambda osc, **keys: vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), **keys),
@@ -135,7 +135,7 @@ def case(group, extra="", without=()):
 
 
 def echo(folder, text):
-    """What is read of a case, with all that was filled in; or the fault, without its place."""
+    """The case as read, with all defaults; or the fault, without its place."""
     path = folder / "case.nml"
     path.write_text(text, encoding="utf-8")
     try:
@@ -147,7 +147,7 @@ def echo(folder, text):
 
 @pytest.mark.parametrize("group", STUDIES)
 def test_smallest_case_is_complete(group, tmp_path):
-    """No key without a default is missing in it, and none can be taken away."""
+    """The smallest case is accepted, and is refused if any of its keys is removed."""
     assert not isinstance(echo(tmp_path, case(group)), str)
     for key in TABLES[group]:
         if key["default"] or key["may_miss"] or f"{key['name']} =" not in SMALLEST[group][1]:
@@ -161,7 +161,7 @@ def test_smallest_case_is_complete(group, tmp_path):
 
 @pytest.mark.parametrize(("group", "name"), KEYS)
 def test_default_is_what_is_taken(group, name, tmp_path):
-    """A key with its default written out is the case without it."""
+    """A case with a key at its default is the case without the key."""
     key = key_of(group, name)
     if not key["default"] or key["only"]:
         assert key["may_miss"] or key["only"] or key["is"] or not key["default"]
@@ -189,7 +189,7 @@ def outside(key):
 
 @pytest.mark.parametrize(("group", "name"), KEYS)
 def test_range_of_a_number(group, name, tmp_path):
-    """What is beyond an end is refused with the words of the table, an end itself is not."""
+    """A number beyond an end of a range is refused with the words of the table; the end itself is accepted."""
     key = key_of(group, name)
     if key["kind"] == "word" or key["most"] > 1 or key["low"] is key["high"] is None:
         assert key["kind"] == "word" or key["most"] > 1 or "range" in key["takes"] \
@@ -211,7 +211,7 @@ def test_range_of_a_number(group, name, tmp_path):
     "group", [group for group in STUDIES if group not in ("motion", "bifurcation")]
 )
 def test_python_has_the_same_defaults(group):
-    """A call from Python that leaves a key out takes what a namelist takes."""
+    """A key left out has the same default in a call from Python as in a namelist."""
     compared = 0
     for name, parameter in inspect.signature(getattr(vi, group)).parameters.items():
         rows = [key for key in TABLES[group] if key["name"] == name]
@@ -225,7 +225,7 @@ def test_python_has_the_same_defaults(group):
     assert compared >= 2, group
 
 
-#: The group that declares each range that calls on arrays check by themselves, and its key.
+#: The group and key that declare each range that calls on arrays check directly.
 RANGES = {
     "acceptance": ("motion", "acceptance"), "load": ("simulate", "load"), "clearance": ("simulate", "clearance"),
     "cycles_simulated": ("simulate", "cycles"), "longest_step": ("branch", "longest_step"),
@@ -233,7 +233,7 @@ RANGES = {
 
 
 def test_calls_on_arrays_have_the_same_ranges():
-    """They check numbers without the tables, which is faster."""
+    """The ranges that calls on arrays check directly, for speed, are those of the tables."""
     for name, (low, high, closed) in checks.RANGES.items():
         key = key_of(*RANGES.get(name, ("system", name)))
         assert (low, high, closed) == (key["low"], key["high"], not key["below"])
@@ -260,7 +260,7 @@ def test_python_refuses_the_same(group):
 
 
 def drawn(draw, key):
-    """A value that a key takes, as text; None where only the study knows."""
+    """A value allowed for a key, as text; None if the table does not determine one."""
     if key["words"]:
         return f"'{draw.choice(key['words'].split())}'"
     if key["kind"] == "word":
@@ -280,7 +280,7 @@ def drawn(draw, key):
 
 @pytest.mark.parametrize("group", STUDIES)
 def test_random_cases(group, tmp_path):
-    """What is accepted is read again from its own echo, to the same; what is not names a key."""
+    """An accepted case is read from its own echo to the same case; a refusal names a key."""
     draw, accepted = random.Random(group), 0
     for _ in range(150):
         keys = draw.sample(TABLES[group], draw.randint(0, min(4, len(TABLES[group]))))
@@ -297,7 +297,7 @@ def test_random_cases(group, tmp_path):
 
 
 def as_options(values, table):
-    """Values of keys in the words of a command; None where not all keys that share an option are there."""
+    """Values of keys as options of a command; None if not all keys that share an option are given."""
     words = []
     options = {key["name"]: key["option"] or key["name"].replace("_", "-") for key in table}
     for option in dict.fromkeys(options[name] for name in values):
@@ -310,7 +310,7 @@ def as_options(values, table):
 
 
 def made(group, words):
-    """What is read of the case that options make, under the name of `echo`; or the fault."""
+    """The case made by options, as read by `echo`; or the fault."""
     found = []
     module = module_of(group)
     system = "--xi 0.005 --mu 0.042 --restitution 0.75"
@@ -331,7 +331,7 @@ def made(group, words):
 
 @pytest.mark.parametrize("group", OPTIONS)
 def test_random_options(group, tmp_path):
-    """The options of a command make the case that a namelist with the same keys makes, or both are refused."""
+    """Options and a namelist with the same keys give the same case, or both are refused."""
     draw, counts = random.Random(group), {True: 0, False: 0}
     bounded = [key for key in TABLES[group] if list(outside(key))]
     for i in range(150):
@@ -345,7 +345,7 @@ def test_random_options(group, tmp_path):
         values = {name: value for name, value in values.items() if value is not None}
         words = as_options(values, TABLES[group])
         if words is None or (group == "lyapunov" and ", " in values.get("clearance", "")):
-            continue  # three numbers are a line of points there
+            continue  # there three numbers are a line of points
         extra = ", ".join(f"{name} = {value}" for name, value in values.items())
         wanted, found = echo(tmp_path, case(group, extra, values)), made(group, words)
         refused = isinstance(wanted, str)
@@ -356,7 +356,7 @@ def test_random_options(group, tmp_path):
 
 @pytest.mark.parametrize("group", OPTIONS)
 def test_every_key_has_an_option(group):
-    """But the line of points of &lyapunov, which is given by the name of its parameter."""
+    """Every key has an option, except the line of points of &lyapunov, given by the name of its parameter."""
     known = {flag for action in parser_of(group)._actions for flag in action.option_strings}
     for key in TABLES[group]:
         if key["option"] == "-":
@@ -374,7 +374,7 @@ def test_readme_has_the_tables():
 
 
 def test_keys_of_a_group_for_people(batch):
-    """`--keys zone` tells each key, what it takes, what it means and its default."""
+    """`--keys zone` prints for each key the values it takes, its meaning and its default."""
     done = batch("--keys", "zone")
     assert done.status == 0
     lines = done.out.decode().splitlines()
@@ -391,7 +391,7 @@ def test_keys_of_a_group_for_people(batch):
 
 @pytest.mark.parametrize("study", LANGUAGE["results"])
 def test_a_study_has_all_its_parts(study):
-    """A meaning, rows for the CSV, a case among the inputs, and what a row is in inputs/README.md."""
+    """Each study has a meaning, rows for the CSV, a case in inputs/, and an entry in inputs/README.md."""
     message = LANGUAGE["results"][study]
     assert message["meaning"]
     assert message["row"] in {column["table"] for column in message["columns"]}
@@ -403,7 +403,7 @@ def test_a_study_has_all_its_parts(study):
 
 
 def test_the_help_says_what_each_study_does():
-    """One line a study, with the meaning that it declares."""
+    """The help has one line for each study, with its declared meaning."""
     text = subprocess.run(
         [find_batch(), "--help"], capture_output=True, text=True, check=True
     ).stdout

@@ -28,7 +28,7 @@ def run(binary, tmp_path, text, limits=(), environment=None):
 
 
 def test_event_limit(binary, tmp_path):
-    """States that have too many events are not decided, and the message says why."""
+    """States whose simulation has too many events are undecided, and the message gives the reason."""
     done = run(binary, tmp_path, f"{FAST}{BASINS}, max_events = 20000 /\n")
     assert done.returncode == 1
     assert "3 of 3 states not decided, 3 of them as max_events was reached" in done.stderr
@@ -36,7 +36,7 @@ def test_event_limit(binary, tmp_path):
 
 @linux
 def test_memory(binary, tmp_path):
-    """A case for which memory is lacking is a message, and the program goes on with the next one."""
+    """A case that needs more memory than there is gives a message, and the next case runs."""
     text = (
         f"{SYSTEM}&response r_min = .8, r_max = 1.2, r_points = 900000, clearance = 25, states = 1, settling = 0, "
         "keep = 3 /\n&response r_min = .8, r_max = 1.2, r_points = 3, clearance = 25, states = 1, settling = 9, "
@@ -51,7 +51,7 @@ def test_memory(binary, tmp_path):
 @linux
 @pytest.mark.parametrize("length", [2_700_000, 3 * 10**7])
 def test_memory_of_a_long_list(length, binary, tmp_path):
-    """What reading, or the header of the result, takes beyond the limit is a message, and nothing is written."""
+    """If reading, or the header of the result, exceeds the memory, there is a message and no file."""
     numbers = ", ".join(["1"] * (length // 3))
     text = f"{SYSTEM}&lyapunov r = {numbers}, clearance = 20, cycles = 4, batches = 2 /\n"
     done = run(binary, tmp_path, text, [(resource.RLIMIT_AS, 120 * 2**20)])
@@ -64,7 +64,7 @@ def test_memory_of_a_long_list(length, binary, tmp_path):
 @linux
 @pytest.mark.parametrize("size", [96, 128, 256, 1024])
 def test_stack(binary, tmp_path, size):
-    """A stack that is too small is a message, not the end by a signal."""
+    """A stack that is too small gives a message, not a crash."""
     text = f"{SYSTEM.replace('/', ', r = 1.04 /')}{BASINS.replace(', load = 0', '')} /\n"
     done = run(binary, tmp_path, text, [(resource.RLIMIT_STACK, size * 1024)])
     assert done.returncode in ((2,) if size < 512 else (0, 1))
@@ -76,7 +76,7 @@ def test_stack(binary, tmp_path, size):
     [{"OMP_STACKSIZE": "16k"}, {"OMP_STACKSIZE": "64k"}, {"OMP_NUM_THREADS": "100000"}],
 )
 def test_threads(binary, tmp_path, environment):
-    """Small stacks of threads, or very many of them, do not end the program."""
+    """Small stacks of threads, or very many threads, do not crash the program."""
     done = run(binary, tmp_path, f"{FAST}{BASINS}, max_events = 9 /\n", (), environment)
     assert done.returncode == 1, done.stderr
     assert "max_events" in done.stderr

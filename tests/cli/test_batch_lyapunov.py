@@ -1,4 +1,4 @@
-"""Lyapunov exponents in namelists: laws, and the digits of the API from both programs."""
+"""Lyapunov exponents in namelists: laws, and agreement of both programs with the API."""
 
 import math
 
@@ -9,7 +9,7 @@ from programs import assert_refused, column, contents, rows
 
 
 def assert_lyapunov(table, result):
-    """Digit by digit."""
+    """Every digit of the table is that of the API's exponents."""
     assert column(table, "r").tolist() == np.broadcast_to(result.r, len(table)).tolist()
     assert column(table, "clearance").tolist() == result.clearance.ravel().tolist()
     exponents = result.per_cycle.reshape(4, -1)
@@ -34,7 +34,7 @@ def test_exponents_of_the_api(text, batch, command, same_build):
 
 
 def test_sum_of_exponents_is_that_of_volume(batch):
-    """Per load cycle -4 pi xi/r + (impacts a cycle) 2 log R, where the motion is periodic."""
+    """In periodic motion the sum is -4 pi xi/r + (impacts a cycle) 2 log R per load cycle."""
     assert batch.case(LYAPUNOV.replace("discard = 300", "discard = 1500")).status == 0
     table = rows(batch.cwd / "results/case.csv")
     sums = sum(column(table, f"exponent_{i}") for i in range(1, 5))
@@ -47,7 +47,7 @@ def test_sum_of_exponents_is_that_of_volume(batch):
 
 
 def test_exponents_are_those_of_the_multipliers(batch):
-    """Of the stable motion that a &motion of the same file gives."""
+    """The exponents are those of the multipliers of the stable motion, given by &motion in the same file."""
     motion = "&motion kind = 'equispaced', clearance = 30 /\n"
     study = f"&lyapunov clearance = 30, cycles = 400, discard = 2000, {MOVING} /\n"
     assert batch.case(EQUAL + motion + study).status == 0
@@ -62,7 +62,7 @@ def test_exponents_are_those_of_the_multipliers(batch):
 
 
 def test_rest_extinguishes_two_directions(batch):
-    """They are written as Python reads them."""
+    """With rest two exponents are -inf, written as Python reads it."""
     assert batch.case(f"{WALLS}&lyapunov clearance = 6, cycles = 100, {MOVING} /\n").status == 0
     (row,) = rows(batch.cwd / "results/case.csv")
     assert (row["exponent_3"], row["exponent_4"], row["error_4"]) == (
@@ -72,7 +72,7 @@ def test_rest_extinguishes_two_directions(batch):
 
 
 def test_points_without_impacts(batch, command):
-    """Some: their rows are nan, status 1. All: said, nothing written."""
+    """Points without impacts have rows of nan and status 1; if all points are, there is a message and no file."""
     far = LYAPUNOV.replace("high = 40", "high = 4000")
     table = assert_both(far, batch, command, status=1)
     assert table[-1]["exponent_1"] == "nan"
@@ -117,7 +117,7 @@ def test_clearance_is_missing(batch):
 
 
 def test_r_is_where_it_belongs(batch):
-    """Of the &system, unless r is the parameter."""
+    """r belongs to &system unless it is the parameter; elsewhere, missing or given twice, it is refused."""
     along_r = "&lyapunov parameter = 'r', low = .9, high = 1, values = 3, clearance = 9 /\n"
     assert_refused(EQUAL + along_r, "system", "r = 1.04: must be left out", 1, batch)
     assert_refused(

@@ -1,4 +1,4 @@
-"""Motions by namelists: the header, the equispaced pair, printouts, and which status wins."""
+"""Motions by namelists: the header, the equispaced pair, printouts, and the status of several files."""
 
 import math
 
@@ -22,7 +22,7 @@ OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 
 
 def test_header_echoes_the_complete_case(batch):
-    """The header holds every key, the defaults too, as a namelist behind #."""
+    """The header holds every key, including defaults, as a namelist after #."""
     batch.case(COMPLETE)
     text = (batch.cwd / "results/case.csv").read_text()
     header = [line for line in text.splitlines() if line.startswith("#")]
@@ -47,7 +47,7 @@ def test_numbers_are_es24_16(batch):
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("cycles", [1, 3])
 def test_equispaced_pair(precision, cycles, batch, same_build):
-    """Two motions at half-period spacing, mirror images in themselves, equal to the API's."""
+    """The two equispaced motions are their own mirror images, and equal those of the API."""
     done = batch.case(
         f"{SYSTEM}&motion kind = 'equispaced', clearance = 37, cycles = {cycles}\n"
         f"precision = '{precision}' /"
@@ -63,7 +63,7 @@ def test_equispaced_pair(precision, cycles, batch, same_build):
 
 
 def test_no_equispaced_motion(batch, command):
-    """Where there is none the status is 1, one line says so, and the result has no rows."""
+    """If there is no equispaced motion the status is 1, one line says so, and the result has no rows."""
     done = batch.case(SYSTEM + "&motion kind = 'equispaced', clearance = 200 /")
     assert (done.status, done.out, done.faults) == (
         1, b"", ["case: there is no such motion for these parameters"])  # fmt: skip
@@ -88,7 +88,7 @@ def largest_clearance(r):
 
 
 def test_one_equispaced_motion(batch, same_build):
-    """Where line and circle touch there is one motion, and that is a success."""
+    """Where line and circle touch there is one motion, with status 0."""
     touching = ((r, largest_clearance(r)) for r in (0.9, 0.91, 0.93, 0.94, 0.95, 0.97, 0.98))
     r, clearance = next(
         pair for pair in touching if len(vi.equispaced(OSC, *pair)) == 1
@@ -103,14 +103,14 @@ def test_one_equispaced_motion(batch, same_build):
 
 
 def test_free_amplitude_is_status_1(batch):
-    """Equal durations with equal R leave A free: ran, but there is no single motion."""
+    """Equal durations with equal R do not determine A: status 1, since there is no single motion."""
     done = batch.case(PAIR.replace("1.37", "1"))
     assert done.status == 1
     assert "equispaced" in done.faults[0]
 
 
 def test_worst_status_wins(batch):
-    """0, 1 and 2 in one call give 2; 0 and 1 give 1; all that can run does."""
+    """Statuses 0, 1 and 2 in one call give 2, and 0 and 1 give 1; every valid case runs."""
     write(batch.cwd / "none.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 200 /")
     write(batch.cwd / "good.nml", PAIR)
     assert batch("none.nml", "good.nml").status == 1
@@ -119,7 +119,7 @@ def test_worst_status_wins(batch):
 
 
 def test_legacy_printout(batch):
-    """The printout of Table 1 has the printed numbers of its third column, in units of F0/K."""
+    """The printout of the third column of Table 1 has the printed numbers, in units of F0/K."""
     write(batch.cwd / "table1.nml", (ROOT / "inputs/table1.nml").read_bytes())
     assert batch("table1.nml").status == 0
     names = [f"table1_{kind}spaced.{end}" for kind in ("equi", "unequi") for end in ("csv", "txt")]
@@ -141,7 +141,7 @@ def test_format_chooses_the_files(word, ends, batch):
 
 
 def test_a_thousand_impacts(batch, command):
-    """N = 1000 impacts, the most allowed, run, and give an input again."""
+    """N = 1000 impacts, the most allowed, run, and the result is an input."""
     done = batch.case(chain(1000))
     assert done.status == 0
     (motion,) = motions(batch.cwd / "results/case.csv")

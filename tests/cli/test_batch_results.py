@@ -1,4 +1,4 @@
-"""The numbers: laws they obey, the header that reproduces them, and the Python API bit for bit."""
+"""Numbers in results: their laws, the header that reproduces them, and the bits of the Python API."""
 
 import cmath
 import math
@@ -209,7 +209,7 @@ def test_given_numbers_stand_in_the_rows(word, cases, results):
 
 
 def test_single_precision_differs(cases, results):
-    """Single precision is other arithmetic: for N = 2 the same to 1e-2, but never the same bits."""
+    """Single precision gives for N = 2 the same numbers to 1e-2, but never the same bits."""
     for i in range(15):
         double, single = (motions(results / f"{w}_{i}.csv")[0] for w in ("double", "single"))
         x, y = floats(double, "X")[0], floats(single, "X")[0]

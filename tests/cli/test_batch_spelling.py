@@ -1,4 +1,4 @@
-"""Ways to write one and the same case: all give the result of the plain spelling, byte by byte."""
+"""Different spellings of one case give the result of the plain spelling, byte by byte."""
 
 import pytest
 from programs import COMPLETE, PAIR, SYSTEM, Runner, contents, motions, write
@@ -77,14 +77,14 @@ def test_command_reads_them_the_same(batch, command, plain):
 
 
 def test_comment_characters_in_a_quote(batch):
-    """!, / and & in quotes do not end anything: the name is refused as it stands."""
+    """!, / and & in quotes are part of the name, which is refused as written."""
     done = batch.case(COMPLETE.replace("'case'", "'a!b/c&d'"))
     assert "name = 'a!b/c&d': must be" in done.faults[0]
 
 
 @pytest.mark.parametrize(("key", "factor"), [("phases", 3.141592653589793), ("phases_over_pi", 1)])
 def test_phases_in_both_units(key, factor, batch):
-    """Phases in units of pi are those in radians, divided by pi in double precision."""
+    """Phases in units of pi and in radians give the same result."""
     batch.case(f"{SYSTEM}&motion sides = 'RL', {key} = 0, {1.37 * factor!r} /\n")
     phases = motions(batch.cwd / "results/case.csv")[0]["phase"]
     assert [float(item) for item in phases] == [0.0, 1.37 * 3.141592653589793]
@@ -114,7 +114,7 @@ def test_name_of_the_file_is_the_name_of_the_case(name, batch):
 @pytest.mark.parametrize("name", ["a b.nml", "Ünï.nml", ".nml", ".hidden.nml", "n" * 120 + ".nml",
                                   "no_ending", "x.y.z", "-dash.nml"])  # fmt: skip
 def test_any_file_name_gives_an_input_again(name, batch):
-    """The name made from any file name is one that the result, as an input, may have."""
+    """The name of a case made from any file name is allowed in the result as an input."""
     write(batch.cwd / name, PAIR)
     assert batch(f"./{name}").status == 0
     (result,) = (batch.cwd / "results").iterdir()

@@ -1,4 +1,4 @@
-"""Structures in the stand-alone program: one clear error for each fault, and results that are inputs."""
+"""Structures in the stand-alone program: one clear message for each error, and results that are inputs."""
 
 from pathlib import Path
 
@@ -144,7 +144,7 @@ FILES = {
 
 @pytest.fixture(scope="module")
 def broken(tmp_path_factory):
-    """A folder with files that are no symmetric matrices of 2 rows."""
+    """A folder with files that do not hold symmetric matrices of 2 rows."""
     folder = tmp_path_factory.mktemp("matrices")
     for name, text in FILES.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -191,7 +191,7 @@ def test_group_of_an_oscillator_after_a_structure(batch):
 
 
 def test_closed_gap_fails_without_a_result(batch):
-    """A state is not wrong as an input: whether gaps are closed depends on all of the case."""
+    """A state with a negative gap gives no result: the input is valid, since this depends on the whole case."""
     done = batch.case(CASE.replace("duration = 20", "duration = 20, q = 0, 3"))
     assert done.status == 1
     assert done.faults == ["case: a gap is less than closed in the initial state"]
@@ -212,7 +212,7 @@ def test_result_is_an_input(batch):
 
 
 def test_keys_of_the_groups(batch):
-    """Those of &simulate for both kinds of systems, and those of the groups of a structure."""
+    """`--keys` gives those of &simulate for both kinds of systems, and those of the groups of a structure."""
     text = batch("--keys", "simulate").out.decode()
     assert "clearance: " in text
     assert "&simulate of a &structure\n  duration: " in text

@@ -1,4 +1,4 @@
-"""Branches, zones and atlases in namelists: the real program against the API, and against closed forms."""
+"""Branches, zones and atlases in namelists: the program against the API and closed forms."""
 
 import inspect
 
@@ -24,7 +24,7 @@ def tool(tmp_path):
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
 def test_results_are_those_of_the_api(path, batch, command, same_build):
-    """The digits of the API, from the program and from the command, and again from the results."""
+    """Program and command give the digits of the API, and again when run on the results."""
     done = batch(str(path), "-o", "out")
     assert (done.status, done.err) == (0, b"")
     assert command(str(path), "-o", "command") == done
@@ -54,7 +54,7 @@ def test_results_are_those_of_the_api(path, batch, command, same_build):
     ATLAS.replace("0.75", "0.75, 0.61").replace("1.0,", "0.84,").replace("1.1", "0.94").replace("60", "8")
     .replace("20", "4")])  # fmt: skip
 def test_other_cases_are_those_of_the_api(text, batch, same_build):
-    """Every parameter; a motion whose clearance follows from its phases; both families; unequal walls."""
+    """The API's digits also for every parameter, a clearance by phases, both families, and unequal walls."""
     done = batch.case(text)
     assert (done.status, done.err) == (0, b"")
     (case,) = read_namelist(batch.cwd / "case.nml")
@@ -62,7 +62,7 @@ def test_other_cases_are_those_of_the_api(text, batch, same_build):
 
 
 def test_defaults_are_those_of_the_api(tmp_path):
-    """What a namelist leaves out is what a call leaves out."""
+    """Keys left out of a namelist have the defaults of the API."""
     (branch,) = read_namelist(write(tmp_path / "branch.nml", BRANCH))
     (zone,) = read_namelist(write(tmp_path / "zone.nml", ZONE.replace("symmetric = 'no'", "")))
     given = {name: item.default for name, item in inspect.signature(vi.branch).parameters.items()}
@@ -77,7 +77,7 @@ def test_defaults_are_those_of_the_api(tmp_path):
 
 
 def test_exact_motion(batch, same_build):
-    """kind = 'exact' gives the motion of `vi.exact`, at the clearance that was asked for."""
+    """kind = 'exact' gives the motion of `vi.exact` at the given clearance."""
     assert batch.case(SYSTEM + EXACT).status == 0
     table = rows(batch.cwd / "results/case.csv")
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
@@ -93,7 +93,7 @@ def test_exact_motion(batch, same_build):
 
 
 def test_equispaced_boundary_by_the_closed_form(batch):
-    """On pieces of the equispaced zone the closed form has a multiplier of the type's own kind."""
+    """On pieces of the equispaced zone the closed form has the multiplier of the piece's type."""
     text = ZONE.replace("'no'", "'yes'")
     assert batch.case(text).status == 0
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -129,7 +129,7 @@ def test_start_of_a_branch_is_no_case(batch):
 
 
 def test_budget_of_a_branch(batch):
-    """Too few points: what there is is kept and marked, status 1."""
+    """With too few points the partial branch is kept and marked, with status 1."""
     done = batch.case(BRANCH.replace("high = 60", "high = 60, max_points = 15"))
     assert done.status == 1
     assert done.faults == ["case: cut short, max_points was reached"]
@@ -139,7 +139,7 @@ def test_budget_of_a_branch(batch):
 
 
 def test_budget_of_a_zone(batch):
-    """Too few vertices: the open boundary is kept with loop 0 and marked, status 1."""
+    """With too few vertices the open boundary is kept with loop 0 and marked, with status 1."""
     done = batch.case(ZONE.replace("'no'", "'no', max_points = 100"))
     assert done.status == 1
     assert done.faults == ["case: not closed: a boundary could not be followed until it closes"]
@@ -148,7 +148,7 @@ def test_budget_of_a_zone(batch):
 
 
 def test_lost_attractor(batch, tool, same_build):
-    """Too few vertices for a zone: the attractors in it are named, status 1, by every program alike."""
+    """If too few vertices leave a zone out, every program names its attractors, with status 1."""
     done = batch.case(ATLAS.replace("survey = 12", "survey = 12, max_points = 100"))
     assert done.status == 1
     assert b"attractors surveyed" in done.out
@@ -177,7 +177,7 @@ def test_lost_attractor(batch, tool, same_build):
      "case: two equally spaced impacts with equal restitution leave the load amplitude free"),
 ])  # fmt: skip
 def test_nothing_there(text, output, batch):
-    """No motion, no zone: one clear statement, status 1, no result."""
+    """If there is no motion or zone there is one message, status 1 and no result."""
     done = batch.case(text)
     assert (done.status, done.out, len(done.faults)) == (1, b"", 1)
     assert done.faults[0].startswith(output)
@@ -185,7 +185,7 @@ def test_nothing_there(text, output, batch):
 
 
 def test_result_that_cannot_be_written(batch):
-    """A file where the folder should be: status 2, and the file is as it was."""
+    """A file in place of the result folder gives status 2, and does not change."""
     write(batch.cwd / "results", "mine")
     for text in (BRANCH, ZONE, ATLAS):
         done = batch.case(text)

@@ -1,4 +1,4 @@
-"""The command bench: what it measures is what it says; how long that takes is not asked here."""
+"""The command bench: its labels, units and counts; durations are not tested."""
 
 import json
 import math
@@ -13,7 +13,7 @@ NAMES = ["impacts_per_second", "verdicts_per_second", "chart_ms", "vertex_us"]
 
 
 def test_document(tmp_path):
-    """Each number with its name for scripts, and what it was measured on; nothing is written."""
+    """The JSON document has each number by name, and what it was measured on; no file is written."""
     done = Runner([find_command()], tmp_path)("bench", "--json")
     assert (done.status, done.err) == (0, b"")
     document = json.loads(done.out)
@@ -30,7 +30,7 @@ def test_document(tmp_path):
 
 
 def test_fastest_run_divided_by_what_it_did(monkeypatch):
-    """By a clock of our own: 2 s for 4 things, 1 s for 4, and so on; the first run is not counted."""
+    """`best` divides the shortest run by its count, by a simulated clock; the first run does not count."""
     clock, lasts, runs = [0.0], iter([0.1, 2.0, 1.0, 3.0]), []
 
     def work():
@@ -45,7 +45,7 @@ def test_fastest_run_divided_by_what_it_did(monkeypatch):
 
 
 def test_what_is_counted(monkeypatch):
-    """All events are impacts, all verdicts are computed, the vertices are those of a zone that is closed."""
+    """The counts are of impacts only, of computed verdicts, and of the vertices of a closed zone."""
     kept = {}
     for name in ("simulate", "stability_flags", "zone"):
         real = getattr(bench, name)

@@ -1,4 +1,4 @@
-"""The commands simulate and plot: the real program, against the API and against `run`."""
+"""The commands simulate and plot, against the API and `run`."""
 
 import json
 import sys
@@ -43,7 +43,7 @@ def no_matplotlib(tmp_path_factory):
 
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
 def test_cases_are_those_that_run(path, tmp_path):
-    """What Python makes of a file's cases has the digits of the results that the reader's own run writes."""
+    """Cases that Python reads from a file have the digits of the results that running the file writes."""
     results = {item.stem: item for item in vi.run_namelists([path], tmp_path).results}
     cases = read_namelist(path)
     assert [case.name for case in cases] == list(results)
@@ -75,7 +75,7 @@ def test_cases_of_a_result_are_the_same(tmp_path):
 
 
 def test_long_lists_are_read_whole(tmp_path):
-    """Repeats make a case far longer than its file."""
+    """A list written with repeats, which is far longer than the file, is read whole."""
     n = 1000
     text = (
         f"{SYSTEM}&motion sides = '{'RL' * (n // 2)}', cycles = 500, impact_restitution = {n}*0.5\n"
@@ -87,7 +87,7 @@ def test_long_lists_are_read_whole(tmp_path):
 
 
 def test_simulate_writes_what_run_writes(tool):
-    """The same bytes as `run`; of a file with both kinds, the simulations alone."""
+    """`simulate` writes the bytes of `run`, and only the simulations of a file with other cases."""
     write(tool.cwd / "mixed.nml", PAIR + SIMULATION)
     assert tool("run", "mixed.nml", "-o", "run").status == 0
     done = tool("simulate", "mixed.nml", "-o", "simulate")
@@ -98,7 +98,7 @@ def test_simulate_writes_what_run_writes(tool):
 
 
 def test_options_of_a_simulation_are_a_namelist(tool):
-    """The bytes of the same case in a file; what is wrong is said in words of the options."""
+    """Options give the bytes of the same case in a file; errors are in words of the options."""
     options = [*POINT, "--cycles", "20", "--state", "3.5", "0", "0", "-2"]
     assert tool("simulate", *options).status == 0
     write(tool.cwd / "simulate.nml", SIMULATION)
@@ -130,7 +130,7 @@ def test_simulate_draws(words, kind, tool):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 def test_bar_of_a_simulation(tool):
-    """With the time left, also where it is drawn, of the cycles that are discarded too."""
+    """The bar of a simulation gives the time left, also with --plot, and includes the discarded cycles."""
     write(
         tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 9000, discard = 90000")
     )
@@ -142,13 +142,13 @@ def test_bar_of_a_simulation(tool):
 
 
 def test_simulation_of_no_time_is_drawn(tool):
-    """A trajectory of one instant is no reason to break down."""
+    """A trajectory of one instant is drawn without an error."""
     write(tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 0"))
     assert tool("simulate", "case.nml", "--plot").status == 0
 
 
 def test_simulate_says_what_is_missing(tool):
-    """A file without &simulate is named, and the others run."""
+    """A file without &simulate is named in a message, and the others run."""
     write(tool.cwd / "pair.nml", PAIR)
     write(tool.cwd / "case.nml", SIMULATION)
     done = tool("simulate", "pair.nml", "case.nml")
@@ -158,7 +158,7 @@ def test_simulate_says_what_is_missing(tool):
 
 
 def test_simulation_cut_short_is_drawn_too(tool):
-    """Status 1, with the table and the picture of what there is."""
+    """A simulation cut short has status 1, with the table and the picture of its events so far."""
     write(tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, cycles"))
     assert tool("simulate", "case.nml", "--plot").status == 1
     assert sorted(contents(tool.cwd / "results")) == ["case.csv", "case.png"]
@@ -166,7 +166,7 @@ def test_simulation_cut_short_is_drawn_too(tool):
 
 @pytest.mark.parametrize("words", [["simulate", "case.nml", "--plot"], ["plot", "case.nml"]])
 def test_missing_matplotlib(words, tool, no_matplotlib):
-    """The extra is named before anything runs; tables need no matplotlib."""
+    """If matplotlib is missing the extra is named before anything runs; tables do not need it."""
     write(tool.cwd / "case.nml", SIMULATION)
     done = tool(*words, env=no_matplotlib)
     assert (done.status, done.out, len(done.faults)) == (1, b"", 1)
@@ -183,7 +183,7 @@ def test_pipe(tool):
 
 
 def test_plot_draws_every_case(tool):
-    """One picture a motion or simulation."""
+    """`plot` draws one picture for each motion and simulation."""
     inputs = [str(ROOT / "inputs" / name) for name in ("atlas.nml", "figure6.nml", "figure7.nml")]
     done = tool("plot", *inputs, "--format", "svg", "-o", "out")
     assert (done.status, done.err) == (0, b"")
@@ -200,7 +200,7 @@ def test_plot_draws_every_case(tool):
 
 
 def test_faults_of_plot_are_in_the_document(tool):
-    """With --json too; a folder that stays empty goes again."""
+    """The JSON document has the faults of `plot`; a result folder that stays empty is removed."""
     write(tool.cwd / "case.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 200 /\n")
     document = json.loads(tool("plot", "case.nml", "--json").out)
     assert document["faults"] == ["case: there is no such motion for these parameters"]
@@ -210,7 +210,7 @@ def test_faults_of_plot_are_in_the_document(tool):
 
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_simulation_cut_short_in_what_is_discarded(form, tool):
-    """The same status in every form, and the limit is an option."""
+    """A simulation cut short among the discarded cycles has status 1 in every form; the limit is an option."""
     write(
         tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, discard = 90, cycles")
     )
@@ -224,7 +224,7 @@ def test_simulation_cut_short_in_what_is_discarded(form, tool):
 
 
 def test_plot_of_what_is_not_there(tool):
-    """A motion that does not exist: status 1, and the others are drawn; one name twice: status 2."""
+    """A motion that does not exist gives status 1, and the others are drawn; a repeated name gives status 2."""
     nothing = SYSTEM + "&motion kind = 'equispaced', clearance = 200 /\n"
     write(tool.cwd / "case.nml", nothing + PAIR)
     done = tool("plot", "case.nml")
@@ -238,7 +238,7 @@ def test_plot_of_what_is_not_there(tool):
 
 
 def test_pictures_are_drawn_from_the_motion(tmp_path):
-    """One case gives the same bytes every time, another one another picture."""
+    """One case gives the same bytes every time, and another case another picture."""
     pictures = []
     for clearance in (37, 36):
         run = Runner([find_command()], tmp_path)
@@ -252,7 +252,7 @@ def test_pictures_are_drawn_from_the_motion(tmp_path):
 
 
 def test_simulate_animates(tool):
-    """--animate puts a film beside the table, and no picture unless that is asked for."""
+    """--animate writes a film beside the table, and no picture without --plot."""
     write(tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 0.1"))
     done = tool("simulate", "case.nml", "--animate", "gif")
     assert (done.status, done.err) == (0, b"")
@@ -263,7 +263,7 @@ def test_simulate_animates(tool):
 
 
 def test_simulate_without_ffmpeg_writes_nothing(tool):
-    """What is missing is said before anything is computed."""
+    """Without ffmpeg the message about it comes before any computation, and nothing is written."""
     write(tool.cwd / "case.nml", SIMULATION)
     done = tool(
         "simulate", "case.nml", "--animate", "mp4", env={"PATH": "", "IMAGEIO_FFMPEG_EXE": "none"}

@@ -72,7 +72,7 @@ def tool(tmp_path):
 
 @pytest.mark.parametrize(("name", "options", "keys"), EACH, ids=lambda word: word[:20])
 def test_options_are_a_namelist(name, options, keys, tool):
-    """The same bytes and first words by options, from a file, and by `run`, which is the compiled program."""
+    """Options, a file, and `run` (the compiled program) give the same bytes and first lines of output."""
     r = ", r = 1.04" if "--r 1.04 " in options else ""
     write(
         tool.cwd / f"{name}.nml",
@@ -91,7 +91,7 @@ def test_options_are_a_namelist(name, options, keys, tool):
 
 
 def test_windows_are_printed_and_a_quantity_is_drawn(tool):
-    """Those of the function; --quantity draws another picture of the same table, beside files too."""
+    """The windows printed are those of the function; --quantity changes the picture, not the table."""
     write(tool.cwd / "case.nml", kinds()["bifurcation"])
     done = tool("bifurcation", "case.nml", "--plot", "svg", "-o", "x")
     assert (done.status, done.err) == (0, b"")
@@ -110,7 +110,7 @@ def test_windows_are_printed_and_a_quantity_is_drawn(tool):
 
 
 def test_shares_are_printed(tool):
-    """With standard errors, and the uncertainty exponent of the plane."""
+    """Shares are printed with standard errors, and with the uncertainty exponent of the plane."""
     point = "--r 1.04 --clearance 14 --plane x -9 9 18 x_dot -9 9 17"
     done = tool("basins", *SYSTEM, *point.split(), "--plot")
     assert sorted(contents(tool.cwd / "results")) == ["basins.csv", "basins.png"]
@@ -124,7 +124,7 @@ def test_shares_are_printed(tool):
 
 
 def test_random_states(tool):
-    """Those of the function with the same seed; another seed gives others."""
+    """Random states are those of the function with the same seed; another seed gives others."""
     options = "--r 1.04 --clearance 14 --states 30 --seed 5"
     assert tool("basins", *SYSTEM, *options.split()).status == 0
     result = vi.basins(EQUAL, 1.04, 14.0, states=30, seed=5)
@@ -156,7 +156,7 @@ def test_random_states(tool):
     (["response", "case.nml", "--states", "3"], "--states: must be left out beside a namelist file"),
 ])  # fmt: skip
 def test_bad_input_is_named(tool, words, fault):
-    """In the words that were typed; nothing is written."""
+    """Invalid input is named as it was typed; nothing is written."""
     done = tool(*words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert f"vibroimpact {words[0]}: " in done.faults[0]
@@ -166,7 +166,7 @@ def test_bad_input_is_named(tool, words, fault):
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_wrong_file_does_not_stop_the_others(name, tool):
-    """It is named, status 2, and the others run."""
+    """A wrong file is named, with status 2, and the others run."""
     write(tool.cwd / "case.nml", kinds()[name])
     write(tool.cwd / "other.nml", kinds()["equispaced"])
     write(tool.cwd / "bad.nml", kinds()[name].replace("xi = ", "xi = -"))
@@ -181,7 +181,7 @@ def test_a_wrong_file_does_not_stop_the_others(name, tool):
 
 @pytest.mark.parametrize("name", CASES)
 def test_an_input_is_not_overwritten(name, tool):
-    """A namelist whose name is that of its table stays as it is; a table may be run into its own place."""
+    """A namelist with the name of its table is not replaced; a table may be run onto itself."""
     text = kinds()[name]
     write(tool.cwd / "case.csv", text)
     done = tool(name, "case.csv", "-o", ".")
@@ -194,7 +194,7 @@ def test_an_input_is_not_overwritten(name, tool):
 
 @pytest.mark.parametrize("line", ["--clearance 72", "--clearance 72 80 2"])
 def test_lyapunov_without_impacts_says_so(line, tool):
-    """Rest in a wide slot has none; a second line names the option that helps, and it does."""
+    """Without impacts there is a message, and a second line with the option that helps, as is checked."""
     point = ["--r", "1.04", *line.split(), "--cycles", "400", "--discard", "50"]
     done = tool("lyapunov", *SYSTEM, *point)
     n = 1 if line.endswith("72") else 2
@@ -217,7 +217,7 @@ def test_lyapunov_without_impacts_says_so(line, tool):
     assert column(table, "exponent_1").tolist() == result.per_cycle[0].tolist()
 
 
-#: Work for about a second each, on one line of the shell.
+#: Options for about a second of work each.
 LONG = {
     "lyapunov": ["--r", "1.04", "--clearance", "10", "24", "150"],
     "bifurcation": ["--r", "1.04", "--parameter", "clearance", "--values", "50", "75", "900"],
@@ -229,8 +229,8 @@ LONG = {
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("name", LONG)
 def test_bar_and_interrupt_on_a_terminal(name, tool):
-    """A bar that never falls back; Ctrl-C leaves a table of what is finished, an input, and says so; status 1."""
-    # half way: something is finished then, whatever the order of the work
+    """The bar never decreases; Ctrl-C leaves a table of what is finished, which is an input, with status 1."""
+    # half way something is finished, whatever the order of the work
     status, output = on_terminal(tool.cwd, name, *SYSTEM, *LONG[name], stop=r"\[#{15}")
     assert status == 1
     assert len(bars(output)) > 5
@@ -262,7 +262,7 @@ def test_bar_and_interrupt_on_a_terminal(name, tool):
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("name", LONG)
 def test_what_was_cut_short_says_so(name, tool):
-    """The result that is loaded, and its name; numbers are those of what was reached."""
+    """A loaded partial result is marked as cut short, also in its repr; its numbers are those of the part."""
     words = (name, *SYSTEM, *LONG[name], "--format", "json")
     assert on_terminal(tool.cwd, *words, stop=r"\[#{15}")[0] == 1
     result = vi.load(tool.cwd / f"results/{name}.json")
@@ -285,7 +285,7 @@ def test_what_was_cut_short_says_so(name, tool):
             assert (beside == 0).all()
 
 
-#: A disk so slow that half of a file is there until somebody interrupts.
+#: Makes a disk so slow that a partial file exists until an interrupt.
 SLOW_DISK = """
 import pathlib, time
 def write_bytes(path, content):
@@ -299,7 +299,7 @@ pathlib.Path.write_bytes = write_bytes
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 def test_a_second_interrupt_stops_writing(tool):
-    """It says so in one line, and leaves nothing half."""
+    """A second interrupt stops the writing with one line, and leaves no partial file."""
     words = ("response", *SYSTEM, *LONG["response"], "--format", "json")
     status, output = on_terminal(
         tool.cwd, *words, stop=r"\[#{15}", again="results/*.part", more=SLOW_DISK
@@ -323,7 +323,7 @@ ENDLESS = {
 
 @pytest.mark.parametrize("name", ENDLESS)
 def test_the_place_is_tested_first(name, tool):
-    """One line, status 2, and nothing is computed or left."""
+    """A folder that cannot be written is refused first: one line, status 2, nothing computed or left."""
     (tool.cwd / "taken").write_text("mine")
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "taken")
     output = f"vibroimpact {name}: -o taken: taken is a file; must be a folder"

@@ -37,7 +37,7 @@ def found():
 
 
 def test_find_prints_what_find_finds(tool, found):
-    """One line a motion; the point of a file and the point of the options are the same; nothing is written."""
+    """`find` prints one line for each motion, the same for a file and for options; nothing is written."""
     write(tool.cwd / "pair.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n")
     done = tool("find", "pair.nml", *LIMITS)
     assert tool("find", *POINT, *LIMITS) == done
@@ -51,7 +51,7 @@ def test_find_prints_what_find_finds(tool, found):
 
 
 def test_find_at_the_clearance_of_given_phases(tool):
-    """A case with phases is searched at the clearance that its motion has, and finds that motion."""
+    """A case with phases is searched at the clearance of its motion, and finds that motion."""
     write(tool.cwd / "pair.nml", PAIR)
     text = tool("find", "pair.nml", *LIMITS).out.decode()
     motion = vi.periodic(OSC, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
@@ -60,7 +60,7 @@ def test_find_at_the_clearance_of_given_phases(tool):
 
 
 def test_groups_of_their_own(tool, found):
-    """A case &find has limits of its own, which options replace; `run` writes the same table."""
+    """A case &find has its own limits, which options replace; `run` writes the same table."""
     text = SYSTEM + "&find clearance = 37, max_impacts = {}, max_cycles = 1 /\n"
     write(tool.cwd / "find.nml", text.format(2))
     done = tool("find", "find.nml")
@@ -78,7 +78,7 @@ def test_groups_of_their_own(tool, found):
 
 
 def test_find_where_there_is_nothing(tool):
-    """No motion: status 1, no file; a case that has no clearance: its reason, and status 1."""
+    """If no motion is found the status is 1 and no file is written."""
     wide = [
         "--xi",
         "0.3",
@@ -111,7 +111,7 @@ def test_find_where_there_is_nothing(tool):
 
 
 def test_table_of_motions(tool, found):
-    """One row an impact, as `run` writes motions; the header is the case, which gives the same bytes again."""
+    """The table has one row for each impact, and its header is the case, which gives the same bytes again."""
     done = tool("find", *POINT, *LIMITS, "-o", "out")
     assert (done.status, done.err) == (0, b"")
     assert done.files == ("out/find.csv",)
@@ -136,7 +136,7 @@ def test_table_of_motions(tool, found):
     ("form", "suffix"), [("json", "json"), ("netcdf", "nc"), ("matlab", "mat")]
 )
 def test_forms_of_motions(form, suffix, tool, found):
-    """Every bit, read back by `load`; --format writes to the usual folder."""
+    """Each form is read back bit for bit by `load`; --format writes to the usual folder."""
     for library in ("h5netcdf", "scipy"):
         pytest.importorskip(library)
     assert tool("find", *POINT, *LIMITS, "--format", form).status == 0
@@ -147,7 +147,7 @@ def test_forms_of_motions(form, suffix, tool, found):
 
 
 def test_labels_of_motions_with_rest(tool):
-    """Motions with different numbers of impacts share a netCDF file, and one with rest has its letters."""
+    """Motions with different numbers of impacts share a netCDF file, and a motion with rest has its letters."""
     xarray = pytest.importorskip("xarray")
     system = [
         "--xi",
@@ -183,7 +183,7 @@ def test_labels_of_motions_with_rest(tool):
 
 @pytest.mark.parametrize("kind", ["png", "svg"])
 def test_picture_of_motions(kind, tool, found):
-    """Histories and multipliers: a panel for each motion and one more."""
+    """The picture has a history of each motion and a panel of the multipliers."""
     done = tool("find", *POINT, *LIMITS, "--plot", kind)
     assert (done.status, done.err) == (0, b"")
     assert sorted(contents(tool.cwd)) == ["results/find.csv", f"results/find.{kind}"]
@@ -193,7 +193,7 @@ def test_picture_of_motions(kind, tool, found):
 
 
 def test_the_document_of_a_search(tool, found):
-    """All motions that were found."""
+    """The JSON document has all motions found."""
     done = tool("find", *POINT, *LIMITS, "--json")
     (point,) = json.loads(done.out)["results"].values()
     assert (
@@ -212,7 +212,7 @@ def test_the_document_of_a_search(tool, found):
      [], "case.nml: case: must be at one point of r and clearance; this &response is not"),
 ])  # fmt: skip
 def test_bad_searches(text, words, output, tool):
-    """One line, status 2, nothing written."""
+    """A wrong search gives one line and status 2, and writes nothing."""
     write(tool.cwd / "case.nml", text)
     done = tool("find", "case.nml", *words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
@@ -221,7 +221,7 @@ def test_bad_searches(text, words, output, tool):
 
 
 def test_names_of_several_points(tool):
-    """Those of the cases; one name for two points is refused."""
+    """Results of several points have the names of the cases; one name for two points is refused."""
     pair = SYSTEM + "&motion kind = 'equispaced', clearance = {} /\n"
     write(tool.cwd / "two.nml", pair.format(37) + pair.format(36))
     done = tool("find", "two.nml", *LIMITS, "-o", "out")
@@ -245,7 +245,7 @@ def test_names_of_several_points(tool):
     (["--r", "1_0"], "--r 1_0: must be a number"),
     (["--r", "0.9", "--guesses", "1_0"], "--guesses 1_0: must be a whole number")])  # fmt: skip
 def test_numbers_are_repeated_as_typed(words, output, tool):
-    """Not as the infinity or zero that they would be read as; grouped digits are no number, as in namelists."""
+    """Wrong numbers are repeated as typed, not as infinity or zero; grouped digits are refused."""
     system = ["--xi", "0.01", "--mu", "0.05", "--restitution", "0.75", "--clearance", "20"]
     done = tool("find", *system, *words)
     assert done.status == 2

@@ -42,7 +42,7 @@ def test_options_are_a_namelist(name, text, options, tool):
     write(tool.cwd / f"{name}.nml", text)
     assert tool(name, f"{name}.nml", "-o", "file").status == 0
     done = tool(name, *options, "--plot", "svg")
-    assert (done.status, done.err) == (0, b"")  # and no bar, where there is no terminal
+    assert (done.status, done.err) == (0, b"")  # no bar without a terminal
     found = contents(tool.cwd / "results")
     assert sorted(found) == [f"{name}.csv", f"{name}.svg"]
     assert found[f"{name}.csv"] == contents(tool.cwd / "file")[f"{name}.csv"]
@@ -51,7 +51,7 @@ def test_options_are_a_namelist(name, text, options, tool):
 
 
 def test_zone_as_json(tool):
-    """The JSON is the API's zone."""
+    """The JSON holds the API's zone."""
     done = tool("zone", *WINDOW, "--format", "json")
     assert (done.status, done.err) == (0, b"")
     assert list(contents(tool.cwd / "results")) == ["zone.json"]
@@ -62,7 +62,7 @@ def test_zone_as_json(tool):
 
 
 def test_atlas_as_json(tool):
-    """The JSON is what Atlas.save writes, and its zones those of the table."""
+    """The JSON is that of Atlas.save, and its zones are those of the table."""
     done = tool("atlas", *ATLAS_OPTIONS, "--format", "json")
     assert (done.status, done.err) == (0, b"")
     assert list(contents(tool.cwd / "results")) == ["atlas.json"]
@@ -71,7 +71,7 @@ def test_atlas_as_json(tool):
 
 
 def test_atlas_of_nothing_as_json(tool):
-    """Said in one line, the same as of a table; status 1, nothing written."""
+    """An empty atlas gives the same line as with a table, status 1, and no file."""
     nothing = ["atlas", *ATLAS_OPTIONS, "--clearance", "1e6", "2e6"]
     done = tool(*nothing, "--format", "json", "--plot")
     assert tool(*nothing) == done
@@ -93,7 +93,7 @@ SIMULATE = (
 
 @pytest.mark.parametrize("case", [ATLAS, CHART, SIMULATE], ids=["atlas", "chart", "simulate"])
 def test_progress_of_cases(case, tmp_path, monkeypatch):
-    """What is told of the work while it runs goes from nothing to all, and changes no result."""
+    """The progress of cases goes from 0 to 1, and does not change the results."""
     write(tmp_path / "case.nml", case)
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     shares = []
@@ -110,7 +110,7 @@ def test_progress_of_cases(case, tmp_path, monkeypatch):
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_bar_on_a_terminal(form, tool):
-    """There the command shows how far it is and how much time is left, and wipes it off at the end."""
+    """On a terminal the command shows its progress and the time left, and erases the bar at the end."""
     status, output = on_terminal(
         tool.cwd, "atlas", *ATLAS_OPTIONS, "--max-impacts", "3", "--format", form
     )
@@ -130,7 +130,7 @@ FINE = [*ALONG_OPTIONS, "--longest-step", "0.00005", "--max-points", "80000"]
     ("form", "stop"), [("csv", None), ("csv", r"\[#{3}"), ("json", r"\[#{10}")]
 )
 def test_bar_of_a_branch(form, stop, tool):
-    """It never falls back and tells the time left; Ctrl-C leaves the points so far, and says so; status 1."""
+    """The bar never decreases and gives the time left; Ctrl-C keeps the points so far, with status 1."""
     status, output = on_terminal(tool.cwd, "branch", *FINE, "--format", form, stop=stop)
     assert len(bars(output)) > 5
     assert bars(output) == sorted(bars(output))
@@ -155,14 +155,14 @@ def test_bar_of_a_branch(form, stop, tool):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 def test_bar_of_several_cases(tool):
-    """It goes once from one end to the other, with the results that there are."""
+    """The bar of several cases runs once from end to end, with the number of results so far."""
     case = ZONE.removeprefix(WALLS)
     write(tool.cwd / "case.nml", WALLS + 4 * case)
     status, output = on_terminal(tool.cwd, "run", "case.nml")
     assert (status, len(contents(tool.cwd / "results"))) == (0, 4)
     lengths = bars(output)
     assert lengths == sorted(lengths)
-    # one case of four is not the whole: without the count of results the bar would be at its end
+    # one of four cases: without the count of results the bar would be at its end
     assert 0 < sum(length < 24 for length in lengths) < len(lengths)
     assert lengths[-1] > 20
 
@@ -196,7 +196,7 @@ def test_equispaced_pair_by_options(tool):
      "vibroimpact branch: --sides 'R''L': must be letters R and L"),
 ])  # fmt: skip
 def test_bad_options(words, output, tool):
-    """One line that says what is wrong, status 2, nothing written."""
+    """Wrong options give one line that names them and status 2, and nothing is written."""
     write(tool.cwd / "case.nml", PAIR)
     done = tool(*words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)

@@ -1,4 +1,4 @@
-"""The command completion: the shells themselves complete what is typed."""
+"""The command completion, tested in the shells."""
 
 import shutil
 import subprocess
@@ -33,7 +33,7 @@ def answer(words, cwd):
     return set(done.stdout.split())
 
 
-#: What is typed, and some of what it may become; None for all.
+#: Typed words, and some of their completions.
 TYPED = [
     ("vibroimpact ", {*NAMES}),
     ("vibroimpact zo", {"zone"}),
@@ -52,7 +52,7 @@ TYPED = [
 
 @pytest.mark.parametrize(("typed", "wanted"), TYPED)
 def test_bash(typed, wanted, script):
-    """The function, called as bash calls it."""
+    """The completion function, called as bash calls it, gives the completions."""
     path = script("bash")
     words = typed.split(" ")
     array = " ".join(f"'{word}'" for word in words)
@@ -63,7 +63,7 @@ def test_bash(typed, wanted, script):
 
 
 def test_bash_takes_a_file_with_a_blank_as_one(script, tmp_path):
-    """Its name is one word."""
+    """A file name with a blank is completed as one word."""
     (tmp_path / "two words.nml").touch()
     code = f"source {script('bash')}; COMP_WORDS=(vibroimpact run tw); COMP_CWORD=2; _shtab_vibroimpact; "
     code += 'printf "%s|" "${COMPREPLY[@]}"'
@@ -75,7 +75,7 @@ def test_bash_takes_a_file_with_a_blank_as_one(script, tmp_path):
 
 @pytest.mark.parametrize(("typed", "wanted"), TYPED)
 def test_fish(typed, wanted, script):
-    """As fish itself completes it."""
+    """fish gives the completions."""
     path = script("fish")
     done = subprocess.run(
         ["fish", "--no-config", "-c", f"source {path}; complete -C '{typed}'"],
@@ -96,7 +96,7 @@ def test_zsh_takes_it(script):
 
 
 def test_every_command_and_option_is_there(script):
-    """In each script."""
+    """Each script has all commands, and options of several of them."""
     for shell in ("bash", "fish"):
         if shutil.which(shell):
             text = script(shell).read_text()

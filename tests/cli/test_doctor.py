@@ -1,4 +1,4 @@
-"""The command doctor, and what all commands have in common: --quiet, --json, --help with an example."""
+"""The command doctor, and options of all commands: --quiet, --json, --help with an example."""
 
 import json
 import re
@@ -17,7 +17,7 @@ def tool(tmp_path):
 
 
 def test_doctor_tells_of_this_installation(tool):
-    """Versions are those of this interpreter; the motion of Table 1 comes out right."""
+    """The versions are those of this interpreter, and the motion of Table 1 is correct."""
     done = tool("doctor", "--json")
     assert (done.status, done.err) == (0, b"")
     facts = json.loads(done.out)["results"]["doctor"]
@@ -37,7 +37,7 @@ def test_doctor_tells_of_this_installation(tool):
 
 
 def test_doctor_says_how_to_get_what_is_missing(tool):
-    """A library that is not there is named with what it is for; that is no fault."""
+    """A missing library is named with its purpose, and is no error."""
     write(tool.cwd / "sitecustomize.py", """import importlib.metadata as m
 known = m.version
 def version(name):
@@ -53,14 +53,14 @@ m.version = version
 
 
 def test_doctor_sees_threads(tool):
-    """What the environment asks for is what OpenMP takes."""
+    """The number of threads is that of the environment, as OpenMP uses it."""
     done = tool("doctor", env={"OMP_NUM_THREADS": "3", "PATH": ""})
     output = re.search(r"threads: +(.*)", done.out.decode())[1]
     assert output.startswith("3 of ") or "without OpenMP" in output
 
 
 def test_quiet(tool):
-    """Nothing on standard output; faults are still told."""
+    """With --quiet standard output is empty, but faults are reported."""
     done = tool("doctor", "--quiet")
     assert (done.status, done.out) == (0, b"")
     done = tool("run", "missing.nml", "--quiet")
@@ -68,7 +68,7 @@ def test_quiet(tool):
 
 
 def test_json_of_a_wrong_input(tool):
-    """The document is there too, with the status and the fault that standard error tells."""
+    """With --json wrong input gives the document, too, with the status and the fault of standard error."""
     done = tool("find", "--xi", "2", "--mu", "0.1", "--restitution", "0.7", "--r", "1", "--clearance", "9",
                 "--json")  # fmt: skip
     document = json.loads(done.out)

@@ -1,4 +1,4 @@
-"""How the programs begin and end: Ctrl-C from the start, words of the command line, a full disk, folders."""
+"""Start and end of the programs: Ctrl-C at the start, arguments, a full disk, folders."""
 
 import json
 import os
@@ -38,7 +38,7 @@ def tool(tmp_path):
     "argparse", "vibroimpact.commands.lyapunov", "vibroimpact.commands.cases",
 ])  # fmt: skip
 def test_interrupt_at_the_start(name, tool):
-    """While modules are imported and the command line is read: one line, status 1."""
+    """An interrupt while modules are imported or the command line is read gives one line and status 1."""
     (tool.cwd / "early").mkdir()
     write(tool.cwd / "early/sitecustomize.py", STOP.format(name=name))
     done = tool(
@@ -62,7 +62,7 @@ def test_interrupt_at_the_start(name, tool):
     ("lyapunov --cycles 80 -1e", 2, "unrecognized arguments: -1e; see `vibroimpact lyapunov --help`"),
 ])  # fmt: skip
 def test_numbers(words, status, output, tool):
-    """Negative ones in any notation are values; a fault names option, value, and what is allowed."""
+    """Negative numbers in any notation are values of options; a fault names option, value, and what is allowed."""
     name, *others = words.split()
     done = tool(name, *POINT, *others)
     assert done.status == status
@@ -76,7 +76,7 @@ def test_numbers(words, status, output, tool):
     ("nothing", "", "argument COMMAND: invalid choice: 'nothing'"),
 ])  # fmt: skip
 def test_faults_of_words_in_json(words, name, output, tool):
-    """One document, and on the other channel one line."""
+    """With --json a wrong argument gives one document, and one line on standard error."""
     done = tool(*words.split(), "--json")
     document = json.loads(done.out)
     assert (done.status, document["status"], document["command"]) == (2, 2, name)
@@ -86,7 +86,7 @@ def test_faults_of_words_in_json(words, name, output, tool):
 
 
 def test_launcher_of_the_program_imports_no_package(binary, tmp_path):
-    """As it stands in a wheel: the program starts also where the package could not be imported."""
+    """The launcher, as in a wheel, starts the program even if the package cannot be imported."""
     (tmp_path / "vibroimpact/_bin").mkdir(parents=True)
     write(tmp_path / "vibroimpact/__init__.py", "raise ImportError")
     (tmp_path / "vibroimpact/_bin/vibroimpact-batch").symlink_to(binary)
@@ -101,7 +101,7 @@ def test_launcher_of_the_program_imports_no_package(binary, tmp_path):
 @FULL
 @pytest.mark.parametrize("words", ["--help", "--version", "case.nml"])
 def test_program_on_a_full_disk(words, batch):
-    """What is printed is lost: one line, status 1; results are kept."""
+    """If standard output is full there is one line and status 1; results are kept."""
     write(batch.cwd / "case.nml", PAIR)
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(
@@ -115,7 +115,7 @@ def test_program_on_a_full_disk(words, batch):
 @pytest.mark.parametrize("buffered", ["", "1"])
 @pytest.mark.parametrize("words", ["--help", "--version", "zone --help"])
 def test_help_on_a_full_disk(words, buffered, tool):
-    """The same of `vibroimpact`, whether Python holds back what it prints or not."""
+    """The help of `vibroimpact` on a full disk gives one line and status 1, buffered or not."""
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(
             [find_command(), *words.split()], stdout=full, stderr=subprocess.PIPE, text=True,
@@ -127,7 +127,7 @@ def test_help_on_a_full_disk(words, buffered, tool):
 
 
 def test_misspelt_group(batch):
-    """It is told first, not what the other groups would mean without it."""
+    """A misspelt group is reported, and not an error in other groups that follows from it."""
     text = SYSTEM + "&motin kind = 'equispaced', clearance = 3 /\n"
     (fault,) = batch.case(text).faults
     assert fault.startswith("case.nml:2: &motin: is not a group; must be &system, &output, &motion")
@@ -135,7 +135,7 @@ def test_misspelt_group(batch):
 
 @pytest.mark.parametrize(("name", "value"), [("r", "1.04"), ("clearance", "9")])
 def test_a_parameter_that_is_swept_has_no_value(name, value, tool):
-    """In the words of options."""
+    """A value for the swept parameter is refused, in the words of the options."""
     done = tool("bifurcation", *POINT, "--parameter", name, "--values", "1", "2", "3")
     output = f"vibroimpact bifurcation: --{name} {value}: must be left out: it is "
     assert (done.status, len(done.faults)) == (2, 1)
@@ -144,7 +144,7 @@ def test_a_parameter_that_is_swept_has_no_value(name, value, tool):
 
 @pytest.mark.parametrize("folder", ["q.txt", "a/b.JSONL", "-"])
 def test_what_is_no_folder_is_refused_by_both(folder, batch, tool):
-    """A name like that of a file, and the dash that elsewhere means standard output."""
+    """A path like a file's, or the dash that elsewhere means standard output, is refused as a folder."""
     for run, words in ((batch, []), (tool, ["run"])):
         done = run.case(PAIR, "-o", folder) if not words else run(*words, "case.nml", "-o", folder)
         assert (done.status, len(done.faults)) == (2, 1)
@@ -152,12 +152,12 @@ def test_what_is_no_folder_is_refused_by_both(folder, batch, tool):
         assert done.faults[0].endswith(f"; if it is a folder: -o {folder}/")
     assert list(contents(batch.cwd)) == ["case.nml"]
     assert batch("case.nml", "-o", f"{folder}/").status == 0
-    assert batch("case.nml", "-o", folder).status == 0  # now it is there
+    assert batch("case.nml", "-o", folder).status == 0  # now the folder exists
 
 
 @pytest.mark.parametrize("folder", ["case.nml", "case.nml/below"])
 def test_a_file_in_place_of_the_folder(folder, batch, tool):
-    """It is told before anything is computed, which here would take minutes."""
+    """A file in place of the folder is reported before the computation, which here would take minutes."""
     long = SYSTEM + "&simulate clearance = 9, cycles = 100000000, x_dot = 6, z_dot = 9 /\n"
     output = f"{folder}: case.nml is a file; must be a folder"
     assert batch.case(long, "-o", folder).faults == [output]
@@ -167,7 +167,7 @@ def test_a_file_in_place_of_the_folder(folder, batch, tool):
 
 
 def test_control_characters_are_not_echoed(batch):
-    """Whatever the file holds: neither those of ASCII nor those of Latin-1, as bytes or in UTF-8."""
+    """Messages have no control characters of a file: neither of ASCII nor of Latin-1, as bytes or in UTF-8."""
     held = (
         "é\u0085µ\u009b€".encode()
         + bytes(range(1, 10))
@@ -190,6 +190,6 @@ def test_control_characters_are_not_echoed(batch):
      "lyapunov: --cycles 39: must be a whole number, 2 batches <= cycles <= 1e9; batches is 20"),
 ])  # fmt: skip
 def test_what_is_allowed(words, output, tool):
-    """In the words of options, and in numbers."""
+    """Errors give the allowed values in the words of the options, and in numbers."""
     assert tool(*words).faults == [f"vibroimpact {output}"]
     assert list(contents(tool.cwd)) == []

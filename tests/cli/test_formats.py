@@ -1,4 +1,4 @@
-"""Forms of results by the command: what is written is what the case gives, and it is computed once."""
+"""Forms of results of the command: they hold the results of the case, which is computed once."""
 
 import importlib
 import json
@@ -26,7 +26,7 @@ def tool(tmp_path):
 
 
 def heard(capture):
-    """What was said on both channels but for the files that were written, and these."""
+    """The output on both channels without the lines of written files, and these files."""
     out, err = capture.readouterr()
     files = sorted(map(os.fsdecode, WRITTEN.findall(out.encode())))
     return (WRITTEN.sub(b"", out.encode()).decode(), err), files
@@ -34,11 +34,11 @@ def heard(capture):
 
 @pytest.mark.parametrize("kind", kinds())
 def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
-    """The same words and status as of the table alone; files that hold the case's results, bit by bit."""
+    """Each form has the messages and status of the table alone, and holds the results bit for bit."""
     for library in ("h5netcdf", "scipy"):
         pytest.importorskip(library)
     monkeypatch.chdir(tool.cwd)
-    # what an atlas knows of forms it has from its zones: a small one, and one form
+    # the forms of an atlas are those of its zones: a small atlas and one form are enough
     path = write(tool.cwd / "case.nml", kinds()[kind].replace("survey = 20", "survey = 9"))
     (case,) = vi.read_namelist(path)
     wanted = case.run()
@@ -65,7 +65,7 @@ def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
 
 @pytest.mark.parametrize("words", [["run"], ["chart"], ["chart", "--json"]])
 def test_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
-    """Table and picture are there all the same; only netCDF needs it, which is said."""
+    """Without xarray table and picture are written; netCDF gives a message that it needs xarray."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", kinds()["chart"])
     assert main(["chart", "case.nml", "--plot", "svg", "-o", "with"]) == 0
@@ -82,7 +82,7 @@ def test_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize("words", [[], ["--json"]])
 def test_named_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
-    """A table under a name of its own, and the document, lack nothing."""
+    """A table under a given name and the JSON document do not need xarray."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", kinds()["chart"])
     monkeypatch.setitem(sys.modules, "xarray", None)
@@ -108,7 +108,7 @@ def test_a_chart_as_netcdf(tool):
 
 
 def test_options_of_a_chart_are_a_namelist(tool):
-    """The bytes of the same case in a file."""
+    """Options give the bytes of the same case in a file."""
     options = ["--sides", "RL", "--r", "0.9", "1.1", "21", "--clearance", "5", "100", "16", "--spacing",
                "geometric", "--symmetric", "yes"]  # fmt: skip
     assert tool("chart", *SYSTEM, *options).status == 0
@@ -131,7 +131,7 @@ MANY = "must be a whole number of at least 2, with N x N of --clearance <= 10000
     (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must be a number with 1e-6 <= LOW"),
 ])  # fmt: skip
 def test_bad_grids(words, output, tool):
-    """In the words that were typed."""
+    """Wrong grids are refused in the words typed."""
     done = tool("chart", *SYSTEM, "--sides", "RL", "--clearance", "5", "9", "3", *words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert done.faults[0].startswith(f"vibroimpact chart: {output}")
@@ -169,7 +169,7 @@ BRANCHES = {
 
 @pytest.mark.parametrize("name", ["short", "nothing", "missing", *BRANCHES])
 def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
-    """What is cut short or not there is said alike, and kept alike. (Of atlases: test_batch_studies.py.)"""
+    """Partial and missing results have the same messages and files in every form (atlases elsewhere)."""
     text = {
         "short": kinds()["zone"].replace("! max_points = 20000", "max_points = 100"),
         "nothing": kinds()["zone"].replace("clearance_min = 2 ", "clearance_min = 150 "),
@@ -210,7 +210,7 @@ def test_the_document_holds_the_results(tool):
 
 
 def test_attractors_in_other_forms(tool):
-    """What is written is what the function gives."""
+    """A response in JSON is that of the function."""
     line = ["--r", "1", "1.04", "3", "--clearance", "25", "--states", "3", "--format", "json"]
     done = tool("response", *SYSTEM, *line)
     assert (done.status, done.err) == (0, b"")
@@ -263,7 +263,7 @@ def test_a_file_for_the_one_result(kind, suffix, tool, monkeypatch, capfd):
 
 
 def test_a_file_for_two_motions(tool):
-    """The files that were written instead are named; the folder that nothing came to is gone."""
+    """Two motions get numbered files, which are named; a folder that stays empty is removed."""
     write(tool.cwd / "case.nml", kinds()["equispaced"])
     done = tool("run", "case.nml", "-o", "mine.json")
     assert done.files == ("mine_1.json", "mine_2.json")
@@ -281,7 +281,7 @@ def test_a_file_for_two_motions(tool):
     (["-o", "a.csv"], "-o a.csv: names a file, and there are 2 cases; must be a folder"),
 ])  # fmt: skip
 def test_a_file_for_several_results(words, output, tool):
-    """It is one thing or the other."""
+    """One file name for several results is refused."""
     write(tool.cwd / "case.nml", kinds()["periodic"] + kinds()["exact"])
     done = tool("run", "case.nml", *words)
     assert (done.status, done.out, done.faults) == (2, b"", [f"vibroimpact run: {output}"])
@@ -291,7 +291,7 @@ def test_a_file_for_several_results(words, output, tool):
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pipe of POSIX")
 @pytest.mark.parametrize("words", [["doctor"], ["doctor", "--json"], ["completion", "bash"]])
 def test_a_reader_who_leaves(words, tool):
-    """No breakdown where nobody reads any more."""
+    """A closed standard output ends the command with status 1 and no traceback."""
     theirs, ours = os.pipe()
     os.close(theirs)
     with subprocess.Popen([find_command(), *words], stdout=ours, stderr=subprocess.PIPE) as run:
@@ -302,7 +302,7 @@ def test_a_reader_who_leaves(words, tool):
 
 @pytest.mark.parametrize("form", ["json", "csv"])
 def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypatch, capsys):
-    """Ctrl-C in a chart: what is there is in the file, the rest has its status."""
+    """Ctrl-C in a chart writes the finished points; the others have a status that says so."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
 
     def impatient(bar, share, note=""):

@@ -1,4 +1,4 @@
-"""The help of each command: its example works as it is pasted, and it is all there."""
+"""The help of each command: its example works as pasted, and it is complete."""
 
 import os
 import re
@@ -23,7 +23,7 @@ WRITTEN = {
 
 
 def test_help_has_the_example_and_the_exit_status():
-    """Of each command, and of the whole."""
+    """The help of each command, and of `vibroimpact`, has an example and the exit statuses."""
     whole, each = parsers()
     assert list(each) == list(NAMES)
     for name, parser in each.items():
@@ -43,7 +43,7 @@ def test_help_has_the_example_and_the_exit_status():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_option_is_explained(name):
-    """With a text that ends without a full stop and names its default where it has one."""
+    """Every option has a text that ends without a full stop and names the default, if there is one."""
     _, each = parsers()
     for action in each[name]._actions:
         assert action.help, action.dest
@@ -54,7 +54,7 @@ def test_every_option_is_explained(name):
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_example_as_pasted(name, tmp_path):
-    """In an empty folder, by a shell: status 0, nothing on standard error, and what it says is there."""
+    """In an empty folder, by a shell, each example has status 0, an empty standard error, and its files."""
     done = subprocess.run(
         EXAMPLES[name], shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120,
         env={**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"},

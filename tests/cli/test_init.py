@@ -1,4 +1,4 @@
-"""The command init: what it writes runs as it is, and leaves out no key."""
+"""The command init: its templates run unchanged, and have every key."""
 
 import json
 import re
@@ -28,7 +28,7 @@ def templates(tool):
 
 
 def test_every_kind_of_case_has_one(tool):
-    """They are told by --list, and by the fault where a name is not known."""
+    """--list, and the message about an unknown name, list all kinds of cases."""
     done = tool("init", "--list")
     assert [line.split()[0] for line in done.out.decode().splitlines()] == list(kinds())
     assert list(json.loads(tool("init", "--list", "--json").out)["results"]) == list(kinds())
@@ -40,7 +40,7 @@ def test_every_kind_of_case_has_one(tool):
 
 
 def test_templates_run_through_all_doors(templates, tool, same_build):
-    """The command, the program, and Python: the kind that was asked for, the same bytes, status 0."""
+    """Each template runs by command, program and Python, with its kind, the same bytes and status 0."""
     names = [f"{name}.nml" for name in kinds()]
     done = tool("run", *names, "-o", "command")
     assert (done.status, done.err) == (0, b"")
@@ -57,7 +57,7 @@ def test_templates_run_through_all_doors(templates, tool, same_build):
 
 @pytest.mark.parametrize("name", kinds())
 def test_templates_explain_every_key(name, tool):
-    """The keys that the reader knows, of the groups that the template has."""
+    """A template has all keys that the reader knows in its groups."""
     text = kinds()[name]
     for group in re.findall(r"^&(\w+)", text, re.MULTILINE):
         wrong = re.sub(rf"^&{group}\b.*$", f"&{group}\n  nonsense = 1", text, flags=re.MULTILINE)
@@ -71,7 +71,7 @@ def test_templates_explain_every_key(name, tool):
 
 
 def test_defaults_are_those_that_are_shown(tmp_path):
-    """A template with all that is commented out is the same case."""
+    """A template with its commented defaults active is the same case."""
     for name, text in kinds().items():
         full = re.sub(r"^  ! (\w+ = )", r"  \1", text, flags=re.MULTILINE)
         (ours,) = read_namelist(write(tmp_path / f"{name}.nml", text))
@@ -80,7 +80,7 @@ def test_defaults_are_those_that_are_shown(tmp_path):
 
 
 def test_a_file_is_kept(tool):
-    """Unless --force says otherwise; and the file may have any name."""
+    """An existing file is kept without --force; the file may have any name."""
     write(tool.cwd / "zone.nml", "mine")
     done = tool("init", "zone")
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)

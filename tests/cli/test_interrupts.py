@@ -1,4 +1,4 @@
-"""Ctrl-C: what is finished is kept, and the message tells the truth of it."""
+"""Ctrl-C keeps what is finished, and the message names it correctly."""
 
 import contextlib
 import os
@@ -16,7 +16,7 @@ from vibroimpact.progress import Progress
 
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 SHORT = "&lyapunov clearance = 9, cycles = 50, x_dot = 6, z_dot = 9 /\n"
-#: Nothing is kept of cycles that are discarded.
+#: A simulation of discarded cycles, of which no part is kept.
 LONG = "&simulate clearance = 9, discard = 100000000, cycles = 1, x_dot = 6, z_dot = 9 /\n"
 
 
@@ -38,7 +38,7 @@ def interrupted(cwd, words, until):
 
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_whole_cases_are_named(form, tmp_path):
-    """The first of two cases is there: its file is named, and no other."""
+    """After the first of two cases its file is named in the message, and no other."""
     write(tmp_path / "case.nml", EQUAL + SHORT + LONG)
     words = ["run", "case.nml", "-o", "out", "--format", form]
     status, faults = interrupted(tmp_path, words, f"out/case_1.{form}")
@@ -49,7 +49,7 @@ def test_whole_cases_are_named(form, tmp_path):
 
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_folders_that_stay_empty_go_again(form, tmp_path):
-    """Also those that the compiled program has made."""
+    """Folders that stay empty are removed, including those made by the compiled program."""
     write(tmp_path / "case.nml", EQUAL + LONG)
     words = ["run", "case.nml", "-o", "out/sub", "--format", form]
     status, faults = interrupted(tmp_path, words, "out/sub")
@@ -69,7 +69,7 @@ def test_no_file_is_left_half_written(tmp_path):
 @pytest.mark.parametrize("form", ["csv", "json"])
 @pytest.mark.parametrize("name", ["run", "simulate"])
 def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
-    """Also where an earlier run has left a result of this name."""
+    """If nothing is finished the message says so, even if an earlier run left a result of this name."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", EQUAL + LONG)
     (tmp_path / "results").mkdir()
@@ -87,7 +87,7 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
 def test_processes_that_just_start_are_not_interrupted(tmp_path):
-    """Ctrl-C on a terminal reaches all processes of `reproduce`; one line is said of it."""
+    """Workers of `reproduce` that are starting ignore the Ctrl-C of a terminal; one line is printed."""
     pytest.importorskip("matplotlib")
     with subprocess.Popen(
         [find_command(), "reproduce", "figure4a", "figure4b", "-o", "out"],
@@ -124,7 +124,7 @@ def masks_of_workers(parent):
     (["find", "case.nml", "--max-impacts", "2"], "; what was finished is told"),
 ])  # fmt: skip
 def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
-    """Of commands that only print, and of a search that came to its second point."""
+    """The message of an interrupted command says whether results were printed; `bench` has none."""
     monkeypatch.chdir(tmp_path)
     pair = "&motion kind = 'equispaced', clearance = {} /\n"
     write(tmp_path / "case.nml", EQUAL + pair.format(20) + pair.format(21))
@@ -146,7 +146,7 @@ def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
 
 
 def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):
-    """And not what was there before."""
+    """The message names only files written in this run."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     write(tmp_path / "results/figure3.svg", "old")
@@ -162,7 +162,7 @@ def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):
 
 
 def test_bar_never_falls_back(monkeypatch, capsys):
-    """Where more work comes in sight the bar stays and the time left is told anew; at the end it is gone."""
+    """If more work appears the bar keeps its length and the time left is updated; at the end it is erased."""
     monkeypatch.setattr("vibroimpact.progress.PATIENCE", 0.0)
     monkeypatch.setattr("vibroimpact.progress.INTERVAL", 0.0)
     clock = iter([100.0, 110.0, 120.0, 140.0, 160.0])

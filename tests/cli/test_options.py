@@ -1,4 +1,4 @@
-"""Options and what is said about them: in the words that were typed, and never screens of it."""
+"""Options and messages about them: in the words typed, and short."""
 
 import os
 import signal
@@ -23,7 +23,7 @@ def tool(tmp_path):
     "group", ["zone sides = 'RL',", "atlas", "chart sides = 'RL', r_points = 3,"]
 )
 def test_reversed_windows_name_both_ends(group, batch):
-    """Who gave two numbers the wrong way round is told both."""
+    """The message about a reversed window gives both ends."""
     window = f"&{group} r_min = 1.2, r_max = 0.8, clearance_min = 2, clearance_max = 200 /\n"
     done = batch.case("&system xi = 0.1, mu = 0.1, restitution = 0.7 /\n" + window)
     assert (done.status, len(done.faults)) == (2, 1)
@@ -39,7 +39,7 @@ def test_reversed_windows_name_both_ends(group, batch):
     "x" * 100_000, "&system xi = " + "7" * 100_000 + " /\n&simulate /\n", "&" + "q" * 50_000 + " /\n",
     SYSTEM + "&motion sides = 'R" + "L" * 30_000 + "' /\n", "&system mu = '" + "v" * 100_000])  # fmt: skip
 def test_a_long_line_is_not_echoed(text, batch):
-    """What is wrong is still said, with the file and the beginning of the line."""
+    """The message gives the error, the file and the beginning of the line."""
     done = batch.case(text)
     assert (done.status, len(done.faults)) == (2, 1)
     assert len(done.err) < 700
@@ -50,7 +50,7 @@ def test_a_long_line_is_not_echoed(text, batch):
 
 
 def test_plane_outside_of_the_walls(tool):
-    """The plane is named, and what its y may be."""
+    """A plane beyond the walls is refused, with the range of y."""
     plane = ["--plane", "x", "-9", "9", "5", "y", "-9", "8", "5"]
     done = tool("basins", *EQUAL, "--r", "1", "--clearance", "9", *plane)
     assert (done.status, len(done.faults)) == (2, 1)
@@ -60,7 +60,7 @@ def test_plane_outside_of_the_walls(tool):
 
 @pytest.mark.parametrize("threads", [0, -1, 1025, 1.5, True])
 def test_threads_of_an_atlas(threads):
-    """As everywhere else: a whole number of at least one."""
+    """`threads` of an atlas must be a whole number from 1."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     with pytest.raises(
         (vi.errors.ParameterError, vi.errors.ParameterTypeError), match="threads = "
@@ -88,7 +88,7 @@ def test_threads_of_an_atlas(threads):
      "--restitution 0.7 0.6: must be the same for both walls, or go with --sides and --phases-over-pi"),
 ])  # fmt: skip
 def test_options_that_do_not_go_together(words, output, tmp_path, monkeypatch, capsys):
-    """They are refused in the words of the options, before anything is computed."""
+    """Incompatible options are refused by name, before anything is computed."""
     monkeypatch.chdir(tmp_path)
     name, *others = words.split()
     assert main([name, *["--xi", ".0114", "--mu", ".028", "--restitution", ".75"], *others]) == 2
@@ -97,7 +97,7 @@ def test_options_that_do_not_go_together(words, output, tmp_path, monkeypatch, c
 
 
 def test_wrong_format_of_a_picture(tmp_path, monkeypatch, capsys):
-    """It is called a wrong format, not a namelist file that is not there."""
+    """A wrong format of a picture is reported as such, and not as a missing namelist file."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as ended:
         main(["zone", "case.nml", "--plot", "gif"])
@@ -112,7 +112,7 @@ def test_wrong_format_of_a_picture(tmp_path, monkeypatch, capsys):
     ("--plot", "matplotlib", "pictures need matplotlib: pip install 'vibroimpact[plot]'"),
 ])  # fmt: skip
 def test_missing_extra_is_told_before_work(words, missing, output, tmp_path, monkeypatch, capsys):
-    """What cannot be written in the end is not computed first."""
+    """A missing extra for the result is reported before the computation."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", [Absent(missing), *sys.meta_path])
     for name in [name for name in sys.modules if name.split(".")[0] == missing]:
@@ -130,13 +130,13 @@ class Absent:
         self.name = name
 
     def find_spec(self, name, path=None, target=None):
-        """There is none."""
+        """Return None, as for a module that does not exist."""
         if name.split(".")[0] == self.name:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 
 def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
-    """Option, reason, and what is allowed."""
+    """The message gives the option, the reason, and what is allowed."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
     point = "--xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 20 --cycles 80"
@@ -148,7 +148,7 @@ def test_folder_that_cannot_be_made(tmp_path, monkeypatch, capsys):
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
 @pytest.mark.parametrize("words", ["completion bash", "doctor", "init --list"])
 def test_output_on_a_full_disk(words, tool):
-    """One line says so, and status 1; no traceback."""
+    """Output on a full disk gives one line and status 1, without a traceback."""
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(
             [find_command(), *words.split()], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tool.cwd
@@ -161,7 +161,7 @@ def test_output_on_a_full_disk(words, tool):
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
 @pytest.mark.parametrize("form", ["csv", "json", "netcdf", "matlab"])
 def test_result_on_a_full_disk(form, tool):
-    """The message names the result and what it needs; nothing half written is left. A limit is the disk."""
+    """The message names the result and what it needs; no partial file is left (a size limit acts as the disk)."""
     import resource
 
     def limit():
@@ -189,7 +189,7 @@ def test_result_on_a_full_disk(form, tool):
     )  # fmt: skip
     assert done.returncode == 2
     suffix = {"netcdf": "nc", "matlab": "mat"}.get(form, form)
-    # the core writes tables, and sees by their size that they are not whole
+    # the core writes tables, and detects partial ones by their size
     core = "the disk is full, or the file could not be written whole"
     reason = core if form == "csv" else "File too large"
     output = f"vibroimpact basins: results/basins.{suffix}: {reason}; must be a folder and disk"
@@ -199,7 +199,7 @@ def test_result_on_a_full_disk(form, tool):
 
 
 def test_no_command(tool):
-    """All commands are listed, and status 2; with --help the same, and status 0."""
+    """Without a command all are listed with status 2; with --help the same list has status 0."""
     done = tool()
     helped = tool("--help")
     assert (done.status, done.out, helped.status) == (2, b"", 0)
@@ -208,7 +208,7 @@ def test_no_command(tool):
 
 @pytest.mark.parametrize("name", ["lyapunov", "zone", "find"])
 def test_help_names_units(name, tool):
-    """Of what is typed and of what is written."""
+    """The help names the units of options and results."""
     assert "time in 1/omega, angles in radians" in tool(name, "--help").out.decode()
 
 
@@ -218,7 +218,7 @@ def test_help_names_units(name, tool):
 ])  # fmt: skip
 @pytest.mark.parametrize("name", ["q.txt", "new/pic.png", "a.h5", "b.JSONL"])
 def test_a_name_of_no_form_is_refused(words, name, tool):
-    """It is not made a folder in silence; what is allowed is said."""
+    """A file name with an unknown suffix is refused with the allowed ones, and not made a folder."""
     write(tool.cwd / "case.nml", PAIR)
     done = tool(*words, "-o", name)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
@@ -233,7 +233,7 @@ def test_a_name_of_no_form_is_refused(words, name, tool):
     "name", ["q.txt/", "a.json/", "there.txt", "r0.94", "run.2026-11-21", ".hidden"]
 )
 def test_folders_with_a_dot(name, tool):
-    """A slash at the end, a folder that is there, and what no file is called, are folders."""
+    """Names that end in a slash, of existing folders, or unlike those of files are folders."""
     (tool.cwd / "there.txt").mkdir()
     write(tool.cwd / "case.nml", PAIR)
     assert tool("run", "case.nml", "-o", name).status == 0
@@ -245,7 +245,7 @@ def test_folders_with_a_dot(name, tool):
 ])  # fmt: skip
 @pytest.mark.parametrize("option", ["--clearance", "--r", "--xi"])
 def test_forms_of_numbers(option, value, tool):
-    """The forms that a namelist takes, and no others; one that would become 0 or infinite is refused."""
+    """Options take the number forms of namelists; numbers that would become 0 or infinite are refused."""
     done = found_with(tool, option, value)
     assert (done.status, done.out) == (2, b"")
     assert f"{option}: {value}: must be a number" in done.faults[-1] or (

@@ -1,4 +1,4 @@
-"""The one command of a clone: what it says before it installs or builds anything."""
+"""The script `run` of a clone: its output before it installs or builds anything."""
 
 import os
 import shutil
@@ -19,7 +19,7 @@ def say(*words):
 
 @pytest.fixture
 def clone(tmp_path):
-    """A clone whose compilers, build tools and Python only note how they are called."""
+    """A clone whose compilers, build tools and Python only record their calls."""
     root, tools = tmp_path / "clone", tmp_path / "tools"
     for folder in (root / "src", root / "src/deep", root / "python", root / "tests", tools):
         folder.mkdir(parents=True, exist_ok=True)
@@ -56,7 +56,7 @@ def clone(tmp_path):
 
 @pytest.mark.parametrize("words", [[], ["-h"], ["help"], ["bench", "--help"], ["test", "-h"]])
 def test_help(words):
-    """Of every command, none of which is begun."""
+    """The help lists every command, and starts none."""
     status, out, err = say(*words)
     assert (status, err) == (0, "")
     for command in ("reproduce", "test", "bench", "docs", "lint", "wheel"):
@@ -78,13 +78,13 @@ def test_bad_words(words, output):
     ["-q", "tests/test_one.py::test_a[b]", "-x"],
 ])  # fmt: skip
 def test_a_selection_is_run_alone(clone, words):
-    """What will be done is said before anything is built; the status is that of pytest."""
+    """The selection is printed before anything is built, and the status is that of pytest."""
     assert clone(*words) == (5, SELECTED, [f"python -m pytest {' '.join(words)}"])
 
 
 @pytest.mark.parametrize("words", [[], ["-n", "2"], ["-x", "-q"]])
 def test_all_tests(clone, words):
-    """Without a selection the Fortran tests come first, and what they say does not stop the others."""
+    """Without a selection the Fortran tests run first; their failure does not stop the Python tests."""
     status, output, calls = clone(*words)
     assert (status, output) == (1, ALL)
     assert [call.split(" -C")[0] for call in calls] == [
@@ -94,14 +94,14 @@ def test_all_tests(clone, words):
 
 @pytest.mark.parametrize("fault", [None, "meson", "pytest"])
 def test_the_fast_lane(fault, tmp_path):
-    """It stops at nothing, tells what it leaves out, and its status is 0 only if nothing failed."""
+    """`fast` goes on after a failure, names what it leaves out, and has status 0 only if nothing failed."""
     for folder in (".ci", "build/fortran", ".venv/bin"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copy(RUN.parent / ".ci/run", tmp_path / ".ci/run")
     (tmp_path / "build/fortran/build.ninja").touch()
     for name in ("run", ".venv/bin/python", ".venv/bin/meson", ".venv/bin/git"):
         script = tmp_path / name
-        # git finds nothing
+        # git finds no changes
         script.write_text(
             f'#!/bin/sh\necho "${{0##*/}} $*"\n[ "${{0##*/}}" != git ] || exit 1\n'
             f'case "${{0##*/}} $*" in *{fault}*) exit 1 ;; esac\n'

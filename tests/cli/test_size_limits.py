@@ -1,4 +1,4 @@
-"""Studies that are too large: the program and the Python calls refuse the same, with the same words."""
+"""Studies that are too large: the program and the Python calls refuse them with the same words."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def random_states(states):
     return text, lambda: vi.basins(OSC, 1.04, 30.0, states=states)
 
 
-# each one more than there may be
+# each exceeds the limit by one
 @pytest.mark.parametrize(("doors", "words"), [
     (diagram(1_000_001, "up", 1), "must be a whole number with 2 <= values <= 1000000"),
     (diagram(12_501, "up", 1000), "values x runs x points must be at most 12500000"),
@@ -71,7 +71,7 @@ def test_both_doors_refuse(doors, words, batch):
 
 @pytest.mark.parametrize("doors", [diagram(12_500, "up", 1000), diagram(6250, "both", 1000)])
 def test_the_limit_itself_is_allowed(doors, batch):
-    """What is refused is another key then."""
+    """At the limit the size is accepted, so that the error is another one (z = 99)."""
     text, _ = doors
     done = batch.case(text[:-3] + ", z = 99 /\n")
     assert done.status == 2

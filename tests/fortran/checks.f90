@@ -1,4 +1,4 @@
-!> The whole of the test framework: count what holds, print what does not, stop with the outcome.
+!> Test framework: count checks, print those that fail, stop with the outcome.
 module checks
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use vi_kinds, only: wp
@@ -7,13 +7,13 @@ module checks
 
    public :: check, check_close, finish
 
-   !> Failures that are printed one by one; a law that fails, fails for thousands of systems.
+   !> The most failures to print, since a law may fail for thousands of systems.
    integer, parameter :: printed = 25
    integer :: passed = 0, failed = 0
 
 contains
 
-   !> Counts whether something holds.
+   !> Counts a check by whether it holds.
    subroutine check(condition, what)
       logical, intent(in) :: condition
       character(*), intent(in) :: what
@@ -26,14 +26,14 @@ contains
       end if
    end subroutine check
 
-   !> Counts whether |a - b| <= tolerance. Not a number is close to nothing.
+   !> Counts whether |a - b| <= tolerance. NaN is close to no number.
    subroutine check_close(a, b, tolerance, what)
       real(wp), intent(in) :: a, b, tolerance
       character(*), intent(in) :: what
       character(100) :: numbers
       logical :: near
 
-      ! asked first, because builds that trap invalid operations stop at a comparison with NaN
+      ! tested first, because builds that trap invalid operations stop at a comparison with NaN
       near = .not. (ieee_is_nan(a) .or. ieee_is_nan(b) .or. ieee_is_nan(tolerance))
       if (near) near = abs(a - b) <= tolerance
       if (near) then

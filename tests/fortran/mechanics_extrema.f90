@@ -1,4 +1,4 @@
-!> Certified extrema against everything that dense sampling can see, and against what it cannot.
+!> Certified extrema against dense sampling, and in cases that sampling cannot resolve.
 module mechanics_extrema
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_log, random_type
@@ -36,8 +36,8 @@ contains
       relative = flight_position(flight, t) - x
    end function relative
 
-   !> No sample leaves the range of the extrema and the ends, and the range is not wider than it
-   !! has to be: between two samples nothing rises by more than B dt^2/8.
+   !> No sample leaves the range of the extrema and the ends, and the range is as narrow as
+   !! possible: between two samples the position rises by at most B dt^2/8.
    subroutine compare_with_samples(flight, samples, what)
       type(flight_type), intent(in) :: flight
       integer, intent(in) :: samples
@@ -111,7 +111,7 @@ contains
       end do
    end subroutine test_long_flights
 
-   !> Two stationary points a time 2 delta apart, where x' nearly stops: none may be lost, and
+   !> Two stationary points a time 2 delta apart, where x' nearly vanishes: none may be lost, and
    !! where x' misses z' by as little, none may be found.
    subroutine test_narrow_pairs()
       type(flight_type) :: flight, whole
@@ -187,7 +187,7 @@ contains
          start(1), start(2), state(1), z_dot, 2*half)
    end function around
 
-   !> Flights shorter than the resolution, and none at all.
+   !> Flights shorter than the resolution, and of no duration.
    subroutine test_brief_flights()
       type(flight_type) :: flight
       real(wp) :: lowest, highest

@@ -1,4 +1,4 @@
-!> The march over a flight against the plain search for the first contact.
+!> The march along a flight against the plain search for the first contact.
 module mechanics_march
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, random_type
@@ -40,7 +40,7 @@ contains
       call test_idle()
    end subroutine test_march
 
-   !> Random flights; `grazing` ones reach the other wall, or not, by 1e-2 to 1e-12 of the
+   !> Random flights; `grazing` ones pass or miss the other wall by 1e-2 to 1e-12 of the
    !! clearance.
    subroutine compare_flights(random, count, grazing, decided)
       type(random_type), intent(inout) :: random
@@ -119,7 +119,7 @@ contains
       end if
    end subroutine run
 
-   !> Puts the other wall where the mass comes nearest to it, give or take a little.
+   !> Puts the other wall slightly before or beyond the farthest point of the mass.
    subroutine graze(random, c)
       type(random_type), intent(inout) :: random
       type(case_type), intent(inout) :: c
@@ -127,7 +127,7 @@ contains
       logical :: complete
 
       call relative_extrema(c%flight, lowest, highest, complete)
-      ! the way from the wall to the farthest stationary point
+      ! the distance from the wall to the farthest stationary point
       far = c%departure%side*c%half - lowest
       if (c%departure%side < 0) far = highest + c%half
       c%half = -1
@@ -138,7 +138,7 @@ contains
       c%flight%z = d(0) + c%departure%side*c%half
    end subroutine graze
 
-   !> Both ways to the same contact; counts those that the march decides.
+   !> Finds the contact both ways, and counts the flights that the march decides.
    subroutine compare(c, n)
       type(case_type), intent(in) :: c
       integer, intent(inout) :: n
@@ -171,7 +171,7 @@ contains
          'relative time of a bounce')
    end subroutine compare
 
-   !> A slow drift under an oscillation: one crest of many thousands is the first that reaches.
+   !> A slow drift with an oscillation: the first of many thousands of crests to reach the wall.
    subroutine test_long_drift()
       type(case_type) :: c
       real(wp) :: a
@@ -190,7 +190,7 @@ contains
       end do
    end subroutine test_long_drift
 
-   !> A drift for millions of time units after the oscillation has died away.
+   !> A drift for millions of time units after the oscillation has decayed.
    subroutine test_idle()
       type(case_type) :: c
       type(touch_type) :: touch

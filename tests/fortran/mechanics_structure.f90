@@ -46,8 +46,8 @@ contains
       end do
    end subroutine test_restitution
 
-   !> Two flights one after the other are one flight; pairs and coordinates are inverse; energy of
-   !! an undamped structure is kept, and the map of the state has the determinant
+   !> Two successive flights are one flight; pairs and coordinates are inverse maps; the energy of
+   !! an undamped structure is constant, and the map of the state has the determinant
    !! exp(-trace(M^-1 C) t).
    subroutine test_flight(damped)
       !> Whether damping couples the modes.

@@ -1,4 +1,4 @@
-!> The verdicts, on motions whose answers are known beforehand, and the time history.
+!> The verdicts, on motions for which they are known, and the time history.
 module motions_assess
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
@@ -58,14 +58,14 @@ contains
       call check(any(motions%status == stat%ok), 'mu = 0 has equispaced motions')
    end subroutine test_ballistic
 
-   !> A motion put together by hand: x = A sin(r t), and a free mass that crosses the slot in a
-   !! straight line. In a narrow slot it comes to the far wall before its time.
+   !> A constructed motion: x = A sin(r t), and a free mass that crosses the slot in a
+   !! straight line. In a narrow slot it reaches the far wall too early.
    subroutine test_penetration()
       type(motion_type) :: motion
       real(wp) :: half
       integer :: i, expected
 
-      ! at r = 1/2, with load only: x = A sin(r t + tau) from both impacts on, A = gain
+      ! at r = 1/2 the steady motion alone: x = A sin(r t + tau) after both impacts, A = gain
       do i = 1, 2
          call start_motion(motion, oscillator_type(0.0_wp, 0.0_wp, 1.0_wp), 0.5_wp, &
             new_pattern('RL', 1), [1.0_wp, 1.0_wp], [0.0_wp, pi])
@@ -91,7 +91,7 @@ contains
          call check_close(motion%x_min, -motion%amplitude, 1e-14_wp, &
             'x_min of the hand-built motion')
          if (i == 2) cycle
-         ! the same with approach: only the passed wall is wrong
+         ! the same with approach at the impacts: the only fault is the wall passed
          motion%x_dot_before = motion%z_dot_before - [1, -1]
          call assess_flights(motion)
          call check(motion%admissible == no, 'penetration alone makes a motion inadmissible')
@@ -136,7 +136,7 @@ contains
       call check(all(found > 20), 'both verdicts came up often')
    end subroutine test_against_samples
 
-   !> By how much the free mass passes a wall, at most.
+   !> The largest distance by which the free mass passes a wall.
    real(wp) function passed_by(motion)
       type(motion_type), intent(in) :: motion
       type(flight_type) :: flight
@@ -216,7 +216,7 @@ contains
       call check(all(found > 20), 'stable and unstable motions came up often')
    end subroutine test_stability_verdict
 
-   !> An impact without approach: the motion stands, its stability is unknown.
+   !> An impact without approach: the motion is returned, with unknown stability.
    subroutine test_no_approach()
       type(motion_type) :: motion
 
@@ -233,13 +233,13 @@ contains
       call check(motion%stable == unknown, 'no approach: stability is unknown')
       call assess_flights(motion)
       call check(motion%admissible == no, 'no approach: not admissible')
-      ! a solution without load is no motion
+      ! a solution without load is not a motion
       call complete_motion(motion, [1.0_wp, -1.0_wp], 0.0_wp, 0.0_wp, 1.0_wp)
       call check(motion%status == stat%no_load, 'A = 0 is no motion')
    end subroutine test_no_approach
 
-   !> Of a motion with rest: stable where both multipliers are inside the unit circle, unknown where
-   !! rounding may bring the leading one there; and not admissible where its period does not close.
+   !> A motion with rest is stable if both multipliers are inside the unit circle, unknown if
+   !! rounding may move the leading one across it, and not admissible if its period does not close.
    subroutine test_rest_verdicts()
       type(motion_type) :: motion
       real(wp) :: map(2, 2)
@@ -272,7 +272,7 @@ contains
       end subroutine move_to
    end subroutine test_rest_verdicts
 
-   !> The time history goes through the impacts, is periodic, and shows what follows an
+   !> The time history passes through the impacts, is periodic, and has the velocities after an
    !! impact at it.
    subroutine test_sample()
       type(motion_type) :: motion

@@ -63,7 +63,7 @@ contains
       end do
    end subroutine test_characteristic
 
-   !> Some on the circle, as they are where they cross it, and how many others are outside.
+   !> Multipliers on the circle, as at a crossing, and the number of others outside.
    subroutine check_critical()
       complex(wp) :: z(4), sums(0:4)
       real(wp) :: e(4), t

@@ -41,7 +41,7 @@ contains
       cycles = 2*draw_integer(random, 0, 1) + 1
    end subroutine random_pair
 
-   !> Each motion fulfils the equations of motion at the given clearance and is its own mirror
+   !> Each motion satisfies the equations of motion at the given clearance and is its own mirror
    !! image.
    subroutine test_motions()
       type(oscillator_type) :: osc
@@ -124,7 +124,7 @@ contains
 
    end subroutine test_fold
 
-   !> All three columns of Table 1 as recomputed from first principles.
+   !> All three columns of Table 1, as recomputed from first principles.
    subroutine test_table_1()
       type(oscillator_type), parameter :: osc = oscillator_type(0.005_wp, 0.042_wp, &
          [0.75_wp, 0.75_wp])

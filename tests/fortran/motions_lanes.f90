@@ -38,7 +38,7 @@ contains
       call test_maps(5)
    end subroutine test_lanes
 
-   !> The functions are those of the language to two units in the last place of 1.
+   !> The functions agree with the intrinsic ones to two units in the last place of 1.
    subroutine test_functions()
       real(wp), dimension(lanes) :: x, sine, cosine
       integer :: i, l

@@ -1,4 +1,4 @@
-!> The linear problem: what it solves is a motion, judged by flights and impacts alone.
+!> The linear problem: its solutions satisfy the laws of flights and impacts.
 module motions_linear
    use checks, only: check, check_close
    use random_numbers, only: draw_integer, random_type
@@ -29,7 +29,7 @@ contains
       call test_no_load()
    end subroutine test_linear
 
-   !> Symbols and sides are each other's inverse; durations are positive and fill the period.
+   !> Conversions between symbols and sides are inverse; durations are positive and fill the period.
    subroutine test_pattern()
       type(pattern_type) :: pattern
       type(motion_type) :: motion
@@ -149,7 +149,7 @@ contains
          phases = [(once%phases + 2*pi*once%pattern%cycles*(j - 1), j=1, times)]
          restitution = [(once%restitution, j=1, times)]
          call solve_periodic(once%osc, once%r, pattern, restitution, phases, system, motion)
-         ! a subharmonic of its own may leave the repeated problem (nearly) undetermined
+         ! a subharmonic may leave the repeated problem (nearly) undetermined
          if (motion%status == stat%singular .or. motion%status == stat%no_load) cycle
          call check(motion%status == stat%ok, 'repeated motion: status')
          call check_close(motion%residual, 0.0_wp, 1e-12_wp, 'repeated motion: consistent')
@@ -181,7 +181,7 @@ contains
       end do
    end subroutine test_free_amplitude
 
-   !> Without load only rest is periodic: no clearance follows.
+   !> Without load only rest is periodic, so that no clearance is determined.
    subroutine test_no_load()
       type(motion_type) :: motion
       type(linear_system_type) :: system

@@ -67,7 +67,7 @@ contains
       next(4) = state(4) + motion%r*t
    end function next_state
 
-   !> Two impacts with any state at the first; the second wall is where the flight is at its phase.
+   !> Two impacts with any state at the first; the second wall is where the flight ends.
    subroutine random_half(motion, y, approach)
       type(motion_type), intent(out) :: motion
       real(wp), intent(out) :: y(2), approach
@@ -128,7 +128,7 @@ contains
       call check(examined > 1000, 'many maps were examined')
    end subroutine test_differences
 
-   !> The flow contracts volume by exp(-2 xi t), an impact turns it by -R, and what goes through
+   !> The flow contracts volume by exp(-2 xi t), an impact multiplies it by -R, and the flux through
    !! the two sections is volume times relative speed.
    subroutine test_flux()
       type(motion_type) :: motion
@@ -195,7 +195,7 @@ contains
       end do
    end subroutine test_order_of_maps
 
-   !> Multipliers fall in modulus, conjugates are neighbours, and they are those of [P].
+   !> Multipliers decrease in modulus, conjugates are adjacent, and they are those of [P].
    subroutine test_multipliers()
       type(motion_type) :: motion
       complex(wp) :: lambda(4)
@@ -225,7 +225,7 @@ contains
       end do
    end subroutine test_multipliers
 
-   !> No approach speed: a status, and no division by zero.
+   !> An approach speed of zero gives a status, and no division by zero.
    subroutine test_zero_approach()
       type(motion_type) :: motion
       complex(wp) :: lambda(4)

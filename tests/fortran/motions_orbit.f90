@@ -1,4 +1,4 @@
-!> Orbits in (u, theta): derivatives against differences, the rest against the other code.
+!> Orbits in (u, theta): derivatives against differences, other results against other code.
 module motions_orbit
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -32,7 +32,7 @@ contains
       call test_half_period()
    end subroutine test_orbits
 
-   !> A family and what need not be a motion of it, away from resonance and from very short flights.
+   !> A family and unknowns that need not be a motion, away from resonance and very short flights.
    subroutine random_member(stream, family, unknowns, c)
       type(random_type), intent(inout) :: stream
       type(family_type), intent(out) :: family
@@ -74,7 +74,7 @@ contains
       residual = orbit_residual(o)
    end function residual_at
 
-   !> Laws that hold at any unknowns, not at motions alone.
+   !> Laws that hold at any unknowns, not only at motions.
    subroutine test_anywhere()
       type(family_type) :: family
       real(wp), allocatable :: unknowns(:)
@@ -122,7 +122,7 @@ contains
       end do
    end subroutine check_derivatives
 
-   !> Residual and derivative are those of the other code over D.
+   !> Residual and derivative are those of the other code, divided by D.
    subroutine check_newton_equations(family, unknowns, c, whole)
       type(family_type), intent(in) :: family
       real(wp), intent(in) :: unknowns(:), c(:), whole(:)

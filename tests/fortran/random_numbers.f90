@@ -7,7 +7,7 @@ module random_numbers
 
    public :: fill, draw, draw_log, draw_integer
 
-   !> Multiplicative congruential generator of Park and Miller: no product leaves 64 bits.
+   !> Multiplicative congruential generator of Park and Miller: products fit in 64 bits.
    type, public :: random_type
       integer(int64) :: state = 20240229_int64
    end type random_type

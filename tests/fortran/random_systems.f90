@@ -1,4 +1,4 @@
-!> Random oscillators, patterns and motions, corners of the parameter ranges included.
+!> Random oscillators, patterns and motions, including corners of the parameter ranges.
 module random_systems
    use random_numbers, only: draw, draw_integer, draw_log, random_type
    use vi_flight, only: flight_state, flight_type, new_flight
@@ -18,7 +18,7 @@ module random_systems
 
 contains
 
-   !> Every range with its ends: xi = 0, mu = 0, R = 0 and R = 1 come up often.
+   !> Every range with its ends: xi = 0, mu = 0, R = 0 and R = 1 are frequent.
    subroutine random_oscillator(random, osc)
       type(random_type), intent(inout) :: random
       type(oscillator_type), intent(out) :: osc
@@ -46,7 +46,7 @@ contains
       end do
    end subroutine random_oscillator
 
-   !> A frequency ratio that stays clear of undamped resonance.
+   !> A frequency ratio away from undamped resonance.
    real(wp) function random_frequency(random)
       type(random_type), intent(inout) :: random
 
@@ -56,7 +56,7 @@ contains
       end do
    end function random_frequency
 
-   !> Phases from 0 with gaps of no more than 1 to 20 among them.
+   !> Phases from 0, with gaps in ratios of at most 1 to 20.
    subroutine random_phases(random, cycles, phases)
       type(random_type), intent(inout) :: random
       integer, intent(in) :: cycles
@@ -108,7 +108,7 @@ contains
 
    !> A motion with n impacts whose linear problem has a solution.
    !!
-   !! For n = 2 it fulfils all equations of motion, though the flights may pass through the walls.
+   !! For n = 2 it satisfies all equations of motion, but the flights may pass through the walls.
    !! The coefficients of restitution differ from impact to impact.
    subroutine random_motion(random, n, motion)
       type(random_type), intent(inout) :: random
@@ -145,7 +145,7 @@ contains
          maxval(abs(motion%z_dot_before)), maxval(abs(motion%z_dot_after)))
    end function scale_of
 
-   !> By how much the flights of a motion miss the impacts that end them.
+   !> The errors by which the flights of a motion miss the impacts that end them.
    pure real(wp) function mismatch(motion)
       type(motion_type), intent(in) :: motion
       type(flight_type) :: flight

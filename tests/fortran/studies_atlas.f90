@@ -1,4 +1,4 @@
-!> Rings against the circle they follow; atlases against the laws of a survey and of threads.
+!> Rings against the circle they follow; atlases for any threads; laws of surveys.
 module studies_atlas
    use checks, only: check
    use vi_atlas, only: atlas_request_type, atlas_type, find_atlas, outcomes_of
@@ -83,7 +83,7 @@ contains
             end do
          end associate
       end do
-      ! without search and without survey there is nothing to begin with
+      ! without search and survey there are no seeds
       request%survey = 0
       request%guesses = 0
       call find_atlas(request, two)
@@ -95,7 +95,7 @@ contains
       call check(all(two%explained), 'attractors are seeds')
    end subroutine test_atlas
 
-   !> Simulations that were made for one pattern with rest give the zones of another one to the last
+   !> Simulations made for one pattern with rest give the zones of another pattern to the last
    !! bit, whatever the number of threads that made them.
    subroutine test_shared_simulations()
       integer, parameter :: patterns(3, 2) = reshape([2, -1, 0, 2, -1, -1], [3, 2])
@@ -146,7 +146,7 @@ contains
       end do
    end subroutine test_shared_simulations
 
-   !> Every point of a survey is counted once, and what is said of it is a law of its motion.
+   !> Every point of a survey is counted once, and its outcome obeys the laws of its motion.
    subroutine test_outcomes()
       real(wp), parameter :: window(2, 2) = reshape([0.8_wp, 1.2_wp, 2.0_wp, 200.0_wp], [2, 2])
       type(oscillator_type) :: osc
@@ -174,9 +174,9 @@ contains
       end do
       call survey(osc, window(:, 1), window(:, 2), 400, limits_type(2, 1, 10000000), 2, same)
       call check(all(same%outcome == points%outcome), 'outcomes do not depend on threads')
-      ! what is beyond the limits is within wider ones, and the same motion. A survey examines again
-      ! what has not settled, and how far it simulates before that depends on the limits: rounding
-      ! then decides where a trajectory that still wanders is. So each is examined once here
+      ! motions beyond the limits are the same within wider ones. A survey examines states again
+      ! that have not settled, after a simulation whose length depends on the limits: rounding
+      ! then decides the state of a transient trajectory. So each state is examined once here
       n = 0
       do i = 1, size(points)
          narrow = attractor_type(r=points(i)%r, clearance=points(i)%clearance)
@@ -192,7 +192,7 @@ contains
             'as the same pattern')
       end do
       call check(n > 5, 'some are beyond the narrow limits alone')
-      ! a stop is heard, and what was not begun is not settled
+      ! a stop ends the survey, and states not begun are not settled
       request = atlas_request_type(osc, window(:, 1), window(:, 2), max_impacts=2, survey=60)
       progress = [0, 0, 1]
       call find_atlas(request, stopped, progress)

@@ -1,4 +1,4 @@
-!> Laws of what studies of attractors are made of: random states, and how safe a plane of states is.
+!> Laws of parts of studies of attractors: random states, and the integrity of a plane.
 module studies_attractors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: int64
@@ -42,7 +42,7 @@ contains
          int(z'5001E420', int64), int(z'24126EA1', int64)]), 'known words of digits of pi')
    end subroutine test_known_words
 
-   !> States are in their box, begin alike however many there are, and differ with the seed.
+   !> States lie in their box, the first do not depend on their number, and all depend on the seed.
    subroutine test_random_states()
       real(wp) :: states(5, 200), more(5, 1000), others(5, 200), scale, xi, r, load, clearance
       integer :: i
@@ -66,8 +66,8 @@ contains
       end do
    end subroutine test_random_states
 
-   !> 4**4 equal boxes hold equally many states, to the scatter of chance; neighbours have nothing
-   !! to do with each other.
+   !> 4**4 equal boxes hold equally many states within the statistical scatter; successive states
+   !! are independent.
    subroutine test_uniform()
       integer, parameter :: n = 100000, each = 4, boxes = each**4
       real(wp), allocatable :: states(:, :), u(:, :)
@@ -97,7 +97,7 @@ contains
       end do
    end subroutine test_uniform
 
-   !> Pairs are all of them; a straight boundary has the exponent 1, noise 0, no boundary none.
+   !> All pairs are counted; the exponent is 1 for a straight boundary, 0 for noise, else NaN.
    subroutine test_pairs()
       integer, parameter :: side = 1280
       integer :: labels(61, 40), different, i, j, s, m, n
@@ -125,7 +125,7 @@ contains
             'the share of pairs')
       end do
       call check(abs(uncertainty_exponent(pairs)) < 0.03_wp, 'noise has the exponent 0')
-      ! not quite: there are fewer pairs far apart, as s/(side - s)
+      ! not exactly: there are fewer pairs far apart, as s/(side - s)
       allocate (half(side, side))
       do j = 1, side
          half(:, j) = [(merge(1, 0, 3*i + j > 2*side), i=1, side)]
@@ -146,7 +146,7 @@ contains
       do i = 1, 400
          m = draw_integer(random, 1, 24)
          n = draw_integer(random, 1, 24)
-         ! cells from as wide as high to a thousand times as wide, either way
+         ! cells with a ratio of width to height from about 1/1000 to 1000
          cells = [10**draw(random, -3.0_wp, 3.0_wp), draw(random, 0.5_wp, 2.0_wp)]
          allocate (labels(m, n))
          call paint(labels)
@@ -161,7 +161,7 @@ contains
       end do
    end subroutine test_disc
 
-   !> Blots of labels: some planes have one label alone, some are noise.
+   !> Patches of labels; some planes have a single label, some are noise.
    subroutine paint(labels)
       integer, intent(out) :: labels(:, :)
       integer :: i, j, blot, size_of, first(2)
@@ -191,7 +191,7 @@ contains
       end do
    end function widest
 
-   !> From a state to the nearest that is elsewhere, by looking at all of them.
+   !> Distance from a state to the nearest one with another label, by comparing all.
    real(wp) function distance_at(labels, label, cells, place) result(distance)
       integer, intent(in) :: labels(:, :), label, place(2)
       real(wp), intent(in) :: cells(2)

@@ -1,4 +1,4 @@
-!> Conditions that end a zone: their two routes and their slopes.
+!> Conditions that end a zone: both ways to compute them, and their slopes.
 module studies_conditions
    use checks, only: check, check_close
    use motions_orbit, only: random_member
@@ -44,7 +44,7 @@ contains
       call test_hardly_any_approach()
    end subroutine test_conditions
 
-   !> The numbers that tell stability, where some impacts have hardly any approach and the map of
+   !> The numbers that decide stability, where approach speeds are tiny and the map of
    !! the period is large, against the same product in quadruple precision.
    subroutine check_spectrum(curve, point)
       type(curve_type), intent(in) :: curve
@@ -90,7 +90,7 @@ contains
          'conditions: the sums of the multipliers')
    end subroutine check_spectrum
 
-   !> Members with one impact or two that have hardly any approach.
+   !> Motions with tiny approach speeds at one or two impacts.
    subroutine test_hardly_any_approach()
       type(curve_type) :: curve
       real(wp), allocatable :: unknowns(:), point(:)
@@ -125,7 +125,7 @@ contains
       end do
    end subroutine test_hardly_any_approach
 
-   !> Where the motion is hardly another one than its mirror image, the distance matters as well.
+   !> Where the motion is close to its mirror image, the distance between them matters too.
    subroutine check_nearly_symmetric(symmetric, half, smooth, rough)
       type(curve_type), intent(in) :: symmetric
       real(wp), intent(in) :: half(:)
@@ -149,7 +149,7 @@ contains
       end associate
    end subroutine check_nearly_symmetric
 
-   !> All values at once are those of one condition each; slopes are those of wider differences.
+   !> All values together are those of single conditions; slopes are those of wider differences.
    subroutine check_conditions(curve, point, smooth, rough)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)
@@ -170,7 +170,7 @@ contains
          wide = difference(curve, found(j), point, 2.0e-5_wp)
          wider = difference(curve, found(j), point, 4.0e-5_wp)
          scale = max(1.0e-3_wp, maxval(abs(wide)))
-         ! a kink, or a pole nearby, is seen from the differences among themselves
+         ! a kink, or a pole nearby, shows in the differences themselves
          if (maxval(abs(wide - wider)) > 1.0e-7_wp*scale) then
             rough = rough + 1
             cycle

@@ -1,4 +1,4 @@
-!> Loose ends of boundaries: those that are near are joined, whichever way round they came.
+!> Open ends of boundaries are joined if they are near, whatever the directions of the arcs.
 module studies_joints
    use checks, only: check
    use vi_borders, only: zone_type
@@ -38,7 +38,7 @@ contains
                count(loop%corner == begins) == count(loop%corner == ends), &
                'a piece ends where the next begins')
          end associate
-         ! one is not: a longer arc, which stays open
+         ! one gap is not: a longer arc, which stays open
          call two_arcs([5.0e-5_wp, 1.0e-3_wp], turned, zone)
          call join_loose_ends(zone)
          call check(zone%n == 1 .and. .not. zone%loops(1)%closed, 'a wide gap stays open')

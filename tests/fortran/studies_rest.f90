@@ -102,7 +102,7 @@ contains
       end associate
    end subroutine check_stability
 
-   !> Whether nothing in the period is about to end: differences would cross the end.
+   !> Whether no event of the period is about to vanish, which differences would cross.
    pure logical function is_generic(period)
       type(rest_period_type), intent(in) :: period
 

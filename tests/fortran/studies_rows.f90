@@ -1,4 +1,4 @@
-!> Rows of a chart of equispaced motions: side by side, and one motion after the other.
+!> Rows of a chart of equispaced motions: in lanes, and one motion after the other.
 module studies_rows
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, random_type

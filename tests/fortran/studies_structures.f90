@@ -27,7 +27,7 @@ contains
       call test_recognised()
    end subroutine test_structures
 
-   !> The third column of Table 1 of the 1983 paper by its two masses: three ways, one motion.
+   !> The third column of Table 1 of the 1983 paper, by its two masses: the same motion three ways.
    subroutine test_pair()
       type(structure_type) :: structure
       type(load_type) :: load
@@ -143,7 +143,7 @@ contains
       end do
       call check(compared > 5000 .and. with_rest > 100, 'enough events')
    contains
-      !> The events from a state, at most as many as there is room for.
+      !> The events from a state, at most as many as the array holds.
       subroutine simulate(run, start, events, n)
          !> The run.
          type(run_type), intent(inout) :: run
@@ -160,7 +160,7 @@ contains
          call check(status == stat%ok .or. status == stat%more_events, 'a simulation')
       end subroutine simulate
 
-      !> The largest difference of two events, over the largest numbers so far.
+      !> The largest difference between two events, relative to the largest numbers so far.
       real(wp) function difference(one, other)
          !> The events.
          type(run_event_type), intent(in) :: one, other

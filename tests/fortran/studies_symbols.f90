@@ -1,4 +1,4 @@
-!> Symbols of events: laws of events made up, and of simulated ones.
+!> Symbols of events: laws on artificial and on simulated events.
 module studies_symbols
    use checks, only: check
    use random_numbers, only: draw_integer, random_type
@@ -75,7 +75,7 @@ contains
       events = events_of(text(:used))
    end function random_events
 
-   !> What events read as, and the events that begin and end each symbol.
+   !> The symbols of events, and the events that begin and end each symbol.
    subroutine check_case(text, symbols, first, last)
       !> As of `events_of`.
       character(*), intent(in) :: text
@@ -95,22 +95,22 @@ contains
 
       call check_case('', none, none, none)                                  ! nothing happened
       call check_case('RL', [1, -1], [1, 2], [1, 2])
-      ! impacts that accumulate are one symbol with their rest, to which the release belongs
+      ! accumulating impacts, their rest and its release are one symbol
       call check_case('RRRR>+', [2], [1], [6])
       call check_case('LRRR>+L', [-1, 2, -1], [1, 2, 7], [1, 6, 7])
       call check_case('RRLLL<-', [1, 1, -2], [1, 2, 3], [1, 2, 7])
       ! a rest without impacts
       call check_case('>+', [2], [1], [2])
       call check_case('L>+L', [-1, 2, -1], [1, 2, 4], [1, 3, 4])
-      ! a contact that is lost and at once made again ends one symbol and begins another
+      ! a contact that is lost and immediately made again ends one symbol and begins another
       call check_case('RR>+>+L', [2, 2, -1], [1, 5, 7], [4, 6, 7])
       call check_case('RR>+R>+', [2, 2], [1, 5], [4, 7])
-      ! what comes before a release is no part of a later accumulation
+      ! impacts before a release are not part of a later accumulation
       call check_case('-RR>', [2], [2], [4])
       call check_case('R>+RR', [2, 1, 1], [1, 4, 5], [3, 4, 5])
    end subroutine test_cases
 
-   !> A window cuts what accumulates: the rest inside makes the symbol, the rest outside none.
+   !> A window cuts an accumulation: only a rest inside the window makes a symbol.
    subroutine test_window()
       type(event_type) :: events(9)
       type(symbol_sequence_type) :: reading
@@ -130,7 +130,7 @@ contains
       call check(reading%n == 0, 'symbols: nothing happened in a window')
    end subroutine test_window
 
-   !> A period has no beginning: its symbols turn with its events.
+   !> A cyclic shift of the events of a period shifts its symbols.
    subroutine check_ring(events)
       type(event_type), intent(in) :: events(:)
       integer :: endings(size(events)), i
@@ -156,7 +156,7 @@ contains
          .and. all(image%last == reading%last), 'symbols: of the mirror image')
    end subroutine check_mirror
 
-   !> Each event is in one symbol, but a release at the beginning; each rest makes a starred one.
+   !> Each event but an initial release is in one symbol; each rest makes a starred symbol.
    subroutine check_counts(events)
       type(event_type), intent(in) :: events(:)
       type(symbol_sequence_type) :: reading
@@ -177,7 +177,7 @@ contains
       end do
    end subroutine check_counts
 
-   !> A motion with rest that simulation settles on: its periods read alike, as the ring does.
+   !> A motion with rest from simulation: all its periods have the same symbols, cyclically too.
    subroutine test_simulated()
       type(forced_system_type) :: system
       type(state_type) :: state
@@ -214,7 +214,7 @@ contains
    end subroutine test_simulated
 
    !> Two impacts a cycle, the second one later by some angle in every other cycle: both periods are
-   !! listed, or that of two cycles alone, or the simple one if nothing differs.
+   !! listed, or only that of two cycles, or the simple one if nothing differs.
    subroutine test_periods()
       type(event_type) :: events(24), early(25)
       type(period_type), allocatable :: periods(:)

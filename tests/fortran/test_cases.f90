@@ -39,7 +39,7 @@ contains
       end do
    end subroutine test_numbers_read_back
 
-   !> What is a number, and what only looks like one.
+   !> Texts that are numbers, and similar texts that are not.
    subroutine test_forms_of_numbers()
       character(8), parameter :: right(*) = [character(8) :: '1', '1.', '.5', '-1.5d-3', '+7', &
          '1E5', &
@@ -102,7 +102,7 @@ contains
       call check(.not. good, 'more words than there is room for')
    end subroutine test_words
 
-   !> The places that a subscript means.
+   !> The positions given by a subscript.
    subroutine test_subscripts()
       character(6), parameter :: texts(*) = [character(6) :: '', '(2)', '(2:4)', '(3:)', '(:2)', &
          '(:)']
@@ -126,7 +126,7 @@ contains
       call check(.not. good, 'subscript of what is no list')
    end subroutine test_subscripts
 
-   !> What a key takes, from its row.
+   !> The description of the values of a key, from its row.
    subroutine test_descriptions()
       type(key_type), parameter :: keys(*) = [ &
          key_type('low', low=1.0e-6_wp, high=1.0_wp, above=.true., below=.true.), &

@@ -76,7 +76,7 @@ contains
       call check_close(after(2), 0.0_wp, 1e-15_wp, 'mu = 0: the free mass bounces')
    end subroutine test_impact
 
-   !> A flight starts in its state, and goes on as the flight that starts on its way.
+   !> A flight starts in its state, and continues as the flight from any later state of it.
    subroutine test_flight()
       type(flight_type) :: flight, rest
       real(wp) :: x(3), start(3), later(3), t, u
@@ -154,7 +154,7 @@ contains
             call check(all(abs(x) <= bound*(1 + 1e-12_wp)), 'derivatives stay below their bounds')
          end do
       end do
-      ! one free oscillation attains them
+      ! a single free oscillation attains them
       flight = new_flight(0.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, 3.0_wp, 4.0_wp, 0.0_wp, 0.0_wp, 1.0_wp)
       call check_close(derivative_bound(flight, 3, 7.0_wp), 5.0_wp, 1e-14_wp, &
          'the bound is attained')

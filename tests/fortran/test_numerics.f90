@@ -56,7 +56,7 @@ contains
       call check(real_ones > 500, 'eigenvector: real ones')
    end subroutine test_eigenvector
 
-   !> Schur and Cohn's test agrees with the eigenvalues, wherever it claims to know.
+   !> The test of Schur and Cohn agrees with the eigenvalues wherever it decides.
    subroutine test_unit_circle()
       real(wp) :: a(4, 4), copy(4, 4), largest
       complex(wp) :: lambda(4)
@@ -65,7 +65,7 @@ contains
       seen = 0
       do i = 1, 20000
          call random_matrix(a)
-         ! half of the spectra near the circle, the others up to far from it
+         ! half of the spectra near the circle, the others at any distance from it
          copy = a
          call eigenvalues(copy, lambda, status)
          a = a*10.0_wp**merge(draw(random, -1.5_wp, 1.5_wp), draw(random, -1.0e-5_wp, 1.0e-5_wp), &
@@ -87,7 +87,7 @@ contains
       call check(locate_spectrum(a) == near_circle, 'on the circle it cannot tell')
    end subroutine test_unit_circle
 
-   !> What is certified between nodes is true on a fine grid, and what is clear is certified.
+   !> Bounds certified between nodes hold on a fine grid, and clear cases are certified.
    subroutine test_between_nodes()
       integer, parameter :: n = 16, fine = 100
       real(wp) :: f(0:n), rise(0:n), h, w, phase, level, largest
@@ -125,7 +125,7 @@ contains
          'the first build in more than twice as many')
    end subroutine test_kinds
 
-   !> A x = b is fulfilled, in both kinds; a matrix without full rank is reported.
+   !> A x = b holds in both kinds; a matrix without full rank is reported.
    subroutine test_solve()
       real(wp) :: a(4, 4), lu(4, 4), b(4), x(4)
       real(sp) :: narrow(4, 4), narrow_x(4)
@@ -158,7 +158,7 @@ contains
          call solve(lu, x, status)
          if (status /= stat%singular) overlooked = overlooked + 1
       end do
-      ! rounding may hide the loss of rank, but not often
+      ! rounding may hide the loss of rank, but rarely
       call check(overlooked <= 20, 'two parallel rows are singular')
    end subroutine test_solve
 
@@ -211,7 +211,7 @@ contains
       end do
    end subroutine test_eigenvalues
 
-   !> What the drivers would answer, also where they scale, or where balancing isolates eigenvalues.
+   !> Results are those of the drivers, also with scaling and eigenvalues isolated by balancing.
    subroutine test_drivers()
       real(wp) :: a(6, 4), b(6), c(6, 4), d(6), work(300), unused(1, 1), unit
       real(wp) :: p(4, 4), q(4, 4), real_part(4), imaginary_part(4), residual
@@ -293,7 +293,7 @@ contains
       end do
    end subroutine test_known_eigenvalues
 
-   !> Every code has a text of its own that fits the boundary's 200 characters.
+   !> Every code has its own text, within the 200 characters of the interface.
    subroutine test_status()
       integer, parameter :: codes(*) = [stat%ok, stat%singular, stat%free_amplitude, stat%no_load, &
          stat%zero_approach, stat%lapack_failed, stat%not_finite, stat%no_motion, &

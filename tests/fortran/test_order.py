@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""House rules of the Fortran core that no compiler checks: for pytest, and as a plain script."""
+"""Rules of the Fortran core that no compiler checks, as tests for pytest and as a script."""
 
 import re
 import sys
@@ -8,7 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
 KINDS = "numerics/kinds.f90"
-# Each folder may use only those before it.
+# Each folder may use only folders before it.
 FOLDERS = ("numerics", "mechanics", "motions", "cases", "studies", "door", "cli", "c")
 MAX_COLUMNS = 100
 
@@ -50,7 +50,7 @@ def test_modules_are_used_upwards_only():
     core = set()
     for name in ordered_files():
         path = SOURCE / name
-        if not path.exists():  # the output of a template
+        if not path.exists():  # output of a template
             continue
         used = set()
         for line in code_lines(path):
@@ -59,7 +59,7 @@ def test_modules_are_used_upwards_only():
                 used.add(match[2])
         if name.endswith("_single.f90"):
             assert used == set(), f"{name} uses {sorted(used)}"
-        # the twins, single precision and wide, are made of files that stand above
+        # single precision and wide variants are generated from files listed above
         allowed = above | {module + twin for module in core for twin in ("_single", "_wide")}
         assert used <= allowed, f"{name} uses what is not above it: {sorted(used - allowed)}"
         above.add(stem_module(name))

@@ -84,7 +84,7 @@ contains
          all(a%verdicts(:, j) == b%verdicts(:, i)) .and. a%status(j) == b%status(i)
    end function same_point
 
-   !> Many points in one call are the same bits as one call a point, in any order and precision.
+   !> Many points in one call have the bits of single calls, in any order and precision.
    subroutine test_batch()
       integer, parameter :: m = 12
       type(oscillator_type) :: osc
@@ -137,7 +137,7 @@ contains
          results%status)
    end function points
 
-   !> Equispaced points are those of the chain, two columns a point; what does not exist is NaN.
+   !> Equispaced points are those of the chain, two columns a point; missing motions are NaN.
    subroutine test_equispaced_batch()
       integer, parameter :: m = 200
       type(oscillator_type) :: osc
@@ -187,7 +187,7 @@ contains
       call check(all(results%verdicts(:, j) == unknown), 'a failed point has no verdicts')
    end subroutine check_all_nan
 
-   !> One failed point among others keeps its status and NaN; the others do not notice.
+   !> One failed point among others keeps its status and NaN; the others do not change.
    subroutine test_failed_point()
       type(oscillator_type), parameter :: osc = oscillator_type(0.005_wp, 0.042_wp, &
          [0.75_wp, 0.75_wp])
@@ -212,7 +212,7 @@ contains
       end do
    end subroutine test_failed_point
 
-   !> What was stored gives the same time history as the motion it came from.
+   !> A stored motion gives the time history of the original.
    subroutine test_recall()
       type(motion_type) :: motion, copy
       real(wp) :: times(50), values(6, 50), again(6, 50), impacts(2, 6)
@@ -231,11 +231,11 @@ contains
       end do
    end subroutine test_recall
 
-   !> In 32 bits the same motion comes out, to the digits that 32 bits and the problem's condition
+   !> In 32 bits the motion is the same, to the digits that 32 bits and the problem's condition
    !! allow.
    !!
-   !! The condition is seen from what the rounding of the data alone does to the double precision
-   !! answer.
+   !! The condition is estimated from the effect of rounding the data on the double precision
+   !! result.
    subroutine test_single()
       type(motion_type) :: motion, narrow, rounded
       type(linear_system_type) :: system

@@ -1,8 +1,8 @@
-"""Results that several files look at."""
+"""Results that several test files use."""
 
 import pytest
 
-# what their asserts compared is shown as in a test
+# a failed assert in these modules shows the values compared, as in a test
 pytest.register_assert_rewrite("shared_laws", "shared_simulations")
 
 import vibroimpact as vi  # noqa: E402
@@ -15,7 +15,7 @@ START = {"t": 0, "x": 3.5, "x_dot": 0, "z": 0, "z_dot": -2}
 
 
 def pytest_addoption(parser):
-    """How large the audit is."""
+    """Add the options for the size of the audit."""
     group = parser.getgroup("audit", "random systems against an independent simulation")
     group.addoption("--audit-systems", type=int, default=3, help="systems (3)")
     group.addoption("--audit-points", type=int, default=12, help="points of each system (12)")
@@ -23,7 +23,7 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(items):
-    """Mark what needs a browser."""
+    """Mark the tests that need a browser."""
     for item in items:
         if "browser" in item.fixturenames:
             item.add_marker("browser")
@@ -31,7 +31,7 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def results():
-    """One result of each kind, and of the kinds within them."""
+    """One result of each kind, including the kinds that other results contain."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     uneven = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     return {
@@ -53,7 +53,7 @@ def results():
 
 @pytest.fixture(scope="session")
 def attractors():
-    """Results of the other studies; those of attractors have motions, exponents and states within them."""
+    """Results of the studies of attractors, which contain motions, exponents and states."""
     made = {
         "lyapunov": vi.lyapunov(FIGURE6, 1.04, [25.0, 30.0], cycles=100, discard=50),
         "one": vi.lyapunov(FIGURE6, 1.04, 25.0, cycles=100, discard=50),

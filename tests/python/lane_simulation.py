@@ -27,7 +27,7 @@ FLIGHT, IMPACT, STICK, RELEASE = 0, 1, 2, 3
 
 @dataclass(frozen=True)
 class Systems:
-    """Oscillators and loads, one a lane; `restitution` is (right, left)."""
+    """Oscillators and loads, one for each lane; `restitution` is (right, left)."""
 
     xi: np.ndarray
     mu: np.ndarray
@@ -44,7 +44,7 @@ class Systems:
         return cls(xi * one, mu * one, walls, r.ravel().copy(), clearance.ravel().copy())
 
     def take(self, lanes):
-        """Return some of them."""
+        """Return the selected lanes."""
         return Systems(
             self.xi[lanes],
             self.mu[lanes],
@@ -56,7 +56,7 @@ class Systems:
 
 @dataclass
 class Events:
-    """What happened: lane, cell count and time in the cell, kind, side, state after, approach."""
+    """Events: lane, cell count and time in the cell, kind, side, state after, approach speed."""
 
     lane: list = field(default_factory=list)
     time: list = field(default_factory=list)
@@ -66,7 +66,7 @@ class Events:
     approach: list = field(default_factory=list)
 
     def add(self, lane, time, kind, side, state, approach):
-        """Keep some, one a lane."""
+        """Append events, one for each lane given."""
         self.lane.append(lane)
         self.time.append(time)
         self.kind.append(np.full(lane.size, kind))
@@ -97,7 +97,7 @@ class Signal:
         self.fourth = np.abs(free) * size**4 + drive * r**4
 
     def take(self, lanes):
-        """Return that of some lanes."""
+        """Return the signal of the selected lanes."""
         return Signal(tuple(part[lanes] for part in self.parts), self.low[lanes], self.high[lanes])
 
     def at(self, s):
@@ -107,12 +107,12 @@ class Signal:
         return c0 + c1 * s + one.real + two.real, c1 + (rate * one).real + (1j * r * two).real
 
     def size(self):
-        """Sizes of what is added up."""
+        """Sum of the magnitudes of the terms, the scale of the rounding errors."""
         c0, _, free, _, forced, _ = self.parts
         return np.abs(c0) + np.abs(free) + np.abs(forced)
 
     def inside(self, f, slope, g, slope_g, width):
-        """Whether it surely keeps within the limits between two places."""
+        """Whether the signal certainly stays within the limits between two times."""
         third = width / 3
         one, two, hidden = f + slope * third, g - slope_g * third, self.fourth * width**4 / 384
         top = np.maximum(np.maximum(f, g), np.maximum(one, two)) + hidden
@@ -123,7 +123,7 @@ class Signal:
 def crossings(signal, begin, end):
     """When signals first leave their limits, and through which: +1 the upper, -1 the lower, 0 none.
 
-    Up to `begin` they are known to keep within them.
+    Up to `begin` the signals are known to stay within them.
     """
     n, whole = begin.size, signal
     when, through, low, high = end.copy(), np.zeros(n), np.zeros(n), np.zeros(n)
@@ -163,14 +163,14 @@ def crossings(signal, begin, end):
 
 
 def within(signal, g):
-    """Whether a value keeps within the limits: of a monotone signal then all before it do."""
+    """Whether a value is within the limits; if the signal is monotone, so are all values before it."""
     return (g < signal.high) & (g > signal.low)
 
 
 def refined(signal, low, high, side):
     """The places between two where signals cross a limit, by Newton's method in a bracket."""
     level = np.where(side > 0, signal.high, signal.low)
-    # rounding may have a signal beyond its limit at the start
+    # rounding may put a signal beyond its limit at the start
     root = np.where(side * (signal.at(low)[0] - level) >= 0, low, 0.5 * (low + high))
     keep = root > low
     lanes, s = np.flatnonzero(keep), root.copy()
@@ -219,7 +219,7 @@ class Lanes:
         self.failed = np.zeros(n, bool)
 
     def take(self, lanes):
-        """Return some of them, to go on alone."""
+        """Return the selected lanes as an object of their own."""
         some = Lanes(
             self.systems.take(lanes), *self.state()[lanes].T, self.side[lanes], self.cell[lanes]
         )
@@ -255,7 +255,7 @@ class Lanes:
                 self.failed[lanes] = True
 
     def advance(self, lanes, events):
-        """Go on to the end of the cell, or to the next event in it."""
+        """Advance to the end of the cell, or to the next event in it."""
         parts = self.parts(lanes)
         side, left = self.side[lanes], self.left[lanes]
         span = self.steps[lanes] - self.tau[lanes]
@@ -330,7 +330,7 @@ class Lanes:
         self.w[lanes] = np.where(rests, self.v[lanes], self.w[lanes])
 
     def collide(self, lanes, side, events):
-        """Momentum and restitution; with a spent rebound, momentum and rest."""
+        """Momentum and restitution; if the rebound is negligible, momentum and rest."""
         if not lanes.size:
             return
         s = self.systems.take(lanes)

@@ -2,8 +2,8 @@
 
 Many states of random systems are simulated (`lane_simulation.py`) until they repeat; Newton's
 method on the stroboscopic map, differentiated by central differences with Richardson's step, gives
-each periodic attractor to rounding, with its multipliers. What the package says is held against
-them, and what it says of further motions is held against the stroboscopic map from their states.
+each periodic attractor to rounding, with its multipliers. The results of the package are compared with
+them, and further motions that it lists are compared with the stroboscopic map from their states.
 """
 
 from collections import Counter
@@ -134,7 +134,7 @@ def scale_of(systems):
 
 
 def attractors(systems, seed, cycles=400, patience=1600):
-    """The attractors of random states: for each lane an Orbit, "no impact" or "no period"."""
+    """The attractors reached from random states: for each lane an Orbit, "no impact" or "no period"."""
     lanes = random_states(systems, seed)
     found = ["no period"] * systems.r.size
     left = np.arange(systems.r.size)
@@ -150,7 +150,7 @@ def attractors(systems, seed, cycles=400, patience=1600):
 
 
 def repeats(lanes):
-    """What lanes repeat: Orbit, "no impact" or None, one a lane.
+    """The orbits that the lanes repeat: Orbit, "no impact" or None, one for each lane.
 
     A stable orbit that is within a hundredth of where a lane is after 8 load cycles is what it
     settles on. The lanes go on to the next whole cycle.
@@ -165,7 +165,7 @@ def repeats(lanes):
     for k in range(1, MOST_CYCLES + 1):
         off = np.abs(strobe_[-1] - strobe_[-1 - k]).max(1)
         use = np.flatnonzero(off < NEARLY * scale_of(lanes.systems))
-        # one that failed, or is between two impacts long apart, has no events to read
+        # a lane that failed, or is between two impacts far apart in time, has no events to read
         end = last // ls.CELLS
         use = use[
             [found[lane] is None and bool((each[lane][0] > end - 2 * k).any()) for lane in use]
@@ -213,7 +213,7 @@ def orbits(systems, cell, cycles, state):
 
 
 def _orbits(systems, cell, cycles, state):
-    """As `orbits`."""
+    """As `orbits`, for one batch of states."""
     jacobian, _ = strobe_matrix(systems, cell, cycles, state)
     for turn in range(6):
         end, _ = strobe(systems, cell, cycles, state)
@@ -321,7 +321,7 @@ def matches(motion, orbit_, tolerance=1e-8):
     """Whether an exact motion is an orbit: letters, phases and states after the first impacts."""
     letters = motion.pattern.symbols
     n, turn = len(letters), ls.TURN * motion.pattern.cycles
-    # what the residual of the orbit's Newton iteration leaves open
+    # the uncertainty that the residual of the orbit's Newton iteration leaves
     error = orbit_.residual / np.abs(1 - orbit_.multipliers).min()
     tolerance = max(tolerance, 100 * error)
     if n != len(orbit_.letters) or motion.pattern.cycles != orbit_.cycles:
@@ -418,12 +418,12 @@ class Audit:
     """Counts the comparisons, and keeps the disagreements."""
 
     def __init__(self):
-        """Nothing yet."""
+        """Begin with no comparisons."""
         self.counts, self.kinds, self.findings = Counter(), Counter(), []
         self.undecided = []
 
     def note(self, check, holds, osc, r, clearance, text):
-        """One comparison."""
+        """Record one comparison."""
         self.counts[check, bool(holds)] += 1
         if not holds:
             self.findings.append(Finding(check, osc, float(r), float(clearance), text))
@@ -506,7 +506,7 @@ class Audit:
         return stable
 
     def claims(self, motions):
-        """(d) and (e) for motions of the package: they return to themselves, and as they say."""
+        """(d) and (e) for motions of the package: they return to themselves, and as their verdicts say."""
         motions = [motion for motion in motions if motion.admissible]
         if not motions:
             return
@@ -564,7 +564,7 @@ class Audit:
 
 
 def kind_of(found):
-    """What an attractor is called in the table."""
+    """The name of an attractor in the table."""
     if isinstance(found, str):
         return found
     return "with rest" if any("*" in name for name in found.letters) else "without rest"
@@ -573,8 +573,8 @@ def kind_of(found):
 def audit(systems, points, seed=1, searched=8, cycles=400, patience=400):
     """Audit random systems at random points, one random state each.
 
-    At every `searched`-th point with an attractor `find` is called too, and all it says is held
-    against the independent simulation. Returns the Audit, its `kinds` counting what the states
+    At every `searched`-th point with an attractor `find` is called too, and all its statements are compared
+    with the independent simulation. Returns the Audit, its `kinds` counting what the states
     settle on.
     """
     oscillators = random_oscillators(systems, seed)
@@ -589,7 +589,7 @@ def audit(systems, points, seed=1, searched=8, cycles=400, patience=400):
 
 
 def compared(oscillators, r, clearance, found, searched=8):
-    """Hold the package against what random states settle on; arguments as in `audit`."""
+    """Compare the package with the attractors of random states; arguments as in `audit`."""
     report = Audit()
     report.kinds.update(map(kind_of, found))
     points, claimed = r.shape[1], []

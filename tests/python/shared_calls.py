@@ -1,4 +1,4 @@
-"""The package's functions with right arguments, of which a test changes some."""
+"""Calls of the package's functions with valid arguments, some of which a test replaces."""
 
 import math
 
@@ -12,26 +12,26 @@ PHASES = [0.0, 3.3]
 
 
 def oscillator(**changes):
-    """Make the oscillator with some parameter wrong."""
+    """Make the oscillator with some parameters replaced."""
     return vi.Oscillator(**{"xi": 0.01, "mu": 0.05, "restitution": 0.75} | changes)
 
 
 def periodic(**changes):
-    """Solve the periodic problem with some argument wrong."""
+    """Solve the periodic problem with some arguments replaced."""
     return vi.periodic(**{"osc": OSC, "r": 0.9, "phases": PHASES, "pattern": PAIR} | changes)
 
 
 def linear_system(**changes):
-    """Assemble the linear system with some argument wrong."""
+    """Assemble the linear system with some arguments replaced."""
     return vi.linear_system(**{"osc": OSC, "r": 0.9, "phases": PHASES, "pattern": PAIR} | changes)
 
 
 def batch(**changes):
-    """Solve a batch of two with some argument wrong."""
+    """Solve a batch of two with some arguments replaced."""
     good = {"osc": OSC, "r": 0.9, "phases": [[0.0, 0.0], [3.3, 3.4]], "pattern": PAIR}
     return vi.periodic_batch(**good | changes)
 
 
 def equispaced(**changes):
-    """Solve the equispaced problem with some argument wrong."""
+    """Solve the equispaced problem with some arguments replaced."""
     return vi.equispaced(**{"osc": EVEN, "r": 0.9, "clearance": 20.0} | changes)

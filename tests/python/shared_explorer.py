@@ -9,7 +9,7 @@ from vibroimpact.explorer.process import SETTLED, start
 
 
 def lacking(what):
-    """Without a browser the page cannot be tested: a reason to skip here, a fault where all is to be tested."""
+    """Without a browser, skip the tests of the page; fail them where all tests are required."""
     (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{what} is not installed")
 
 
@@ -25,7 +25,7 @@ def server():
 
 @pytest.fixture(scope="session")
 def browser(tmp_path_factory):
-    """A browser with nothing in it."""
+    """A browser without any page."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
@@ -51,14 +51,14 @@ def browser(tmp_path_factory):
 
 
 class Page:
-    """The page, and what the tests do with it."""
+    """The page, with the actions and queries that the tests use."""
 
     def __init__(self, page, url):
         """`page` is the browser's."""
         self.page, self.url = page, url
 
     def open(self, query=""):
-        """Go there, and wait until everything is computed."""
+        """Open the page at a query, and wait until everything is computed."""
         self.page.goto(f"{self.url}?{query}" if query else self.url)
         self.page.wait_for_function(
             "window.vibroimpact && document.getElementById('table').children.length"
@@ -90,14 +90,14 @@ class Page:
         return box["x"] + right * box["width"], box["y"] + down * box["height"]
 
     def data(self, model, key):
-        """A column of a table of the chart or the diagram, as the browser has it."""
+        """A column of a table of the chart or the diagram, as held by the browser."""
         return self.page.evaluate(
             "([model, key]) => Array.from(Bokeh.documents[0].get_model_by_name(model).data[key])",
             [model, key],
         )
 
     def curve(self, figure, name):
-        """The coordinates along a named part of a small figure, as the browser has them."""
+        """The coordinates along a named part of a small figure, as held by the browser."""
         return self.page.evaluate(
             """([figure, name]) => {
               const part = vibroimpact.sketches[figure].shown().parts.find((one) => one.name === name)
@@ -109,7 +109,7 @@ class Page:
 
 @pytest.fixture
 def page(browser, server):
-    """The page in a new tab; afterwards: no errors were logged, and nothing was asked of the network."""
+    """The page in a new tab; at the end, check that it logged no errors and requested nothing from other hosts."""
     tab, faults, asked = browser.new_page(), [], []
     tab.set_viewport_size({"width": 1280, "height": 900})
     tab.on("console", lambda m: faults.append(m.text) if m.type in ("error", "warning") else None)
@@ -124,10 +124,10 @@ def page(browser, server):
 
 
 def numbers(rows):
-    """Of the table without the simulation: label, X_max/A, |lambda|."""
+    """Label, X_max/A and |lambda| of the table's rows, without that of the simulation."""
     return [(label, ratio, leading.split()[0]) for label, _, ratio, leading in rows if ratio]
 
 
 def shown_numbers(motions):
-    """The same of motions, by their own digits."""
+    """The same entries, formatted from the numbers of motions."""
     return [(f"{m.attenuation:.6g}", f"{abs(m.multipliers[0]):.6g}") for m in motions]

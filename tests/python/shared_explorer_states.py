@@ -1,10 +1,10 @@
-"""States of the explorer on which much is tested."""
+"""States of the explorer that several tests use."""
 
 import vibroimpact as vi
 from vibroimpact.explorer.state import Run, State
 
 RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
-#: One state with everything in it, at a point where there is rest, and one where there are many motions.
+#: A state with every field set, at a point with a motion with rest, and one at a point with many motions.
 STATES = {
     "start": State(run=RUN, line=(1.04, 5.0, 1.04, 60.0)),
     "rest": State(R2=0.61, r=0.9, clearance=6.0, run=RUN, line=(0.85, 3.0, 0.95, 9.0)),

@@ -86,7 +86,7 @@ def error_bound(case, eps=EPS):
 
     The right side is a difference of what the free mass has before and after its impacts, which may be far
     larger: as with walls of restitution 1 and impacts half a period apart. Infinite where the solution needs
-    next to no load: no clearance and load belong to it.
+    next to no load: no clearance and load correspond to it.
     """
     matrix, right = fp.linear_system(case.system, case.phases)
     unknowns = np.linalg.lstsq(matrix, right, rcond=None)[0]
@@ -125,13 +125,13 @@ def rebuild(motion, system):
 
 
 def scaled(maps, motion):
-    """Return maps of (X, X_dot, Z_dot, phase) with lengths in the motion's own size."""
+    """Return maps of (X, X_dot, Z_dot, phase) with lengths in units of the motion's size."""
     size = np.array([1.0, 1.0, 1.0, 1.0 / (motion.A + np.abs(motion.X).max())])
     return maps / size[:, None] * size
 
 
 def event_condition(motion, system):
-    """Return the worst ratio of the speeds to the speed of approach, one over the flights."""
+    """Return the largest ratio of the speeds to an approach speed, times the condition of the phases."""
     c, s = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
     end = np.append(motion.phases[1:], TURN * system.cycles)
     time = (end - motion.phases) / system.r

@@ -1,4 +1,4 @@
-"""Motions of the paper's systems and of an uneven one."""
+"""Motions of the paper's systems and of a system with unequal walls."""
 
 import contextlib
 import math
@@ -21,7 +21,7 @@ def motions(osc, r, clearance, impacts=4, cycles=2):
 
 
 def searched(osc, r, clearance, pattern, guesses, seed=0):
-    """Exact motions of a pattern, from guesses of the phases at random; some come several times."""
+    """Exact motions of a pattern, from random guesses of the phases; some appear several times."""
     draw = np.random.default_rng(seed)
     for _ in range(guesses):
         phases = np.sort(draw.uniform(0, 2 * math.pi * pattern.cycles, len(pattern) - 1))

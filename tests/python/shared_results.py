@@ -19,7 +19,7 @@ NAMES = (
     "zone",
     "atlas",
 )
-#: The studies of which no result is among those, nor in tests of their own files; and further results of them.
+#: The studies without a result among those or in tests of their own files, and further results of them.
 STUDIES_NAMED = (
     "one",
     "states",

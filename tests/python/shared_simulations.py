@@ -11,12 +11,12 @@ COLUMNS = ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 
 
 def state(t=0.0, x=0.0, x_dot=0.0, z=0.0, z_dot=0.0):
-    """Return a state as a caller writes it."""
+    """Return a state in the form that a caller passes."""
     return {"t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot}
 
 
 def plain(full):
-    """Return the five numbers of a final state, without what makes it go on bit for bit."""
+    """Return the five numbers of a final state, without the entries needed to continue bit for bit."""
     return {name: full[name] for name in STATE}
 
 
@@ -26,7 +26,7 @@ def system(osc, r, clearance, load=1.0):
 
 
 def signs(events):
-    """Return +1 for right and -1 for left, one an event."""
+    """Return +1 for right and -1 for left, for each event."""
     return np.where(events["side"] == "R", 1.0, -1.0)
 
 

@@ -1,4 +1,4 @@
-"""Animations: where the masses stand, which wall flashes, and the manners of the file."""
+"""Animations: positions of the masses, flashes of the walls, and how the file is written."""
 
 import subprocess
 import sys
@@ -34,7 +34,7 @@ def scene_of(thing, cycles):
 
 @pytest.mark.parametrize("which", range(2))
 def test_masses_stand_to_scale(which):
-    """The way left between the walls is the clearance, and the free mass is apart by d/2 - |Y| on each side."""
+    """The gaps between the free mass and the walls are d/2 + Y on the left and d/2 - Y on the right."""
     thing = (vi.exact(TABLE, 0.94, 37.0, COLUMN), settled(3))[which]
     scene, window = scene_of(thing, 1)
     for time in np.linspace(window.first, window.last, 12, endpoint=False):
@@ -50,7 +50,7 @@ def test_masses_stand_to_scale(which):
 
 
 def test_load_phase_is_that_of_the_load():
-    """sin of the phase that is written is the load, at the beginning of the window too."""
+    """The sine of the displayed phase is the load, at the beginning of the window too."""
     for thing in (vi.exact(TABLE, 0.94, 37.0, COLUMN), settled(3)):
         window = history(thing, 1)
         assert np.sin(window.phase) == pytest.approx(
@@ -72,7 +72,7 @@ def test_the_wall_that_is_hit_flashes():
 
 
 def test_the_wall_of_a_rest_has_its_colour():
-    """Between stick and release the wall of the rest is told; a window may begin within a rest."""
+    """From stick to release the wall of the rest has the colour of rest, also if the window begins in a rest."""
     run = settled(4)
     events = run.events
     (stick,) = np.flatnonzero(events["kind"] == "stick")[:1]
@@ -91,7 +91,7 @@ def test_the_wall_of_a_rest_has_its_colour():
 
 
 def test_gif(tmp_path):
-    """As many pictures as asked for, at their pace, round and round, and nothing else in the folder."""
+    """The GIF has the requested number of frames and frame rate, and loops; the folder holds nothing else."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     path = motion.animate(tmp_path / "pair.gif", seconds=0.2)
     assert path == tmp_path / "pair.gif"
@@ -105,7 +105,7 @@ def test_gif(tmp_path):
 
 @pytest.mark.slow
 def test_mp4(tmp_path, monkeypatch):
-    """The program of imageio-ffmpeg writes the pictures of the GIF, as many, and the path stays as it was."""
+    """ffmpeg from imageio-ffmpeg writes as many frames as the GIF has, and the setting of its path is restored."""
     program = pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
     monkeypatch.setenv("PATH", "")
     setting = matplotlib.rcParams["animation.ffmpeg_path"]
@@ -129,7 +129,7 @@ def test_mp4(tmp_path, monkeypatch):
 
 
 def test_without_a_path_a_notebook_gets_it():
-    """matplotlib's own animation, and the settings of the caller are left alone."""
+    """Without a path `animate` returns matplotlib's animation, and does not change the caller's settings."""
     before = dict(matplotlib.rcParams)
     film = settled(2).animate(cycles=1, seconds=0.1)
     assert isinstance(film, matplotlib.animation.FuncAnimation)
@@ -138,7 +138,7 @@ def test_without_a_path_a_notebook_gets_it():
 
 
 def test_interrupted_film_leaves_the_old_one(tmp_path, monkeypatch):
-    """The file that was there stays, and no part of the new one."""
+    """If writing is interrupted, the earlier file remains and no part of the new one."""
     path = tmp_path / "film.gif"
     path.write_text("old")
 

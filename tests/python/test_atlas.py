@@ -1,4 +1,4 @@
-"""Atlas and zones with rest: against simulation, which knows nothing of sheets and boundaries."""
+"""Atlas and zones with rest, against simulation, which is independent of the tracing of boundaries."""
 
 import json
 import threading
@@ -42,9 +42,9 @@ def test_simulated_attractors_lie_in_a_zone_of_their_pattern(atlas):
 
 
 def test_patterns_with_rest_do_not_depend_on_the_survey():
-    """Without a survey, too, what simulations reach within the limits lies in a zone of its pattern.
+    """Without a survey, too, every attractor of simulations within the limits lies in a zone of its pattern.
 
-    At the first point random states settle on L*R*, an independent simulation says (`lane_simulation.py`); its
+    At the first point random states settle on L*R* by an independent simulation (`lane_simulation.py`); its
     zone is 0.016 wide in r there, and a survey of 400 points over r .6 to 1.4, D .5 to 150 misses it.
     """
     osc = vi.Oscillator(
@@ -77,7 +77,7 @@ def test_survey_is_explained(atlas):
 
 
 def test_every_point_of_the_survey_is_counted(atlas):
-    """The counts add up to the points, and each outcome is the one that its list has."""
+    """The counts add up to the number of points, and agree with the lists of motions and with the repr."""
     counts, survey = atlas.counts, atlas.survey
     assert list(counts) == list(OUTCOMES)
     assert sum(counts.values()) == len(survey) == 60
@@ -150,7 +150,7 @@ def test_motion_without_impacts():
 
 
 def test_points_without_impacts_are_where_that_motion_is():
-    """The survey counts a point as one without impacts only where D > 2A; above it there are such points."""
+    """The survey counts points as without impacts only where D > 2A, and there are such points."""
     atlas = vi.atlas(EQUAL, (0.8, 1.2), (2, 200), max_impacts=2, survey=100, guesses=0)
     survey = atlas.survey
     free = survey.outcome == 1 + OUTCOMES.index("without impacts")
@@ -159,7 +159,7 @@ def test_points_without_impacts_are_where_that_motion_is():
 
 
 def test_chaos_of_the_survey_has_a_positive_exponent():
-    """From the end of a long simulation a point called chaotic has one; transients of chaos may end meanwhile."""
+    """The largest exponent at a chaotic point is positive, unless the chaos was transient and has ended."""
     window = (0.8, 1.2), (2.0, 8.0)
     atlas = vi.atlas(EQUAL, *window, max_impacts=2, survey=60, guesses=0)
     places = np.flatnonzero(atlas.survey.outcome == 1 + OUTCOMES.index("chaotic"))
@@ -212,7 +212,7 @@ def test_threads_do_not_change_the_answer():
 
 
 def test_progress_is_told():
-    """From nothing to all, and the answer is the same."""
+    """The shares of progress rise to 1, and the atlas is the same as without `progress`."""
     window = ((1.0, 1.1), (20, 60))
     shares = []
     message = vi.atlas(
@@ -308,7 +308,7 @@ def test_zone_with_rest_agrees_with_simulation():
 
 
 def test_rest_vanishes_at_the_boundary():
-    """Just inside the motion with rest exists and rests briefly; just outside it is gone."""
+    """Just inside the boundary the motion exists and rests briefly; just outside it does not exist."""
     zone = vi.zone(UNEQUAL, vi.Pattern("RL*"), (0.84, 0.94), (4, 8))
     start = vi.exact(UNEQUAL, 0.9, 5.74, vi.simulate(UNEQUAL, 0.9, 5.74, 8, discard=150))
     column = np.concatenate(
@@ -344,9 +344,9 @@ def test_zones_fit_over_the_chart(sides, symmetric, window):
 
 
 def test_vertices_of_a_zone_with_rest_by_simulation():
-    """From the release that a vertex gives, simulation comes back to it after a period, corners included.
+    """A simulation from the release at a vertex returns to it after one period, at corners too.
 
-    No rest is left where it vanishes, corners included: there a simulation may as well just fail to complete
+    Where the rest vanishes, at corners too, its duration is zero: a simulation may also just fail to complete
     the accumulation, with masses that part at a speed below rounding. Elsewhere the rest is longer.
     """
     zone = vi.zone(UNEQUAL, vi.Pattern("RL*"), (0.84, 0.94), (4, 8))

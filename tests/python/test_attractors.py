@@ -1,4 +1,4 @@
-"""All studies of attractors: bad input, tables and pictures, Ctrl-C and progress."""
+"""All studies of attractors: invalid input, tables and pictures, Ctrl-C and progress."""
 
 import importlib
 
@@ -62,7 +62,7 @@ def test_bad_input_is_named(call, word):
 
 
 def test_tables_and_pictures():
-    """Every study has a labelled table and a picture with labelled axes, drawn where it is told."""
+    """Every study has a labelled table and a picture with labelled axes, drawn into the given axes."""
     xarray = pytest.importorskip("xarray")
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
@@ -95,7 +95,7 @@ def test_tables_and_pictures():
 
 
 def stopped(monkeypatch, study, *arguments, **more):
-    """What a study has finished that is stopped when about a third of its work is done."""
+    """The partial result of a study that is stopped when about a third of its work is done."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
 
     def progress(share, what):
@@ -109,7 +109,7 @@ def stopped(monkeypatch, study, *arguments, **more):
 
 @pytest.mark.slow
 def test_stopped_lyapunov(monkeypatch):
-    """The points that are finished have the bits of the whole line."""
+    """The finished points have the bits of the complete line."""
     line = np.linspace(10, 24, 300)
     part = stopped(monkeypatch, vi.lyapunov, FIGURE6, 1.04, line, cycles=4000)
     whole = vi.lyapunov(FIGURE6, 1.04, line, cycles=4000)
@@ -123,7 +123,7 @@ def test_stopped_lyapunov(monkeypatch):
 
 
 def test_stopped_response(monkeypatch):
-    """The frequency ratios that are finished have the bits of the whole curve."""
+    """The finished frequency ratios have the bits of the complete curve."""
     r = np.linspace(1.0, 1.02, 200)
     part = stopped(monkeypatch, vi.response, FIGURE6, r, 33.0, states=12)
     whole = vi.response(FIGURE6, r, 33.0, states=12)
@@ -136,7 +136,7 @@ def test_stopped_response(monkeypatch):
 
 
 def test_stopped_bifurcation(monkeypatch):
-    """Sweeps have the impacts of the whole diagram as far as they came, and none beyond."""
+    """Stopped sweeps have the impacts of the complete diagram at the finished values, and none at the others."""
     values = np.linspace(50, 75, 400)
     part = stopped(monkeypatch, vi.bifurcation_diagram, FIGURE6, "clearance", values, r=1.04)
     whole = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04)
@@ -150,7 +150,7 @@ def test_stopped_bifurcation(monkeypatch):
     assert part.points.tolist() == whole.points[there].tolist()
     assert (part.cycles[~done] == 0).all()
     assert np.isnan(part.x_max[~done]).all()
-    # what is told as a window is one; the others go on at least as far
+    # complete windows are windows of the whole diagram, and cut windows are parts of them
     assert set(part.windows) < set(whole.windows)
     for run, low, high, label in part.cut_windows:
         assert any(
@@ -164,7 +164,7 @@ def test_stopped_bifurcation(monkeypatch):
 
 
 def test_stopped_basins(monkeypatch):
-    """States that were decided go where they go in the whole plane; shares are those of what was reached."""
+    """Decided states have the attractors of the complete result; shares are those of the states reached."""
     plane = (("x", -30, 30, 120), ("x_dot", -30, 30, 120))
     part = stopped(monkeypatch, vi.basins, TABLE, 0.94, 37.0, plane)
     whole = vi.basins(TABLE, 0.94, 37.0, plane)
@@ -187,7 +187,7 @@ def test_stopped_basins(monkeypatch):
 
 
 def test_stopped_before_anything(monkeypatch):
-    """A single point has no part: a plain interrupt."""
+    """A single point has no partial result: stopping it raises a plain KeyboardInterrupt."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
 
     def progress(share, what):

@@ -1,6 +1,6 @@
-"""Random systems simulated by an independent implementation, against atlas, `find` and `exact`.
+"""Atlas, `find` and `exact` against an independent simulation of random systems.
 
-`--audit-systems` and `--audit-points` make it larger; `--audit-seed` takes other systems.
+`--audit-systems` and `--audit-points` set its size; `--audit-seed` draws other systems.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def report(request):
 
 
 def disagreements(report, *checks):
-    """What was found by some checks; the first has been made."""
+    """The disagreements of some checks, the first of which must have been made."""
     assert report.counts[checks[0], True] > 0
     return [str(finding) for finding in report.findings if finding.check in checks]
 
@@ -50,7 +50,7 @@ def test_lanes_are_the_simulation():
 
 
 def test_exact_is_the_attractor(report):
-    """From the package's own simulation: the phases and states of the independent one, to 1e-8."""
+    """From the package's simulation `exact` has the phases and states of the independent orbit, to 1e-8."""
     assert disagreements(report, "exact", "admissible") == []
 
 
@@ -60,12 +60,12 @@ def test_verdicts_are_those_of_the_stroboscopic_map(report):
 
 
 def test_simulation_denies_no_motion(report):
-    """Each motion returns to itself; changed by 1e-6 it comes back if it is stable, and else not."""
+    """Each motion returns to itself; after a change of 1e-6 it comes back only if it is stable."""
     assert disagreements(report, "returns", "stays", "leaves") == []
 
 
 def test_find_lists_every_attractor(report):
-    """That is within its limits, at every eighth point."""
+    """At every eighth point `find` lists each attractor within its limits."""
     assert disagreements(report, "find") == []
 
 
@@ -80,5 +80,5 @@ def test_undecided_verdicts_are_rare(report):
 
 
 def test_atlas_contains_every_attractor(report):
-    """That is within its limits and farther than 1e-4 from a boundary."""
+    """Each attractor within the limits and farther than 1e-4 from a boundary lies in a zone of its pattern."""
     assert disagreements(report, "atlas") == []

@@ -1,7 +1,7 @@
-"""Basins: against where the trajectories themselves end, closed forms, and every pair of states.
+"""Basins, against the ends of the trajectories, closed forms, and counts over every pair of states.
 
-Simulations go on bit for bit, so what a basin says about a state can be compared with where that
-very trajectory is later, even in transient chaos.
+Simulations continue bit for bit, so the attractor of a state can be compared with the end of that
+very trajectory, even in transient chaos.
 """
 
 import math
@@ -21,7 +21,7 @@ def plane():
 
 
 def test_states_go_where_their_basin_says(plane):
-    """Each trajectory, simulated far on, has the impacts of the motion that its label names."""
+    """Each trajectory, continued for many cycles, has the impacts of the motion that its label names."""
     states = plane.states.reshape(5, -1)
     labels = plane.labels.ravel()
     assert (labels >= 0).all()
@@ -51,7 +51,7 @@ def mirrors(one, other):
 
 
 def test_mirror_images_have_equal_shares():
-    """Of random states, and of their mirror images half a period later: those go to the mirror images."""
+    """Mirror images of random states, half a period later, go to the mirror images of their attractors."""
     result = vi.basins(FIGURE6, 1.04, 14.0, states=3000)
     reflected = -result.states
     reflected[0] = math.pi / 1.04
@@ -76,7 +76,7 @@ def test_mirror_images_have_equal_shares():
 
 
 def philox(counter, key):
-    """Return the words of Philox4x32-10 (Salmon et al., SC11) in whole numbers without end."""
+    """Return the words of Philox4x32-10 (Salmon et al., SC11), computed with Python's unbounded integers."""
     c, (a, b), word = list(counter), key, 2**32
     for _ in range(10):
         p, q = 0xD2511F53 * c[0], 0xCD9E8D57 * c[2]
@@ -87,7 +87,7 @@ def philox(counter, key):
 
 @pytest.mark.parametrize(("load", "seed"), [(1.0, 0), (0.0, 7), (50.0, 2**31 - 1)])
 def test_random_states(load, seed):
-    """Bit for bit a count through a published generator, in the box that is told."""
+    """Random states are the numbers of a published counter-based generator, scaled to the documented box."""
     r, clearance, n = 1.04, 14.0, 30
     states = vi.basins(
         FIGURE6, r, clearance, states=n, load=load, seed=seed, cycles=1, probes=1
@@ -138,7 +138,7 @@ def test_random_shares_are_those_of_a_lattice():
     ],
 )
 def test_the_namelist_of_basins(start, tmp_path):
-    """It gives them again, to the last bit."""
+    """The namelist of basins gives them again, to the last bit."""
     result = vi.basins(FIGURE6, 1.04, 14.0, load=1.1, probes=20, max_cycles=4, **start)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -146,7 +146,7 @@ def test_the_namelist_of_basins(start, tmp_path):
     np.testing.assert_array_equal(again.states, result.states)
     np.testing.assert_array_equal(again.labels, result.labels)
     assert again.case == result.case
-    # the same text in every process, in which sets have an order of their own
+    # the text must not depend on the order of sets, which differs from process to process
     others = re.findall(r"^  (t|x|x_dot|y|z_dot) = ", result.case, re.MULTILINE)
     assert others == ["x", "x_dot", "z_dot"] * ("plane" in start)
 
@@ -181,7 +181,7 @@ def test_motion_with_rest_and_chaos_are_told():
 
 
 def test_what_never_settles_is_not_decided():
-    """Free vibration dies out for ever: no state is given an attractor."""
+    """Free vibration decays without end: no state is assigned an attractor."""
     result = vi.basins(FIGURE6, 0.9, 5.0, states=20, load=0.0, cycles=100)
     assert (result.labels == -1).all()
     assert result.attractors == []
@@ -196,7 +196,7 @@ def test_basins_do_not_depend_on_threads():
 
 
 def test_a_smooth_boundary():
-    """The free mass at rest is never hit from where the closed form says; the edge of that is a smooth curve."""
+    """The states without impacts are those of the closed form, and their boundary is a smooth curve."""
     xi, r, clearance = 0.1, 1.0, 11.0
     osc = vi.Oscillator(xi=xi, mu=0.1, restitution=0.6)
     result = vi.basins(osc, r, clearance, (("x", -3, 3, 64), ("x_dot", 2, 8, 64)))
@@ -215,7 +215,7 @@ def test_a_smooth_boundary():
     np.testing.assert_array_equal(
         (farthest < clearance / 2)[clear], (result.labels == quiet)[clear]
     )
-    # not quite 1: of pairs far apart there are fewer, as s/(64 - s)
+    # not quite 1: there are fewer pairs far apart, as s/(64 - s)
     assert abs(result.uncertainty_exponent - 1) < 0.03
 
 
@@ -248,7 +248,7 @@ def test_uncertain_pairs_are_counted(plane):
 
 
 def test_a_list_of_states_has_a_namelist_too(plane, tmp_path):
-    """It gives them again, to the last bit; and they are those of a plane."""
+    """The namelist of listed states gives the basins again to the last bit; they are those of a plane."""
     result = vi.basins(TABLE, 0.94, 37.0, states=plane.states.reshape(5, -1))
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -264,7 +264,7 @@ def test_a_list_of_states_has_a_namelist_too(plane, tmp_path):
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
 @pytest.mark.parametrize("start", [{"states": 20}, {"plane": (("y", -9, 9, 4), ("x", -3, 3, 5))}])
 def test_a_file_gives_the_basins_again(start, form, tmp_path):
-    """To the last bit, and its table, which the core writes, too."""
+    """Saved basins are read back to the last bit, and so is the table that the core writes."""
     result = vi.basins(TABLE, 0.94, 37.0, probes=20, **start)
     result.save(tmp_path / f"one.{form}")
     again = vi.load(tmp_path / f"one.{form}")

@@ -1,4 +1,4 @@
-"""Single precision, and many motions in one call, on random systems, against `first_principles`."""
+"""Single precision and batches of motions, on random systems, against `first_principles`."""
 
 import numpy as np
 import pytest

@@ -15,7 +15,7 @@ def sweeps():
 
 
 def test_impacts_are_those_of_exact_motions(sweeps):
-    """Where the label is 2/1, Newton's method started from the impacts converges to them."""
+    """Where the label is 2/1, the impacts are those of an exact motion, to 1e-5 of the clearance."""
     up = sweeps.runs.index("up")
     checked = 0
     for i in np.flatnonzero(sweeps.labels[up] == "2/1")[::12]:
@@ -112,7 +112,7 @@ def test_spaced_values():
 
 
 def test_a_sweep_in_ratios_is_that_over_the_same_values():
-    """Where the values of the two spacings are equal, what starts anew at each is too."""
+    """Where the values of the two spacings are equal, the results of independent starts are equal too."""
     ratios = vi.spaced(15.0, 60.0, 3, "geometric")
     even = vi.spaced(15.0, 60.0, 4)
     study = {"r": 1.04, "sweep": "states", "states": 3, "settling": 100}
@@ -140,7 +140,7 @@ def test_a_sweep_in_ratios_is_that_over_the_same_values():
     ],
 )
 def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
-    """It gives the diagram again, to the last bit."""
+    """The namelist of a diagram gives it again, to the last bit."""
     result = vi.bifurcation_diagram(
         FIGURE6, parameter, values, settling=40, points=9, load=1.1, **more
     )
@@ -163,7 +163,7 @@ def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
 )
 @pytest.mark.parametrize("sweep", ["both", "states"])
 def test_lists_have_a_namelist_too(parameter, values, beside, sweep, tmp_path):
-    """Values that are not evenly spaced, and a line across the plane; with states none depends on the others."""
+    """Unevenly spaced values and a line across the plane; states at one value do not depend on the others."""
     more = {"settling": 30, "keep": 9, "points": 7, "sweep": sweep, "states": 2}
     result = vi.bifurcation_diagram(FIGURE6, parameter, values, **beside, **more)
     (tmp_path / "case.nml").write_text(result.to_namelist())
@@ -185,7 +185,7 @@ def test_lists_have_a_namelist_too(parameter, values, beside, sweep, tmp_path):
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
 @pytest.mark.parametrize("values", [[20.0, 21.0, 26.0], [5000.0, 6000.0]])
 def test_a_file_gives_the_diagram_again(values, form, tmp_path):
-    """To the last bit, and its table, which the core writes, too; the second diagram is without impacts."""
+    """Saved diagrams, one of them without impacts, and the core's table are read back to the last bit."""
     start = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
     result = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04, state=start, settling=30)
     assert (result.points.size > 0) == (values[0] < 100)
@@ -202,7 +202,7 @@ def test_a_file_gives_the_diagram_again(values, form, tmp_path):
 
 
 def test_states_of_their_own():
-    """A start is for sweeps: with states it is refused."""
+    """The initial state `state` is for sweeps; with sweep = 'states' it is refused."""
     start = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
     with pytest.raises(vi.errors.ParameterError, match=r"^state\['t'\] = 0.0: must be left out"):
         vi.bifurcation_diagram(FIGURE6, "r", [1, 1.1], clearance=9, sweep="states", state=start)

@@ -1,4 +1,4 @@
-"""Branches: laws along them, special points against independent routes, and bad input."""
+"""Branches: laws along them, special points against independent routes, and invalid input."""
 
 import itertools
 import math
@@ -185,7 +185,7 @@ def test_equispaced_bifurcations_against_the_closed_form():
 
 
 def test_branch_goes_round_a_fold():
-    """0 and 2 motions on the two sides of the fold of the equispaced pair."""
+    """The equispaced pair has 0 motions on one side of each fold and 2 on the other."""
     branch = vi.branch(vi.equispaced(FIGURE6, 0.9, 20.0)[0], "clearance", (5, 200))
     folds = [p for p in branch.special_points if p.type == "fold"]
     assert folds
@@ -212,7 +212,7 @@ def test_mirror_image_gives_the_same_branch():
 
 
 def test_zero_approach_is_one_event():
-    """The flights before and after that impact also touch the wall there; this is not reported as a grazing."""
+    """A zero of an approach speed is not also reported as a grazing, although the flights touch the wall."""
     branch = vi.branch(triple_motion(), "clearance", (1, 60))
     points = [p for p in branch.special_points if p.type in ("grazing", "zero_approach")]
     assert {p.type for p in points} == {"grazing", "zero_approach"}
@@ -340,7 +340,7 @@ LONG = {"longest_step": 2e-4, "max_points": 20_000}
 
 @pytest.mark.parametrize("share", [0.1, 0.25, 0.6])
 def test_stopped_branch(share, monkeypatch):
-    """While it goes one way, the other, or while its motions are made: a part with the bits of the whole."""
+    """A stop in either direction, or while the motions are computed, leaves a part with the bits of the whole."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
 
     def progress(done, what):
@@ -368,7 +368,7 @@ def test_stopped_branch(share, monkeypatch):
 
 
 def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
-    """Of a pair of which the first is being followed: its extent, and that the other was not begun."""
+    """A stop in the first of two branches reports its extent, and that the other was not begun."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     path = tmp_path / "pair.nml"
     path.write_text(
@@ -390,7 +390,7 @@ def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("limit", [20_000, 200])
 def test_progress_is_told(limit, monkeypatch):
-    """It runs from 0 to 1, also if the limit of points is reached first, and does not change the result."""
+    """Progress runs from 0 to 1, also if max_points is reached first, and does not change the result."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     shares, given = [], LONG | {"max_points": limit}
     start, bounds = vi.equispaced(FIGURE6, 0.9, 20.0)[0], (5, 200)

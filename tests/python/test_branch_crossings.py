@@ -24,12 +24,12 @@ PATTERNS = [
     ("RRRL", 1),
     ("RRLRL", 2),
 ]
-#: How many multipliers cross the unit circle there.
+#: The number of multipliers that cross the unit circle at each type of special point.
 CROSSING = {"fold": 1, "pitchfork": 1, "flip": 1, "neimark_sacker": 2}
 
 
 def multipliers_of(motion):
-    """Eigenvalues of the product of the derivatives of all impact maps; many digits where it is large."""
+    """Eigenvalues of the product of the derivatives of all impact maps, with many digits if it is large."""
     maps = fp.impact_jacobians(
         system_of(motion), motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after,
         motion.A * math.cos(motion.tau), motion.A * math.sin(motion.tau),
@@ -108,7 +108,7 @@ def outside(multipliers):
 
 
 def critical_distance(kind, multipliers):
-    """How far the multiplier that crosses is from where it should."""
+    """Distance of the crossing multiplier from its critical value."""
     if kind == "flip":
         return np.abs(multipliers + 1).min()
     if kind == "neimark_sacker":
@@ -171,7 +171,7 @@ def assert_folds_turn(path):
 
 
 def assert_multipliers_follow(path):
-    """The characteristic polynomial, of length 1, changes little from point to point."""
+    """The characteristic polynomial, normalised to length 1, changes little from point to point."""
     for i in range(len(path) - 1):
         both = [np.poly(path.multipliers[:, k]).real for k in (i, i + 1)]
         if not np.isfinite(both).all() or max(np.abs(p).max() for p in both) > 1e4:

@@ -1,4 +1,4 @@
-"""Files that `load` cannot read: one ParameterError that names the file, in a moment and in little memory."""
+"""Files that `load` cannot read: one ParameterError that names the file, quickly and in little memory."""
 
 import json
 import random
@@ -13,7 +13,7 @@ import vibroimpact as vi
 from vibroimpact.formats import netcdf
 
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-#: Values that a record holds nowhere in these places.
+#: Values that no record holds in these places.
 ODD = [
     None,
     True,
@@ -80,7 +80,7 @@ def places(data, above=()):
 
 
 def used(result, folder):
-    """Whatever can be done with a result."""
+    """Read all public attributes of a result, and write it in several forms."""
     for name in dir(result):
         if not name.startswith("_"):
             getattr(result, name)
@@ -90,9 +90,9 @@ def used(result, folder):
 
 
 def test_records_with_other_values(results, tmp_path):
-    """A value of a record replaced or left out: refused by name, or a result that can be used throughout.
+    """With a value replaced or left out a record is refused by name, or gives a result that works in every use.
 
-    In a list that became longer or shorter, a size or an owner that does not fit, the core would read outside
+    A list of another length, or a size or an owner that does not fit, would make the core read outside
     its arrays.
     """
     draw = random.Random(4)
@@ -188,7 +188,7 @@ def test_netcdf_files_with_another_record(options, tmp_path):
 
 @pytest.mark.parametrize("missing", ["h5py", "h5netcdf"])
 def test_libraries_for_netcdf(missing, results, tmp_path, monkeypatch):
-    """Each library that is missing is named, with the extra that has it."""
+    """An error names each missing library and the extra that installs it."""
     pytest.importorskip("h5netcdf")
     results[0].save(tmp_path / "motion.nc")
     monkeypatch.setitem(sys.modules, missing, None)
@@ -202,7 +202,7 @@ def test_libraries_for_netcdf(missing, results, tmp_path, monkeypatch):
 
 
 def test_a_plane_of_which_a_bound_is_missing(tmp_path):
-    """The case in the record was changed: the result is shown, without the axes."""
+    """A result whose case lacks a bound of its plane can be loaded and shown, without axes."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     path = tmp_path / "basins.json"
     vi.basins(osc, 0.94, 37.0, (("x", -30, 30, 3), ("x_dot", -30, 30, 3))).save(path)

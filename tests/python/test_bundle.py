@@ -11,7 +11,7 @@ STATES = np.random.default_rng(6).uniform(-1.4, 1.4, (5, 7))
 
 
 def test_a_bundle_is_the_single_simulations():
-    """Bit for bit: states, and the numbers of impacts and rests."""
+    """Final states and numbers of impacts and rests are bit for bit those of single simulations."""
     bundle = vi.simulate_bundle(RIG, RATIOS, 6.0, 40, STATES, load=1.5)
     for j, r in enumerate(RATIOS):
         start = dict(zip(STATE, STATES[:, j].tolist(), strict=True))
@@ -32,7 +32,7 @@ def test_threads_change_no_bit(threads):
 
 
 def test_one_state_for_all():
-    """Without states all begin at rest in the middle; one state, or one parameter, is for all."""
+    """Without states all begin at rest in the middle; a single state or parameter applies to all."""
     alike = vi.simulate_bundle(FIGURE6, 1.04, [25.0, 25.0], 30, [0.0, 1.0, 0.0, 0.5, 0.0])
     assert (
         alike.x[0]

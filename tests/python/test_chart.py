@@ -1,4 +1,4 @@
-"""Charts against single points, laws of symmetry, continuity of slots, threads, files and bad input."""
+"""Charts against single points, laws of symmetry, continuity of slots, threads, files and invalid input."""
 
 import math
 import sys
@@ -85,7 +85,7 @@ def test_equispaced_points(seed):
 
 
 def test_exact_points(three):
-    """Every motion of a flood solves the equations: Newton from it goes nowhere."""
+    """Every motion found by continuation over the grid solves the equations: Newton's method does not move it."""
     rng = np.random.default_rng(5)
     places = np.argwhere((three.status == 0).values)
     for i, j, k in places[rng.choice(len(places), 60, replace=False)]:
@@ -128,7 +128,7 @@ def test_nothing_missed(sides, cycles):
 
 
 def test_pairs_and_others(pair, others):
-    """`symmetric=None` holds both; motions without symmetry come with their mirror images."""
+    """`symmetric=None` gives both families; unsymmetric motions come with their mirror images."""
     both = vi.chart(OSC, RL, R, D)
     first, rest = both.isel(motion=slice(2)), both.isel(motion=slice(2, None))
     for name in pair.data_vars:
@@ -150,7 +150,7 @@ def test_pairs_and_others(pair, others):
 
 
 def test_mirrored_system():
-    """Walls exchanged and letters exchanged: the mirrored motions, in slots of their own."""
+    """Walls exchanged and letters exchanged: the motions are mirrored, possibly in other slots."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     turned = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
     r, d = np.linspace(0.85, 1.1, 14), np.geomspace(2, 40, 13)
@@ -193,13 +193,13 @@ def test_slots_are_continuous(sides):
             )
             steps += [np.abs(np.diff(part, axis=axis))[both] for part in (*x, tau)]
         worst.append(np.sort(np.concatenate(steps))[::-1])
-    # at a fold the steps shrink like the root of the grid's, elsewhere like the grid's
+    # at a fold the steps shrink with the square root of the grid's step, elsewhere in proportion to it
     assert worst[1][0] < 0.45
     assert np.quantile(worst[1], 0.99) < 0.6 * np.quantile(worst[0], 0.99)
 
 
 def test_best_motions_come_first():
-    """With a slot for one motion, no admissible and stable one gives way to another."""
+    """With a single slot, an admissible and stable motion is kept wherever there is one."""
     pattern = vi.Pattern("RRL")
     one, many = (vi.chart(OSC, pattern, R, D, slots=slots) for slots in (1, 8))
     good = [((item.admissible == 1) & (item.stable == 1)).any("motion") for item in (one, many)]
@@ -236,7 +236,7 @@ def test_netcdf(tmp_path, three, engine):
 
 
 def test_resonance_without_damping():
-    """One singular column of a chart is a status, not the end."""
+    """A singular column of a chart gets a status, and the other columns are computed."""
     osc = vi.Oscillator(xi=0.0, mu=0.05, restitution=0.8)
     data = vi.chart(osc, RL, [0.9, 1.0, 1.1], [1.0, 5.0], symmetric=True)
     assert (data.status.sel(r=1.0) == 1).all()
@@ -248,7 +248,7 @@ def test_resonance_without_damping():
 
 
 class Impatient:
-    """Stops a study once some share of the work is done."""
+    """A `progress` that interrupts a study once a share of the work is done."""
 
     def __init__(self, share):
         self.share = share
@@ -275,7 +275,7 @@ def test_interrupt(monkeypatch):
 
 
 def test_interrupted_continuation(monkeypatch):
-    """In the middle of the search, with all motions found so far."""
+    """A stop during the continuation keeps all motions found so far, and marks the other points."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
     with pytest.raises(vi.errors.StudyInterrupted) as caught:
         vi.chart(OSC, vi.Pattern("RRL"), R, D, progress=Impatient(0.6))
@@ -290,7 +290,7 @@ def test_interrupted_continuation(monkeypatch):
 
 
 def test_missing_xarray(monkeypatch):
-    """Without xarray the error names the extra."""
+    """Without xarray the error names the extra that installs it."""
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(vi.errors.MissingExtraError, match=r"vibroimpact\[data\]"):
         vi.chart(OSC, RL, R, D)
@@ -332,7 +332,7 @@ def test_missing_xarray(monkeypatch):
     ],
 )
 def test_bad_input(change, words):
-    """One error that names the argument; nothing is computed."""
+    """An invalid argument raises one error that names it, and nothing is computed."""
     given = {"osc": OSC, "pattern": RL, "r": R, "clearance": D} | change
     with pytest.raises(vi.errors.ParameterError, match=words):
         vi.chart(**given)

@@ -1,8 +1,8 @@
 """No contact is missed, and none is found that is not there.
 
-The numbers to compare with come from `reference_simulation` (100 digits, scan and bisection), the
-rest are laws. A contact that closes a gap slowly is known only to rounding of the gap over the
-speed; tolerances say so.
+The reference numbers come from `reference_simulation` (100 digits, scan and bisection); the
+rest are laws. The time of a contact that closes a gap slowly is known only to rounding of the gap over the
+speed, and the tolerances follow from that.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ from shared_systems import EPS, TURN, law
 @given(st.integers(0, 10**6), st.sampled_from([0.0, 1.0]))
 @law(150)
 def test_random_systems_obey_the_laws(seed, load):
-    """Any parameters, any state: no hang, no exception, every law holds."""
+    """For any parameters and state the simulation ends without an exception, and every law holds."""
     draw = np.random.default_rng(seed)
     wall = draw.choice([0.0, 1.0, -1.0], 2)
     restitution = np.where(wall < 0, draw.uniform(0, 1, 2), wall)
@@ -127,7 +127,7 @@ def test_slow_approach_on_a_wall_that_recedes(side, speed):
 
 
 def test_idle_flight_ends_where_it_must():
-    """The mass reaches the wall millions of time units after all oscillation has decayed."""
+    """A slow mass reaches its wall millions of time units later, after all oscillation has decayed."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.7)
     for z_dot in (1e-6, -1e-6):
         run = vi.simulate(osc, 0.9, 6.0, 8e5, state(x=0.5, z_dot=z_dot), load=0.0, max_events=1)
@@ -186,9 +186,9 @@ def test_clearances_of_all_sizes(clearance, load):
     (vi.Oscillator(xi=0.3, mu=1.5, restitution=(0.8, 0.9)), 2.1, 0.1),
 ])  # fmt: skip
 def test_first_twenty_impacts_against_many_digits(osc, r, clearance):
-    """Times, positions and velocities of the first 20 impacts, to rounding times its growth.
+    """Times, positions and velocities of the first 20 impacts agree to rounding times the growth of errors.
 
-    How an error grows is what a change of the first state by 1e-9 does.
+    The growth is measured by a change of the first state by 1e-9.
     """
     first = state(t=0.1, z=0.01)
     run = vi.simulate(osc, r, clearance, 30, first)

@@ -13,12 +13,12 @@ DAMPER = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
 UNEVEN = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.4, 0.9))
 STICKY = vi.Oscillator(xi=0.01, mu=0.2, restitution=0.0)
 COLUMNS = ("time", "x", "decrement", "damping", "energy", "impacts", "rests", "run")
-#: A start of which nothing is zero, and none is a peak.
+#: An initial state without zeros, and not at a peak.
 START = {"amplitude": -0.8, "x_dot": 0.45, "y": 0.1, "z_dot": -0.6}
 
 
 def simulated(osc, clearance, last, amplitude=1.0, x_dot=0.0, y=0.0, z_dot=0.0):
-    """The same vibration by `simulate`, some time longer; its frequency ratio is only a clock."""
+    """The same vibration by `simulate`, to a later time; without load the frequency ratio only scales the time."""
     start = {"t": 0, "x": amplitude, "x_dot": x_dot, "z": amplitude + y, "z_dot": z_dot}
     return vi.simulate(osc, 0.7, clearance, 0.7 * (last + 1) / (2 * math.pi), start, load=0)
 
@@ -48,7 +48,7 @@ def kinetic(osc, events, when):
     (vi.Oscillator(xi=0.01, mu=0.0, restitution=0.8), 0.6, {}),
 ])  # fmt: skip
 def test_energy_balance(osc, clearance, start):
-    """From peak to peak the energy falls by what the dashpot and the impacts take, as `simulate` has them."""
+    """From peak to peak the energy falls by the losses in the dashpot and the impacts of `simulate`."""
     found = vi.decay(osc, clearance, **start, cycles=8)
     assert found.x.size == 17
     trajectory = simulated(osc, clearance, found.time[-1], **start)
@@ -72,7 +72,7 @@ def test_energy_balance(osc, clearance, start):
 
 @pytest.mark.parametrize(("osc", "clearance", "start"), [(DAMPER, 0.7, {}), (UNEVEN, 0.9, START)])
 def test_peaks_are_the_greatest_displacements(osc, clearance, start):
-    """Between two zeros of x no sample is beyond the peak, and one is close to it; the sides alternate."""
+    """Between two zeros of x the largest sample is close to the peak and not beyond it; the sides alternate."""
     found = vi.decay(osc, clearance, **start, cycles=15)
     assert (found.x[1:] * found.x[:-1] < 0).all()
     trajectory = simulated(osc, clearance, found.time[-1], **start)
@@ -92,7 +92,7 @@ def test_peaks_are_the_greatest_displacements(osc, clearance, start):
 
 @pytest.mark.parametrize("xi", [0.0, 1e-9, 1e-4, 0.005, 0.3, 0.9])
 def test_without_impacts(xi):
-    """Peaks half an oscillation apart, and everywhere the dashpot's decrement."""
+    """Without impacts peaks are half an oscillation apart, and each decrement is that of the dashpot."""
     found = vi.decay(vi.Oscillator(xi=xi, mu=0.1, restitution=0.75), 6.0, cycles=10)
     eta = math.sqrt(1 - xi**2)
     np.testing.assert_allclose(found.time, np.arange(21) * math.pi / eta, rtol=1e-13, atol=1e-13)
@@ -106,7 +106,7 @@ def test_without_impacts(xi):
 
 
 def test_without_loss():
-    """Without dashpot and with R = 1 the energy stays, whatever the impacts do."""
+    """Without dashpot and with R = 1 the energy is constant."""
     found = vi.decay(vi.Oscillator(xi=0.0, mu=0.1, restitution=1.0), [0.3, 1.0, 2.5], cycles=50)
     assert found.impacts.sum() > 300
     assert np.ptp(np.abs(found.x)) > 0.2
@@ -114,7 +114,7 @@ def test_without_loss():
 
 
 def test_an_impulse():
-    """From x = 0 with a velocity: the first peak is a quarter of an oscillation later."""
+    """After an impulse at x = 0 the first peak is a quarter of an oscillation later."""
     found = vi.decay(
         vi.Oscillator(xi=0.0, mu=0.1, restitution=0.75), 9.0, amplitude=0.0, x_dot=2.0, cycles=3
     )
@@ -124,7 +124,7 @@ def test_an_impulse():
 
 
 def test_mirror_image():
-    """x -> -x with the walls exchanged."""
+    """Under x -> -x with the walls exchanged, the peaks change sign and nothing else changes."""
     one = vi.decay(UNEVEN, [0.4, 0.9], **START)
     mirrored = vi.Oscillator(xi=UNEVEN.xi, mu=UNEVEN.mu, restitution=UNEVEN.restitution[::-1])
     other = vi.decay(mirrored, [0.4, 0.9], **{name: -value for name, value in START.items()})
@@ -134,7 +134,7 @@ def test_mirror_image():
 
 
 def test_only_ratios_of_lengths_matter():
-    """All lengths and velocities times a power of two: the same damping to the last bit."""
+    """With all lengths and velocities times a power of two the damping is the same to the last bit."""
     one = vi.decay(UNEVEN, [0.4, 0.9], **START)
     other = vi.decay(UNEVEN, [3.2, 7.2], **{name: 8 * value for name, value in START.items()})
     np.testing.assert_array_equal(other.x, 8 * one.x)
@@ -168,7 +168,7 @@ def test_the_damping_is_that_of_the_decrement():
 
 
 def test_an_oscillation_that_ends():
-    """A strongly damped one falls below the smallest numbers; the peaks until then are kept."""
+    """A strongly damped oscillation falls below the smallest numbers; the peaks until then are kept."""
     found = vi.decay(vi.Oscillator(xi=0.99, mu=0.1, restitution=0.75), 6.0, cycles=40)
     assert 10 < found.x.size < 81
     assert found.status[0] == 0
@@ -178,7 +178,7 @@ def test_an_oscillation_that_ends():
 
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
 def test_files_and_namelist_give_it_again(form, tmp_path):
-    """To the last bit."""
+    """Each file form and the namelist give the result again, to the last bit."""
     found = vi.decay(UNEVEN, [0.4, 0.9], **START, cycles=6)
     found.save(tmp_path / f"one.{form}")
     again = vi.load(tmp_path / f"one.{form}")
@@ -215,7 +215,7 @@ def test_bad_types():
 
 @pytest.mark.parametrize("clearances", [[0.7], [0.3, 0.7], np.geomspace(0.1, 2, 12)])
 def test_picture(clearances):
-    """Each peak in both panels, with symbols and units on the axes; one panel alone is the same."""
+    """Each peak is in both panels, with symbols and units on the axes; a panel can be drawn alone."""
     plt = pytest.importorskip("matplotlib.pyplot")
     found = vi.decay(DAMPER, clearances)
     panels = found.plot()
@@ -248,7 +248,7 @@ def test_picture(clearances):
 
 
 def test_interrupted(monkeypatch):
-    """After Ctrl-C the runs that are kept are complete, and have the same bits as without it."""
+    """After Ctrl-C the runs that are kept are complete, and have the same bits as without the interrupt."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
     clearances = np.linspace(0.1, 2, 200)
 

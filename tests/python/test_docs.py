@@ -1,9 +1,9 @@
-"""Every block of the documentation and of README.md runs, in order, and prints what the page says.
+"""Every block of the documentation and of README.md runs, in order, and prints the output shown.
 
-Python blocks of a page share their names; the text block behind one is what it prints. A Fortran block
+Python blocks of a page share their names; the text block after one is its output. A Fortran block
 with a caption, or with its name as the first comment, is a file, and a line of a console block that
-starts with $ is a command, in the folder of these files. What is called sh is not run: it installs, or
-takes minutes. A MATLAB block is run by GNU Octave where that is installed.
+starts with $ is a command, in the folder of these files. Blocks of type sh are not run: they install, or
+take minutes. A MATLAB block is run by GNU Octave where that is installed.
 """
 
 import contextlib
@@ -32,7 +32,7 @@ def run_python(code, names):
 
 
 def run_console(block):
-    """The block with what its commands print now, on standard output."""
+    """The block with the current output of its commands."""
     scripts = sysconfig.get_path("scripts")
     environment = os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
     lines = []
@@ -75,7 +75,7 @@ def test_blocks(page, tmp_path, monkeypatch):
 
 
 def test_readme_shows_what_it_says():
-    """README.md is short: one block each of Python and namelist, with what they print."""
+    """README.md has one block each of Python and namelist, which print the output shown."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     languages = [language for language, _, _ in BLOCK.findall(text)]
     assert languages == ["python", "text", "fortran", "console"]

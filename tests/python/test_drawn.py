@@ -1,4 +1,4 @@
-"""What pictures show of results: the line that names the system, marks, numbers on axes, hatching."""
+"""Contents of pictures: the line that names the system, marks, numbers on axes, hatching."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def words(ax):
     ("response", "xi = 0.0114, mu = 0.028, R = 0.75, dK/F_0 = 25"),
 ])  # fmt: skip
 def test_attractors_are_identified(name, output, attractors):
-    """The system, and what else is the same everywhere; axes of the caller are left without it."""
+    """The line above names the system and the constant parameters; axes of the caller do not get it."""
     assert words(attractors[name].plot()) == output
     _, ax = plt.subplots()
     assert words(attractors[name].plot(ax)) == ""
@@ -45,12 +45,12 @@ def test_attractors_are_identified(name, output, attractors):
     ("branch", "RL/1: xi = 0.005, mu = 0.042, R = 0.75, r = 0.94"),
 ])  # fmt: skip
 def test_zones_and_branches_are_identified(name, output, results):
-    """The same of these."""
+    """The line above a picture of a zone or branch names the system."""
     assert words(results[name].plot()) == output
 
 
 def test_what_varies_is_not_told():
-    """The label gives both walls if they differ and no swept parameter; it gives a load other than F0."""
+    """The line gives both restitutions if they differ, a load other than F0, and no swept parameter."""
     run = vi.bifurcation_diagram(RIG, "clearance", [9.0, 10.0], r=1.04, load=2.0, settling=9)
     assert words(run.plot()).endswith("R_1 = 0.75, R_2 = 0.61, r = 1.04, load/F_0 = 2")
     run = vi.bifurcation_diagram(RIG, "restitution", [0.6, 0.7], r=1.04, clearance=9.0, settling=9)
@@ -73,11 +73,11 @@ def test_chart_is_identified_and_hatched_to_its_edges():
     (path,) = hatched[0].get_paths()
     kind, inside = classes(data), np.zeros(0)
     r, clearance = _edges(data["r"].values), _edges(data["clearance"].values)
-    for share in (0.02, 0.5, 0.98):  # of a cell, along both axes
+    for share in (0.02, 0.5, 0.98):  # positions within a cell, as a share of its width
         points = np.meshgrid(
             r[:-1] + share * np.diff(r), clearance[:-1] + share * np.diff(clearance)
         )
-        # even and odd: pieces and holes are one path
+        # pieces and holes are one path: count crossings by parity
         rings = [ring for ring in path.to_polygons(closed_only=False) if len(ring) > 2]
         inside = sum(Path(ring).contains_points(np.c_[points[0].ravel(), points[1].ravel()])
                      for ring in rings) % 2  # fmt: skip
@@ -110,7 +110,7 @@ def test_shared_boundaries_are_drawn_once(results):
 
 
 def test_points_that_no_zone_explains_are_marked():
-    """One mark a point, each outcome with a shape of its own, and the number in the legend."""
+    """Each point has one mark, each outcome its own shape, and the legend gives their numbers."""
     atlas = vi.atlas(FIGURE6, (0.8, 1.2), (2, 200), max_impacts=2, survey=60, guesses=0)
     ax = atlas.plot()
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
@@ -156,7 +156,7 @@ def test_covered():
 
 
 def test_exponents_of_minus_infinity_are_marked():
-    """As many open marks at the lower edge as there are such exponents, and what they mean."""
+    """Each exponent of -inf is an open mark at the lower edge, which the legend explains."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.3)
     result = vi.lyapunov(osc, [0.9, 1.0, 1.2], 2.0, 60, discard=100)
     lost = np.isneginf(result.per_cycle)
@@ -173,7 +173,7 @@ def test_exponents_of_minus_infinity_are_marked():
 
 
 def test_sweeps_are_told_apart_by_marks(attractors):
-    """Upward and downward runs have different marks; each impact is drawn once, with that of its run and side."""
+    """Upward and downward runs have different marks; each impact is drawn once, as its run and side."""
     diagram = attractors["bifurcation"]
     assert diagram.runs == ["up", "down"]
     lines = {
@@ -193,7 +193,7 @@ def test_sweeps_are_told_apart_by_marks(attractors):
 
 
 def test_geometric_values_have_a_logarithmic_axis():
-    """By what they are; evenly spaced ones have a linear axis."""
+    """Geometrically spaced values have a logarithmic axis, evenly spaced ones a linear axis."""
     for values, scale in ((np.geomspace(10, 60, 9), "log"), (np.linspace(10, 60, 9), "linear")):
         run = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04, settling=5)
         assert run.plot().get_xscale() == scale
@@ -210,7 +210,7 @@ def test_geometric_values_have_a_logarithmic_axis():
                     r"$2\times10^{-4}$", r"$5\times10^{-4}$", "0.001", "0.002"]),
 ])  # fmt: skip
 def test_numbers_of_a_logarithmic_axis(window, output):
-    """Plain ones, without gaps over two decades."""
+    """Tick labels are round numbers, written plainly where short; narrow windows have labels between powers."""
     figure, ax = plt.subplots()
     style.log_scale(ax, "y")
     ax.set_ylim(window)
@@ -242,7 +242,7 @@ def test_found_motions_are_numbered():
     figure.canvas.draw()
     ax = panels[-1]
     unit_x, unit_y = ax.transData.transform([(1, 0), (0, 1)]) - ax.transData.transform((0, 0))
-    # round, but for what the layout moved after the limits were set
+    # circular up to the change of the layout after the limits were set
     assert unit_x[0] == pytest.approx(unit_y[1], rel=0.01)
     renderer = figure.canvas.get_renderer()
     boxes = [super(type(text), text).get_window_extent(renderer) for text in ax.texts]
@@ -251,7 +251,7 @@ def test_found_motions_are_numbered():
 
 
 def test_distance_of_multipliers():
-    """Unchanged within the circle; a power of ten adds one beyond it."""
+    """Multipliers are drawn unchanged within the unit circle; beyond it each power of ten adds one."""
     values = np.array([0.5, -1.0, 10j, -100.0])
     assert drawn_at(values) == pytest.approx([0.5, -1.0, 2j, -3.0])
     _, ax = plt.subplots()

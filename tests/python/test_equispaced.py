@@ -1,4 +1,4 @@
-"""The equispaced pair: on the line and the circle, near a resonance, and where it ends."""
+"""The equispaced pair: intersection of line and circle, resonances, and limits of existence."""
 
 import first_principles as fp
 import numpy as np
@@ -34,7 +34,7 @@ def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
     osc = vi.Oscillator(xi=0.0, mu=mu, restitution=restitution)
     with pytest.raises(vi.errors.SingularError, match="no unique solution"):
         vi.equispaced(osc, r, 30.0, cycles=cycles)
-    # a little damping, or a little beside it, and the motions are separate again
+    # with a little damping, or slightly off the resonance, the motions are separate again
     assert_equispaced(1e-3, mu, restitution, r, cycles, 0.5)
     assert_equispaced(0.0, mu, restitution, r * 1.001, cycles, 0.5)
 
@@ -45,8 +45,8 @@ def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
 def test_few_digits_near_resonance_are_reported(sides, phases, precision):
     """As r -> 1 without damping x/d has a limit, but A has none: digits are lost until the result is refused.
 
-    x/d changes by less than 10 |r - 1| here, so that the motion a little farther off is the true one. The
-    condition of the equations, each unknown in its own unit, multiplies the rounding.
+    x/d changes by less than 10 |r - 1| here, so that the motion slightly farther off is a reference. The
+    rounding is multiplied by the condition of the equations, each unknown in its own unit.
     """
     osc = vi.Oscillator(xi=0.0, mu=0.3, restitution=0.6 if phases is None else (0.6, 0.5))
 
@@ -84,7 +84,7 @@ def test_few_digits_near_resonance_are_reported(sides, phases, precision):
 )
 @law(200)
 def test_equispaced_near_an_undamped_resonance(xi, mu, restitution, ratio_of_r, off, sign, ratio):
-    """The law of the next test near a resonance without damping."""
+    """Near a resonance without damping the law of the next test holds."""
     cycles, odd = ratio_of_r
     assert_equispaced(xi, mu, restitution, cycles / odd * (1 + sign * off), cycles, ratio)
 
@@ -99,13 +99,13 @@ def test_equispaced_near_an_undamped_resonance(xi, mu, restitution, ratio_of_r, 
 )
 @law(200)
 def test_equispaced_is_a_line_cut_by_a_circle(xi, mu, restitution, r, cycles, ratio):
-    """Both motions, or none, where the reference has them; symmetric and consistent."""
+    """Both motions exist where those of the reference do, and are symmetric and consistent."""
     assume(abs(r - 1.0) + xi > 1e-2)
     assert_equispaced(xi, mu, restitution, r, cycles, ratio)
 
 
 def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
-    """The pair at a clearance in units of the largest that the impact pair has."""
+    """Check the pair at a clearance given in units of the largest one of the impact pair."""
     system = fp.System(xi, mu, r, "RL", cycles, (restitution, restitution))
     clearance = ratio * system.amplitude * fp.impact_pair_limit(restitution, cycles)
     expected = fp.equispaced(system, clearance)
@@ -115,11 +115,11 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
             vi.Oscillator(xi=xi, mu=mu, restitution=restitution), r, clearance, cycles=cycles
         )
     except vi.errors.SingularError:
-        # at an undamped resonance of the half period the line loses its direction (a test of its own)
+        # at an undamped resonance of the half period the line loses its direction (tested separately)
         assert defect < 50 * EPS / 1e-6 * (1 + r)
         return
     if bool(found) != bool(expected):
-        # Only where the line all but touches the circle may the two disagree.
+        # The two may disagree only where the line nearly touches the circle.
         near = (
             fp.equispaced(system, clearance * (1 - 1e-9)),
             fp.equispaced(system, clearance * (1 + 1e-9)),
@@ -137,7 +137,7 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
         assert np.abs(value).max() <= 1e-12 * np.linalg.norm(unknowns_of(motion)) * (1 + r)
     if len(found) == len(expected) == 2:
         gap = abs(expected[0].tau - expected[1].tau) % TURN
-        # the time of half a period is rounded; near a resonance it is the distance to it that counts
+        # half a period is rounded, which near a resonance is relative to the distance from it
         lost = EPS * np.pi * cycles / r / defect
         near = max(1e-9, 100 * lost) / max(min(gap, TURN - gap, 1.0), 1e-9)
         for motion in found:
@@ -153,7 +153,7 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
 )
 @law(150)
 def test_equispaced_impact_pair_ends_where_it_should(restitution, r, cycles, part):
-    """With mu = 0 there are two motions up to a clearance known in closed form, none beyond."""
+    """With mu = 0 there are two motions up to a clearance known in closed form, and none beyond."""
     assume(abs(r - 1.0) > 1e-2)
     xi = 0.01
     osc = vi.Oscillator(xi=xi, mu=0.0, restitution=restitution)
@@ -170,7 +170,7 @@ def test_equispaced_impact_pair_ends_where_it_should(restitution, r, cycles, par
 
 
 def test_many_points_in_one_call_have_the_bits_of_each():
-    """Both solutions, and a status where they do not exist."""
+    """A batch has the bits of single calls, for both solutions, and a status where they do not exist."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     r, clearance = np.array([0.94, 0.9, 1.1, 0.94]), np.array([37.0, 12.0, 40.0, 200.0])
     pairs = vi.equispaced_batch(osc, r, clearance)

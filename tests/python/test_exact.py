@@ -56,8 +56,8 @@ def core_exact(motion, x, theta, most):
 def test_converges_quadratically(point):
     """The number of iterations is that of Newton's method with the exact derivative.
 
-    Own steps, by complex step, square their size; the package stops after the step that follows one
-    below 1e-7, and needs exactly as many. A slightly wrong derivative would need more.
+    Steps with the derivative by complex step converge quadratically; the package stops one step after a step
+    below 1e-7, and needs as many. A slightly wrong derivative would need more.
     """
     seen = 0
     for motion in motions(*point)[:6]:
@@ -129,7 +129,7 @@ def test_reference_agrees(point):
 
 
 def test_every_kind_of_guess_leads_to_the_same_motion():
-    """Phases and pattern, a motion nearby, a trajectory: one answer, Table 1's neighbour at 37."""
+    """Phases and pattern, a nearby motion, and a trajectory lead to the same exact motion, at Table 1's d = 37."""
     first = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     near = vi.exact(TABLE, 0.94, 37.0, vi.exact(TABLE, 0.945, 36.0, COLUMN))
     paper = vi.exact(TABLE, 0.94, 37.0, vi.periodic(TABLE, 0.94, *COLUMN))
@@ -160,7 +160,7 @@ def test_a_trajectory_may_end_at_an_impact(impact, part):
 
 
 def test_a_rest_at_the_start_of_a_trajectory_is_none_of_its_end():
-    """The free mass starts at rest on a wall, is released, and settles on a motion without rest."""
+    """A release at the start of a trajectory does not count for the motion without rest on which it settles."""
     start = state(0.0, 11.1, 0.0, 11.1 + 18.5, 0.0)
     run = vi.simulate(TABLE, 0.94, 37.0, 1500, start)
     kinds = run.events["kind"].tolist()
@@ -188,7 +188,7 @@ def test_the_period_of_a_doubled_motion(most):
             run.period(most, 1e-6)
         return
     assert run.period(most, 1e-6).pattern.cycles == 2
-    # within .05 it nearly repeats itself after one: the shortest period, but not that of the motion
+    # to within 0.05 it repeats itself after one cycle, which is not the period of the motion
     assert run.period().pattern.cycles == 1
     motion = vi.exact(TABLE, 0.94, clearance, run)
     assert motion.pattern.cycles == 2
@@ -235,7 +235,7 @@ def test_inadmissible_motions_are_returned_and_flagged():
 
 
 def test_no_convergence_says_so():
-    """Where there is no motion an error reports that the iteration did not converge."""
+    """Where there is no motion, an error reports that the iteration did not converge."""
     failed = 0
     for clearance in (1e6, 1e9):
         with pytest.raises(vi.errors.SingularError) as caught:
@@ -261,7 +261,7 @@ def test_guess_types(guess):
     ("load", math.nan),
 ])  # fmt: skip
 def test_values(name, value):
-    """Numbers have their ranges."""
+    """Numbers outside their ranges are refused, with the name and the value."""
     good = {"osc": TABLE, "r": 0.94, "clearance": 37.0, "guess": COLUMN}
     with pytest.raises(vi.errors.ParameterError, match=name) as caught:
         vi.exact(**good | {name: value})
@@ -269,7 +269,7 @@ def test_values(name, value):
 
 
 def test_phases_of_a_guess_are_checked():
-    """As in `periodic`; a pattern with a star has no phases."""
+    """Phases are checked as in `periodic`; with a pattern that has a star they are refused."""
     with pytest.raises(vi.errors.ParameterError, match="phases"):
         vi.exact(TABLE, 0.94, 37.0, ([0.0, 9.0], vi.Pattern("RL")))
     with pytest.raises(vi.errors.ParameterError, match="star"):
@@ -295,7 +295,7 @@ def test_trajectory_that_does_not_repeat(cycles):
 
 @pytest.mark.parametrize("make", [rest_motion, lambda: vi.exact(TABLE, 0.94, 37.0, COLUMN)])
 def test_motions_are_read_only(make):
-    """Arrays of a motion cannot be written, nor its attributes; it prints, and it goes to a dict."""
+    """Arrays and attributes of a motion cannot be written; it has a repr and converts to a dict."""
     motion = make()
     for name in ("phases", "X", "Z", "X_dot_before", "Z_dot_after", "multipliers", "restitution"):
         with pytest.raises(ValueError, match="read-only"):

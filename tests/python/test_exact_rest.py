@@ -61,9 +61,9 @@ def strobe_matrix(osc, r, clearance, base, size):
 
 
 def test_multipliers_of_a_motion_with_rest():
-    """Two come from the plane of releases, two are the zeros that the accumulation brings.
+    """Two multipliers are those of the map of releases; the accumulation makes the other two zero.
 
-    The 4 x 4 derivative of the stroboscopic map of (x, x', z, z') by differences has the same.
+    The 4 x 4 derivative of the stroboscopic map of (x, x', z, z'), by differences, has the same eigenvalues.
     """
     motion = rest_motion()
     release = motion.events[motion.events["kind"] == "release"][0]
@@ -90,7 +90,7 @@ def test_multipliers_of_a_motion_with_rest():
 
 
 def test_simulation_stays_on_the_motion_with_rest():
-    """Started at a state of the exact motion, impacts, sticks and releases repeat for 1000 cycles."""
+    """From a state of the exact motion, a simulation repeats impacts, sticks and releases for 1000 cycles."""
     motion = rest_motion()
     release = motion.events[motion.events["kind"] == "release"][0]
     h = motion.sample(float(np.mod(release["time"] + 0.4, motion.period)))
@@ -104,7 +104,7 @@ def test_simulation_stays_on_the_motion_with_rest():
 
 
 def test_rest_motion_from_a_motion_nearby_and_at_another_load():
-    """A motion with rest is a guess too; lengths scale with the load."""
+    """A motion with rest can be the guess; lengths scale with the load."""
     motion = rest_motion()
     near = vi.exact(RIG, 0.901, 6.02, motion)
     back = vi.exact(RIG, 0.9, 6.0, near)
@@ -120,7 +120,7 @@ def test_rest_motion_from_a_motion_nearby_and_at_another_load():
 
 @pytest.mark.parametrize("factor", [10.0, 1000.0, 1e-3])
 def test_guesses_with_rest_scale_with_the_load(factor):
-    """Load and clearance times a factor: lengths scale, and so does the guess, motion or trajectory."""
+    """With load and clearance times a factor lengths scale; a guess (motion or trajectory) is scaled too."""
     motion = rest_motion()
     for guess in (motion, vi.simulate(RIG, 0.9, 6.0, 8, discard=300)):
         other = vi.exact(RIG, 0.9, 6.0 * factor, guess, load=factor)
@@ -131,7 +131,7 @@ def test_guesses_with_rest_scale_with_the_load(factor):
 
 
 def test_a_guess_with_rest_serves_at_other_clearances():
-    """The velocity at a release follows the load: a motion is a guess over its zone, which ends at D = 1.345."""
+    """One motion is a sufficient guess at every clearance of its zone, which ends at D = 1.345."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     (guess,) = [m for m in vi.find(osc, 0.55, 1.45, 3, 1) if m.pattern.sides == "RL*"]
     for clearance in (1.42, 1.4, 1.37, 1.35, 1.347):
@@ -143,13 +143,13 @@ def test_a_guess_with_rest_serves_at_other_clearances():
 
 
 def test_rest_motion_has_no_impact_maps():
-    """An accumulation has infinitely many impacts, so that a list of [P_i] is refused with that reason."""
+    """A list of [P_i] is refused, because an accumulation has infinitely many impacts."""
     with pytest.raises(vi.errors.ParameterError, match="rest"):
         rest_motion().impact_maps()
 
 
 def starts_near(zone, kind, offset):
-    """Motions from many starts near a vertex of a piece of the boundary, at a clearance off it by a share."""
+    """Motions from many guesses near a vertex of a piece, at a clearance that differs from its own by a share."""
     piece = max((p for p in zone.boundary if p.type == kind), key=len)
     i = len(piece) // 2
     r, edge = float(piece.r[i]), float(piece.clearance[i])
@@ -172,7 +172,7 @@ def zone_with_folds():
 
 @pytest.mark.parametrize("offset", [-1e-7, -1e-9, -1e-10, -1e-11, 1e-15, 1e-12, 1e-11, 1e-10, 1e-9])
 def test_no_verdict_beside_a_fold_where_starts_disagree(offset, zone_with_folds):
-    """What the starts leave open of the distance from the unit circle is open: so near to a fold, and beyond it.
+    """Near a fold, where multipliers from different starts scatter about the unit circle, `stable` is None.
 
     Beyond the fold there is no motion, but Newton's method stops where the equations are solved to rounding.
     """
@@ -195,7 +195,7 @@ def test_no_verdict_beside_a_fold_where_starts_disagree(offset, zone_with_folds)
 
 @pytest.mark.parametrize("kind", ["fold", "neimark_sacker"])
 def test_on_the_unit_circle_nothing_is_decided(kind, zone_with_folds):
-    """With a leading multiplier on the circle to rounding."""
+    """With a leading multiplier on the unit circle to rounding, `stable` is None."""
     near = [
         motion
         for offset in np.linspace(-2e-14, 2e-14, 5)
@@ -208,7 +208,7 @@ def test_on_the_unit_circle_nothing_is_decided(kind, zone_with_folds):
 
 
 def test_a_period_that_does_not_close_is_not_admissible(zone_with_folds):
-    """Beyond the fold some starts end where a simulated period comes back to 1e-8 alone: no motion at all."""
+    """A solution with a residual above 1e-9, as from some starts beyond the fold, is not called admissible."""
     found = [
         motion
         for offset in (3e-10, 1e-9)

@@ -18,7 +18,7 @@ def by_period(run, motion, cycles):
 
 
 def test_stays_on_a_stable_motion_for_ten_thousand_cycles():
-    """Every impact of 10,000 cycles is at the phase and place of the exact motion."""
+    """Every impact of 10,000 cycles has the phase and position of the exact motion."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     run = vi.simulate(TABLE, 0.94, 37.0, 10_000, after_impact(motion))
     assert run.events.size in (19_999, 20_000)
@@ -82,7 +82,7 @@ def test_a_perturbation_follows_the_stability_matrix(point):
 
 
 def test_a_small_perturbation_of_a_stable_motion_dies_out():
-    """The rate at which it does is the modulus of the leading multiplier."""
+    """The perturbation decays in each period by the modulus of the leading multiplier."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     first = after_impact(motion)
     first["x_dot"] += 1e-4
@@ -96,7 +96,7 @@ def test_a_small_perturbation_of_a_stable_motion_dies_out():
 
 
 def test_period_that_has_just_doubled():
-    """Newton's method finds what the trajectory is on, not the unstable motion of half the period near it.
+    """Newton's method finds the motion of the trajectory, not the nearby unstable motion of half the period.
 
     The system was drawn at random by an audit; past the flip of RRRLLLL/1 the two halves of the period differ by
     less than 0.05 in phase.
@@ -109,11 +109,11 @@ def test_period_that_has_just_doubled():
     for name, column in (("x", motion.X), ("z_dot_after", motion.Z_dot_after)):
         off = [np.abs(np.roll(column, k) - last[name]).max() for k in range(len(column))]
         assert min(off) < 1e-9
-    # the motion that the halves are near to is there too, and unstable
+    # the nearby motion of half the period exists too, and is unstable
     n = len(motion.pattern) // 2
     half = (motion.phases[:n], vi.Pattern(motion.pattern.sides[:n], 1))
     short = vi.exact(osc, r, clearance, half)
     assert short.stable is False
-    # a trajectory that alternates towards a motion of one cycle is not taken for one of two
+    # a trajectory that approaches a motion of one cycle with alternating sign is not taken for one of two cycles
     low = vi.simulate(osc, r, 1.9, 24, discard=20)
     assert vi.exact(osc, r, 1.9, low).pattern.cycles == 1

@@ -58,7 +58,7 @@ def test_a_link_holds_the_whole_state(state):
     ("colour=red", "colour = 'red'"), ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"),
     ("motion=RL/2/equispaced/0", "number 0 or 1"), ("xi=0", "xi = 0")])  # fmt: skip
 def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
-    """One fault for it, and every other part of the link as it was."""
+    """A bad part of a link gives one message, and every other part is kept."""
     state, faults = State.read(
         f"{query}&mu=0.05&R2=0.5" if "mu" not in query else f"{query}&R2=0.5"
     )
@@ -70,7 +70,7 @@ def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
 
 
 def test_a_motion_that_is_not_there_is_named():
-    """A link whose motion does not exist at its point restores everything else."""
+    """A link whose motion does not exist at its point gives a message that names it, and restores the rest."""
     explorer = Explorer(State(clearance=200.0, motion=Definition.read("RL/1/equispaced/0")))
     (fault,) = explorer.restore()
     assert "RL/1/equispaced/0" in fault
@@ -78,7 +78,7 @@ def test_a_motion_that_is_not_there_is_named():
 
 
 def test_a_change_that_is_refused_changes_nothing():
-    """Errors name the field, and the state is the one before."""
+    """An error names the field, and the state does not change."""
     explorer = Explorer(State())
     for words in ({"xi": "2"}, {"r": "1", "xi": "0"}, {"run": "0,0,0,99,0,5,0"}):
         with pytest.raises(ParameterError):
@@ -93,7 +93,7 @@ def test_a_change_that_is_refused_changes_nothing():
     (0.94, 37.0, (0.75, 0.75)), (1.04, 25.0, (0.75, 0.75)), (0.9, 6.0, (0.75, 0.61)),
     (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
 def test_definitions_give_the_same_bits(r, clearance, walls):
-    """Every motion that is shown is what its definition makes, and all that `find` finds are shown."""
+    """Each motion shown is computed again from its definition bit for bit; all motions of `find` are shown."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=walls)
     found = vi.find(osc, r, clearance)
     shown = fuller(osc, r, clearance, quick(osc, r, clearance))
@@ -109,7 +109,7 @@ def test_definitions_give_the_same_bits(r, clearance, walls):
 
 @pytest.mark.slow
 def test_zones_tell_of_their_motions():
-    """Wherever a zone contains a point, its stable motion is among the quick ones."""
+    """At each point in a zone the quick search finds a stable motion of the zone's pattern."""
     osc, window = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75), ((0.8, 1.2), (2.0, 200.0))
     named = list(families(osc, State().patterns))
     zones = [compute(osc, family, window, FINE) for family in named]
@@ -127,7 +127,7 @@ def test_zones_tell_of_their_motions():
 
 
 def test_a_chosen_motion_is_followed():
-    """Along a way through the plane the chosen motion stays the one that a branch follows."""
+    """Along a path through the plane the chosen motion is the one that a branch follows."""
     explorer = Explorer(State(r=0.94, clearance=37.0, xi=0.005, mu=0.042))
     labels = [item.label for item in explorer.shown]
     explorer.choose(labels.index("2/1 RL"))
@@ -142,7 +142,7 @@ def test_a_chosen_motion_is_followed():
 
 
 def test_a_motion_that_has_gone_is_not_chosen():
-    """Nor is another one in its place: the table that was clicked was of a point before."""
+    """A click on a motion of an earlier point, which does not exist here, chooses no motion at all."""
     message = []
     session = Session("", lambda text, _: message.append(json.loads(text)), lambda work: work())
     before = session.explorer.state
@@ -159,7 +159,7 @@ def test_a_motion_that_has_gone_is_not_chosen():
     ("name", "text"), [("z_dot", "abc"), ("x", "1,5"), ("t", ""), ("cycles", "1e400")]
 )
 def test_a_field_of_a_run_that_is_no_number_is_named(name, text):
-    """With what stands in it, also where that has a comma; nothing runs."""
+    """The message has the field and its text, also with a comma in it; no simulation runs."""
     message = []
     session = Session("", lambda text, _: message.append(json.loads(text)), lambda work: work())
     session.heard(
@@ -170,7 +170,7 @@ def test_a_field_of_a_run_that_is_no_number_is_named(name, text):
 
 
 def test_a_run_settles_on_a_motion_of_the_table():
-    """By the name it has there, whichever impact came first."""
+    """A run names the stable motion that it settles on as the table does, whichever impact comes first."""
     explorer = Explorer(State(R2=0.61, r=0.9, clearance=30.0))
     for discard in (0.0, 0.4, 0.8):
         run = explorer.let_run(replace(explorer.start(), discard=200.0 + discard))
@@ -179,7 +179,7 @@ def test_a_run_settles_on_a_motion_of_the_table():
 
 
 def test_coarse_zones_are_nearly_the_fine_ones():
-    """Where both have loops their areas agree; what is drawn has the area of the zone."""
+    """Coarse and fine zones with loops have nearly equal areas; the drawn outline has the area of the zone."""
     state = State()
     for family in families(state.osc, state.patterns):
         coarse, fine = (compute(state.osc, family, state.window, n) for n in (COARSE, FINE))
@@ -192,7 +192,7 @@ def test_coarse_zones_are_nearly_the_fine_ones():
 
 
 def test_holes_stay_empty():
-    """A ring that goes round the other way is a hole of the ring around it."""
+    """A ring of the opposite orientation is a hole of the ring around it."""
     angle = np.linspace(0, 2 * np.pi, 200)
     ring = np.c_[1 + 0.1 * np.cos(angle), 20 * np.exp(np.sin(angle))]
     hole = np.c_[1 + 0.05 * np.cos(-angle), 20 * np.exp(0.5 * np.sin(-angle))]
@@ -206,7 +206,7 @@ def test_holes_stay_empty():
 
 
 def test_what_is_known_is_kept():
-    """Looking again at a point keeps the motions there as they are; elsewhere they are followed."""
+    """At the same point known motions are kept; at a neighbouring point they are followed."""
     explorer = Explorer(State())
     explorer.learn(fuller(explorer.state.osc, 1.04, 25.0, explorer.shown))
     before = explorer.shown
@@ -217,7 +217,7 @@ def test_what_is_known_is_kept():
 
 
 def test_lines_snap_and_are_clipped():
-    """A line that nearly runs along an axis does; one outside the window ends at its edge."""
+    """A line nearly along an axis is made exactly so; a line that leaves the window ends at its edge."""
     explorer = Explorer(State())
     explorer.draw_line((0.9, 10.0, 1.1, 10.1))
     assert explorer.state.line == (0.9, 10.0, 1.1, 10.0)
@@ -253,13 +253,13 @@ def test_a_line_across_the_plane_is_the_same_both_ways():
 
 @pytest.mark.parametrize("address", ["0.0.0.0", "192.168.1.1", "example.org", "::"])
 def test_only_this_machine(address):
-    """Nothing else than a loopback address is taken."""
+    """Addresses other than loopback addresses are refused."""
     with pytest.raises(ParameterError, match="loopback"):
         loopback(address)
 
 
 def test_bad_options_are_named(capsys):
-    """An address of the network, and a port that is taken or no port: status 2 and one line."""
+    """A network address, a port in use and an invalid port give status 2 and one line."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -308,7 +308,7 @@ behind.motions(None, None, None)
 
 
 def test_threads_end_before_the_interpreter():
-    """Computations are stopped and waited for: a thread that is stopped within C++ aborts the process."""
+    """At exit threads are stopped and joined: one still in C++ would abort the process."""
     done = subprocess.run(
         [sys.executable, "-c", ENDS], capture_output=True, text=True, timeout=100, check=False
     )
@@ -317,9 +317,9 @@ def test_threads_end_before_the_interpreter():
 
 @pytest.mark.slow
 def test_interrupt_ends_it():
-    """Ctrl-C is how it ends: status 0 and nothing on stderr; it listens on loopback alone.
+    """Ctrl-C ends the explorer with status 0 and nothing on stderr; it listens on loopback alone.
 
-    It is started as the example of the help says, but for the port.
+    It is started by the example of the help, except for the port.
     """
     assert EXAMPLE.split()[:4] == ["vibroimpact", "explore", "--port", "5006"]
     process, url = start(*EXAMPLE.split()[4:])

@@ -1,4 +1,4 @@
-"""What is taken along from the explorer: Python, namelists, definitions of motions."""
+"""Exports of the explorer: Python, namelists, definitions of motions."""
 
 import subprocess
 import sys
@@ -18,7 +18,7 @@ from vibroimpact.likeness import same_motion
 
 
 def filled(state):
-    """An explorer with its fuller search and zones, as the page has it after a while."""
+    """An explorer with its fuller search and zones complete."""
     explorer = Explorer(state)
     explorer.learn(fuller(state.osc, state.r, state.clearance, explorer.shown))
     explorer.zones = {
@@ -31,7 +31,7 @@ def filled(state):
 @pytest.mark.slow
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_python_gives_what_is_shown(state, capsys):
-    """Every number of the motions, the run, the diagram and the zones, to the last bit."""
+    """The exported Python computes every number of the motions, run, diagram and zones, to the last bit."""
     explorer, names = filled(state), {}
     exec(as_python(explorer), names)
     assert len(capsys.readouterr().out.splitlines()) == len(explorer.shown)
@@ -78,7 +78,7 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
     (1.04, 5.0, 1.04, 60.0), (1.01, 60.0, 1.01, 5.0), (0.96, 20.0, 1.06, 20.0),
     (1.06, 7.0, 0.96, 7.0)])  # fmt: skip
 def test_the_batch_program_gives_the_diagram(line, tmp_path):
-    """A line along an axis is in the namelist; every impact is the one shown, also at another r."""
+    """The program computes each impact of the diagram shown from the namelist, also at another r."""
     explorer = Explorer(State(line=line))
     (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
     program = [Path(sys.executable).with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
@@ -94,14 +94,14 @@ def test_the_batch_program_gives_the_diagram(line, tmp_path):
 
 
 def test_an_oblique_line_is_left_to_python():
-    """One line of the file states it."""
+    """A line across both axes is not in the namelist, which states this in a comment."""
     text = as_namelist(Explorer(State(line=(0.9, 10.0, 1.1, 30.0))))
     assert "\n&bifurcation" not in text
     assert text.splitlines()[-1].startswith("! a line across both axes")
 
 
 def test_motions_without_phases_have_a_definition():
-    """A motion with rest is computed from a state on it."""
+    """A motion with rest is defined by a state on it."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     motion = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
     definition, made = definition_of(motion)

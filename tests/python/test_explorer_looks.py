@@ -1,4 +1,4 @@
-"""The explorer's page in a real browser: how it looks, and by keys, without colours, on a phone."""
+"""The explorer's page in a real browser: layout, keyboard, shades of grey, phones."""
 
 import itertools
 import re
@@ -9,7 +9,7 @@ import pytest
 
 
 def test_keyboard(page):
-    """The chart is reached by Tab, its focus is seen, arrows move the point, L draws a line."""
+    """Tab reaches the chart and shows its focus, arrows move the point, L draws a line."""
     page.open()
     for _ in range(40):
         page.page.keyboard.press("Tab")
@@ -29,7 +29,7 @@ def test_keyboard(page):
     page.page.wait_for_selector("#along:not([hidden])")
     page.page.keyboard.press("Escape")
     page.page.wait_for_selector("#along", state="hidden")
-    # keys faster than their answers: every step counts, and the line is through the last point
+    # keys faster than the answers: every step counts, and the line goes through the last point
     page.page.evaluate(
         """() => {
           const press = (key, shiftKey) => document.getElementById("chart").dispatchEvent(
@@ -55,7 +55,7 @@ def test_keyboard(page):
 
 
 def test_names_for_screen_readers(page):
-    """Whatever can be used has a name, and the texts that change are announced."""
+    """All controls have accessible names, and texts that change are announced."""
     page.open("patterns=RL&line=0.9,10,1.1,10")
     nameless = page.page.evaluate(
         """[...document.querySelectorAll('input, button, textarea, summary, [role=img], #chart')]
@@ -73,7 +73,7 @@ def test_names_for_screen_readers(page):
 
 
 def test_tab_reaches_everything_in_order(page):
-    """Tab goes through all that can be used, from top to bottom of each part, and its place is seen."""
+    """Tab visits all controls, from top to bottom of each part, with a visible focus."""
     page.open("patterns=RL&line=0.9,10,1.1,10")
     page.page.evaluate("document.querySelector('details').open = true")
     wanted = page.page.evaluate(
@@ -135,7 +135,7 @@ def test_nothing_is_told_by_colour_alone(page, tmp_path):
     for selector in ("#families .swatch", ".legend[aria-label=Boundaries] svg"):
         seen = pictures(selector)
         assert len(seen) >= 6
-        assert all(np.ptp(picture, axis=-1).max() < 0.02 for picture in seen)  # it is grey
+        assert all(np.ptp(picture, axis=-1).max() < 0.02 for picture in seen)  # the picture is grey
         for one, other in itertools.combinations(seen, 2):
             assert (np.abs(one - other).max(axis=-1) > 0.2).mean() > 0.04
     widths = page.page.evaluate(
@@ -149,7 +149,7 @@ def test_nothing_is_told_by_colour_alone(page, tmp_path):
 
 
 def test_names_keep_off_the_point_and_each_other(page):
-    """On a phone too: no zone's name lies on the chosen point, on another name, or across the frame."""
+    """No zone's name covers the chosen point, another name or the frame, on a phone too."""
     page.page.set_viewport_size({"width": 390, "height": 844})
     page.open()
     for right, down in ((0.55, 0.4), (0.7, 0.35), (0.3, 0.4)):
@@ -179,7 +179,7 @@ def test_names_keep_off_the_point_and_each_other(page):
 
 @pytest.mark.parametrize("width", [1280, 390])
 def test_it_fits(page, width, tmp_path):
-    """Nothing is wider than the window, every figure has a picture in it, and a finger can use it."""
+    """Nothing is wider than the window, every figure is drawn, and controls are large enough for a finger."""
     page.page.set_viewport_size({"width": width, "height": 844})
     page.open("patterns=RL,RRL&line=0.9,10,1.1,30")
     assert page.page.evaluate("document.documentElement.scrollWidth") == width
@@ -196,7 +196,7 @@ def test_it_fits(page, width, tmp_path):
         assert 0 <= box["x"] < box["x"] + box["width"] <= width
         page.page.locator(f"#{name}").screenshot(path=tmp_path / f"{name}.png")
         picture = imread(tmp_path / f"{name}.png")[..., :3]
-        inside = picture[10:-60, 80:-20]  # without the axes
+        inside = picture[10:-60, 80:-20]  # excluding the axes
         assert (inside.min(axis=-1) < 0.9).mean() > 0.002, name
         assert len(np.unique(inside.reshape(-1, 3).round(2), axis=0)) > 20, name
 
@@ -221,13 +221,13 @@ def test_a_long_table_shows_that_it_scrolls(page):
 
 
 def test_a_swipe_over_the_chart_scrolls(browser, page):
-    """A finger scrolls the page and draws nothing; after the button it draws a line and scrolls nothing."""
+    """A swipe scrolls the page and draws nothing; after the button it draws a line and does not scroll."""
     page.page.set_viewport_size({"width": 390, "height": 844})
     page.open("patterns=RL")
     touch = browser.new_cdp_session(page.page)
 
     def swipe(right, down):
-        """From the middle of the chart."""
+        """Swipe from the middle of the chart."""
         x, y = page.place(0.5, 0.5)
         for part in range(11):
             kind = "touchMove" if part else "touchStart"
@@ -254,14 +254,14 @@ def test_a_swipe_over_the_chart_scrolls(browser, page):
 
 
 def test_a_swipe_that_begins_on_a_slider_scrolls(browser, page):
-    """The page scrolls and the value stays; along the slider a finger moves it."""
+    """A swipe across a slider scrolls the page and keeps the value; a swipe along it changes the value."""
     page.page.set_viewport_size({"width": 390, "height": 500})
     page.open("patterns=RL")
     touch = browser.new_cdp_session(page.page)
     slider = page.page.locator("[data-slider=mu]")
 
     def swipe(right, down):
-        """From a place at a third of the slider."""
+        """Swipe from a third of the slider's length."""
         slider.scroll_into_view_if_needed()
         box = slider.bounding_box()
         x, y = box["x"] + box["width"] / 3, box["y"] + box["height"] / 2

@@ -13,7 +13,7 @@ from vibroimpact.plot.zone import LINES
 
 
 def test_page_shows_what_the_library_computes(page):
-    """The table has the motions that `find` finds here, the figures have their curves, the chart the zones."""
+    """The table has the motions that `find` finds, the figures their curves, and the chart the zones."""
     page.open("r=1.04&clearance=20")
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     found = set(shown_numbers(vi.find(osc, 1.04, 20.0)))
@@ -24,14 +24,14 @@ def test_page_shows_what_the_library_computes(page):
     assert list(map(str.strip, page.page.locator("#families li").all_inner_texts())) == named
     boundaries = page.page.locator(".legend[aria-label=Boundaries] line")
     styles = [(line.get_attribute("stroke-dasharray")) for line in boundaries.all()]
-    assert len(set(styles)) == len(styles) == len(LINES) - 1  # told apart without colour
+    assert len(set(styles)) == len(styles) == len(LINES) - 1  # distinguishable without colour
     motion = next(m for m in vi.find(osc, 1.04, 20.0) if m.stable)
     x = page.curve("history", "x")[1]
     assert max(x) == pytest.approx(max(motion.x_max, -motion.x_min), rel=0.2)
 
 
 def test_pointer_tap_and_drag(page):
-    """The pointer looks, a click chooses, a drag draws a line and its diagram."""
+    """Hovering shows the motions at the pointer, a click chooses the point, a drag draws the line of a diagram."""
     page.open()
     before = page.rows()
     mouse = page.page.mouse
@@ -39,7 +39,7 @@ def test_pointer_tap_and_drag(page):
     page.page.wait_for_selector("#motions.peeking")
     assert page.text("where") == "under the pointer"
     assert page.rows() != before
-    assert page.field("r") == "1.04"  # not chosen
+    assert page.field("r") == "1.04"  # the point is not chosen
     mouse.move(5, 5)
     page.page.wait_for_selector("#motions:not(.peeking)")
     page.settle()
@@ -92,7 +92,7 @@ def test_sliders_redraw(page):
 
 
 def test_share_link_restores_everything(page):
-    """A new tab on the link shows the same: system, point, motion, simulation, line, texts and curves."""
+    """A new tab with the link shows the same system, point, motion, simulation, line, texts and curves."""
     page.open("R2=0.61&r=0.9&clearance=6&patterns=RL,RLL")
     page.page.locator("#table input").nth(1).check()
     page.page.wait_for_function("location.search.includes('motion=')")
@@ -130,7 +130,7 @@ def test_share_link_restores_everything(page):
 
 
 def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
-    """Saved and copied code is run, and gives every digit of the table."""
+    """Saved and copied code gives every digit of the table when it is run."""
     page.open("r=1.04&clearance=20")
     page.page.locator("#run").get_by_role("button", name="Let it run").click()
     page.page.wait_for_function("document.getElementById('ran').textContent.includes('impacts')")
@@ -164,7 +164,7 @@ def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
 
 
 def test_a_run_from_the_portrait(page):
-    """A click in the portrait puts the free mass there."""
+    """A click in the portrait starts a simulation from the free mass at that point."""
     page.open()
     page.page.locator("#portrait").scroll_into_view_if_needed()
     page.page.mouse.click(*page.place(0.6, 0.4, "portrait"))

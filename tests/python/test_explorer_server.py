@@ -1,4 +1,4 @@
-"""The explorer's server: whom it answers, and that no page keeps it from answering others."""
+"""The explorer's server: which requests it answers, and that no page blocks another."""
 
 import asyncio
 import http.client
@@ -17,7 +17,7 @@ from vibroimpact.explorer.process import start
 
 @pytest.fixture(scope="module")
 def address():
-    """Host and port of a server of its own."""
+    """Host and port of a server started for the test."""
     process, url = start()
     yield urlsplit(url).hostname, urlsplit(url).port
     process.send_signal(signal.SIGINT)
@@ -26,7 +26,7 @@ def address():
 
 
 def answer(address, path="/", host=None, method="GET", **headers):
-    """Status, headers and body of a request with a Host of its own."""
+    """Status, headers and body of the answer to a request with a given Host header."""
     connection = http.client.HTTPConnection(*address, timeout=30)
     try:
         connection.putrequest(method, path, skip_host=True)
@@ -54,7 +54,7 @@ def opened(address, token, **headers):
         socket.close()
         return 101 if first else None
 
-    # in a thread of its own: tests in a browser keep an event loop in this one
+    # in a separate thread: tests in a browser keep an event loop in this one
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(asyncio.run, ask()).result()
 
@@ -64,7 +64,7 @@ def token_of(page):
     return re.search(r'"token":\s*"([^"]+)"', page)[1]
 
 
-#: Paths of the page, its script, its files and its websocket.
+#: Paths of the page, its script, its files, and its websocket.
 PATHS = ("/", "/autoload.js", "/static/js/bokeh.min.js", "/ws", "/metadata", "/no/such/page")
 
 
@@ -82,7 +82,7 @@ def test_another_name_gets_nothing(address, host):
 
 
 def test_its_own_names_are_answered(address):
-    """By its address and as localhost: the page, its files, and a websocket from its own origin."""
+    """By its address and as localhost the server gives page, files, and a websocket from its own origin."""
     for name in ("127.0.0.1", "localhost", "LOCALHOST"):
         host = f"{name}:{address[1]}"
         status, _, body = answer(address, "/", host)
@@ -107,13 +107,13 @@ def test_a_page_of_another_origin_gets_nothing(address, origin):
     ("cross-site", "navigate", "document", 200), ("cross-site", "navigate", "iframe", 403),
     ("cross-site", "no-cors", "script", 403), ("same-site", "no-cors", "image", 403)])  # fmt: skip
 def test_other_sites_may_only_link_to_it(address, site, mode, dest, status):
-    """What browsers tell of a request without Origin: a link opens the page, a frame or a script is refused."""
+    """By the Sec-Fetch headers a link from another site opens the page, but a frame or script is refused."""
     words = {"Sec_Fetch_Site": site, "Sec_Fetch_Mode": mode, "Sec_Fetch_Dest": dest}
     assert answer(address, "/", **words)[0] == status
 
 
 def test_no_page_may_frame_it(address):
-    """Every answer, also a refusal, forbids frames."""
+    """Every answer, refusals included, forbids frames."""
     for path, host in (
         ("/", None),
         ("/static/js/bokeh.min.js", None),
@@ -136,7 +136,7 @@ HOSTILE = (
 
 @pytest.mark.parametrize("query", HOSTILE)
 def test_a_hostile_link_stops_no_other_page(browser, query):
-    """Another page is computed meanwhile, that of the link says what was refused, and Ctrl-C ends the server."""
+    """Another page is computed meanwhile, the linked page names what was refused, and Ctrl-C ends the server."""
     process, url = start()
     try:
         bad, good = browser.new_page(), browser.new_page()

@@ -1,4 +1,4 @@
-"""The explorer's page in a real browser: what it stands."""
+"""The explorer's page in a real browser: bad links, failures, long computations, several tabs."""
 
 import signal
 
@@ -8,7 +8,7 @@ from vibroimpact.explorer.process import start
 
 
 def test_bad_link_is_one_message(page):
-    """What is wrong is named once, the rest is there, and the address is not touched."""
+    """A bad link gives one message that names what is wrong; the rest is used, and the address is kept."""
     query = "xi=lots&r=0.97&colour=%3Cb%3E&clearance=12"
     page.open(query)
     output = page.text("fault")
@@ -20,7 +20,7 @@ def test_bad_link_is_one_message(page):
 
 
 def test_the_page_tells_that_the_server_has_ended(browser):
-    """In the middle of computing: it says how to go on, and its address still holds what is shown."""
+    """When the server ends during a computation the page says how to restart it; its address keeps the state."""
     process, url = start()
     tab = browser.new_page()
     page = Page(tab, url)
@@ -37,7 +37,7 @@ def test_the_page_tells_that_the_server_has_ended(browser):
     tab.close()
 
 
-#: Nothing that takes longer than a frame comes to its end.
+#: Every computation that takes longer than a frame fails.
 BROKEN = """
 from vibroimpact.explorer import background
 def broken(*_, **__):
@@ -47,7 +47,7 @@ background.compute = background.fuller = background.diagram_of = broken
 
 
 def test_a_fault_in_a_thread_is_told(browser):
-    """Zones, search and diagram that fail are said to, nothing goes on "computing", and the page still answers."""
+    """The page names failed zones, searches and diagrams, does not stay "computing", and still answers."""
     process, url = start(prelude=BROKEN)
     tab = browser.new_page()
     page = Page(tab, url)
@@ -71,7 +71,7 @@ def test_a_fault_in_a_thread_is_told(browser):
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 0
-    assert "RuntimeError: broken on purpose" in err  # with its place in the program
+    assert "RuntimeError: broken on purpose" in err  # with its traceback
 
 
 #: Zones that take minutes: a motion with rest over a window far larger than its zone.
@@ -79,7 +79,7 @@ LONG = "R1=0.5&R2=0.5&r_min=0.05&r_max=5&clearance_min=0.01&clearance_max=1000&p
 
 
 def test_newer_zones_replace_those_that_take_long(page):
-    """Also after a slider's moves; nothing of the old ones is shown, and what is asked for then is there soon."""
+    """After moves of a slider and new patterns, too, slow zones are dropped and the new ones are soon shown."""
     page.page.goto(f"{page.url}?{LONG}R*L*")
     page.page.wait_for_function("document.getElementById('status').textContent === 'computing …'")
     page.page.locator("[data-slider=xi]").focus()
@@ -97,7 +97,7 @@ def test_newer_zones_replace_those_that_take_long(page):
 
 
 def test_zones_that_take_too_long_are_given_up(browser):
-    """It is said which; the others are there, and when other patterns are asked for all of them."""
+    """The page names the zones given up and shows the others; after a change of patterns it shows all."""
     process, url = start(
         prelude="from vibroimpact.explorer import background as b; b.LIMITS[b.COARSE] = 5"
     )
@@ -119,14 +119,14 @@ def test_zones_that_take_too_long_are_given_up(browser):
 
 
 def test_no_zone_is_said(page):
-    """An empty chart has a reason."""
+    """The page gives the reason for an empty chart."""
     page.open("patterns=RRRRRRRL")
     assert page.text("families") == ""
     assert page.text("status") == "no motion has one here"
 
 
 def test_two_tabs_do_not_know_of_each_other(page, browser, server):
-    """Both compute at once; what is changed in one changes nothing in the other, and both are right."""
+    """Two tabs compute at once; a change in one does not affect the other, and both show correct motions."""
     other = Page(browser.new_page(), server)
     queries = (
         "R2=0.61&r=0.9&clearance=6&patterns=RL,RLL",
@@ -153,7 +153,7 @@ def test_two_tabs_do_not_know_of_each_other(page, browser, server):
 
 
 def test_reload_in_the_middle_of_computing(page):
-    """The page comes back with what its address holds, however often."""
+    """However often it is reloaded, the page shows the state in its address."""
     page.page.goto(f"{page.url}?r=1.04&clearance=20&patterns=RL,RRL")
     for value in ("0.012", "0.013", "0.014"):
         page.page.wait_for_function(
@@ -172,7 +172,7 @@ def test_reload_in_the_middle_of_computing(page):
 
 
 def test_a_slider_goes_back_to_its_range(page):
-    """A number beyond its end stretches it for as long as the number stands there."""
+    """A number beyond a slider's range extends the range until a number within it is set."""
     page.open("mu=7&patterns=RL")
     slider = page.page.locator("[data-slider=mu]")
     assert float(slider.get_attribute("max")) == 7

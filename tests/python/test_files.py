@@ -14,7 +14,7 @@ FILES = [name for name in NAMES if name != "still"]
 @pytest.mark.parametrize("suffix", [".nc", ".mat"])
 @pytest.mark.parametrize("name", FILES)
 def test_files_give_every_bit(name, suffix, results, tmp_path):
-    """netCDF and MATLAB files are read back whole; nothing is left of the temporary file."""
+    """netCDF and MATLAB files are read back bit for bit; no temporary file remains."""
     pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy"}[suffix])
     path = tmp_path / f"result{suffix}"
     results[name].save(path)
@@ -24,7 +24,7 @@ def test_files_give_every_bit(name, suffix, results, tmp_path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_datasets_are_labelled(name, results):
-    """Every variable has a unit or flags and a meaning; the case and the version are there."""
+    """Every variable has a unit or flags and a description; case and version are attributes."""
     pytest.importorskip("xarray")
     result = results[name]
     data = result.to_xarray()
@@ -64,7 +64,7 @@ def test_datasets_are_labelled(name, results):
 
 
 def test_netcdf_is_read_by_others(results, tmp_path):
-    """Plain h5py sees the numbers and the units."""
+    """h5py reads the numbers and the units."""
     h5py = pytest.importorskip("h5py")
     results["motion"].save(tmp_path / "motion.nc")
     with h5py.File(tmp_path / "motion.nc") as file:
@@ -74,7 +74,7 @@ def test_netcdf_is_read_by_others(results, tmp_path):
 
 
 def test_matlab_is_read_by_others(results, tmp_path):
-    """As MATLAB sees them: a struct, cells of structs, complex numbers, logicals."""
+    """The files hold what MATLAB expects: a struct, cells of structs, complex numbers, logicals."""
     scipy_io = pytest.importorskip("scipy.io")
     for name in ("motion", "zone", "trajectory"):
         results[name].save(tmp_path / f"{name}.mat")
@@ -98,7 +98,7 @@ def test_matlab_is_read_by_others(results, tmp_path):
     "name", ["motion", "linear", "trajectory", "rests", "still", "branch", "zone", "atlas"]
 )
 def test_csv_is_what_run_writes(name, results, tmp_path):
-    """The same bytes as by way of a namelist; so it is an input that gives the same once more."""
+    """A saved CSV has the bytes that `run` writes for the namelist, and is an input that gives them again."""
     results[name].save(tmp_path / "mine.csv")
     path = write(tmp_path / "case.nml", results[name].to_namelist() + "&output name = 'mine' /\n")
     log = vi.run_namelists([path], tmp_path / "run")
@@ -109,7 +109,7 @@ def test_csv_is_what_run_writes(name, results, tmp_path):
 
 
 def test_csv_without_a_namelist(results, tmp_path):
-    """The table is there, and that no namelist tells how it began."""
+    """The CSV of a result without a namelist says so in its header, and cannot be loaded."""
     results["rest"].save(tmp_path / "rest.csv")
     lines = (tmp_path / "rest.csv").read_text().splitlines()
     assert lines[0].endswith("no namelist tells how it began")
@@ -122,7 +122,7 @@ def test_csv_without_a_namelist(results, tmp_path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_data_frames(name, results):
-    """The columns of the table, with their numbers."""
+    """Data frames have the columns and numbers of the table."""
     pytest.importorskip("pandas")
     frame = results[name].to_pandas()
     result = results[name]
@@ -141,7 +141,7 @@ def test_data_frames(name, results):
 
 
 def test_files_of_another_kind_by_suffix(results, tmp_path):
-    """A file that is not what its name says, and one without a record, are named."""
+    """A file whose contents do not fit its suffix, or without a record, is refused by name."""
     pytest.importorskip("h5netcdf")
     pytest.importorskip("scipy.io").savemat(tmp_path / "other.mat", {"a": 1})
     results["motion"].to_xarray().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
@@ -166,7 +166,7 @@ def test_files_of_another_kind_by_suffix(results, tmp_path):
 
 @pytest.mark.parametrize("suffix", [".nc", ".mat", ".json"])
 def test_broken_files_are_refused(suffix, results, tmp_path):
-    """Cut anywhere, or with a byte changed: refused by name or read, and nothing else."""
+    """A file cut anywhere, or with a byte changed, is refused by name or read; no other error occurs."""
     pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])
     path = tmp_path / f"motion{suffix}"
     results["motion"].save(path)
@@ -184,7 +184,7 @@ def test_broken_files_are_refused(suffix, results, tmp_path):
 
 
 def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
-    """The extra that has them; and no half of a file."""
+    """The error names the extra that installs the library, and no partial file remains."""
     for module in ("scipy", "scipy.io", "xarray", "pandas"):
         monkeypatch.setitem(sys.modules, module, None)
     for suffix, extra in ((".mat", "matlab"), (".nc", "data")):
@@ -200,7 +200,7 @@ def test_missing_libraries_are_named(results, tmp_path, monkeypatch):
 @pytest.mark.parametrize("suffix", [".json", ".nc", ".mat"])
 @pytest.mark.parametrize("name", STUDIES_NAMED)
 def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
-    """Every bit of them too."""
+    """Studies of attractors are read back bit for bit."""
     pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])
     path = tmp_path / f"result{suffix}"
     attractors[name].save(path)
@@ -209,7 +209,7 @@ def test_studies_of_attractors_come_back(name, suffix, attractors, tmp_path):
 
 @pytest.mark.parametrize("paths", ["case.nml", b"case.nml", Path("case.nml")])
 def test_one_name_is_no_list_of_files(paths):
-    """Its letters are no files either."""
+    """A string in place of a list of files is refused, not read letter by letter."""
     with pytest.raises(
         vi.errors.ParameterTypeError, match=r"paths = .*case.nml.*: must be a list of files"
     ):

@@ -1,4 +1,4 @@
-"""Every periodic motion at a point: what has to be among them, none twice, and an honest account."""
+"""Every periodic motion at a point: motions that must be listed, no duplicates, and the summary of the search."""
 
 import dataclasses
 import math
@@ -47,7 +47,7 @@ def check_found(found, osc, r, clearance):
 
 
 def attracts(motion, cycles=300):
-    """Whether simulations that begin a little off a motion come back to it: what a stable motion does."""
+    """Whether simulations that begin near a motion return to it, as they do to a stable motion."""
     if motion.pattern.has_rest:
         release = motion.events[motion.events["kind"] == "release"][0]
         v = release["x_dot_after"] + 1e-7 * motion.clearance
@@ -111,7 +111,7 @@ def test_symmetric_walls_give_mirror_images():
     (vi.Oscillator(xi=0.0, mu=0.1, restitution=0.6), 0.8, 3.0),
 ])  # fmt: skip
 def test_none_is_found_twice(osc, r, clearance):
-    """Every motion once, each a solution that stays between the walls."""
+    """Every motion is listed once, and is a solution that stays between the walls."""
     found = vi.find(osc, r, clearance, max_impacts=4)
     assert found
     check_found(found, osc, r, clearance)
@@ -129,7 +129,7 @@ def test_motion_with_rest_is_found():
 
 
 def test_stable_motions_are_what_states_settle_on():
-    """Whatever 40 random states settle on in 800 cycles is in the list."""
+    """Every motion on which 40 random states settle in 800 cycles is listed."""
     found = [m for m in vi.find(TABLE, 0.94, 37.0) if m.stable and not m.pattern.has_rest]
     draw, seen = np.random.default_rng(5), 0
     for _ in range(40):
@@ -146,7 +146,7 @@ def test_stable_motions_are_what_states_settle_on():
 
 
 def test_stable_motions_stay_and_unstable_ones_do_not():
-    """100 cycles from each motion of a search, a little off: back for a stable one, away else."""
+    """After a small disturbance a simulation of 100 cycles returns to stable motions and leaves the others."""
     for motion in vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=1):
         first = after_impact(motion)
         first["x_dot"] += 1e-6
@@ -157,7 +157,7 @@ def test_stable_motions_stay_and_unstable_ones_do_not():
 
 
 def test_same_search_same_answer():
-    """The order of threads does not matter."""
+    """Two calls give the same motions, bit for bit, whatever the order of the threads."""
     one, other = (vi.find(TABLE, 0.94, 37.0, max_impacts=3) for _ in range(2))
     assert [repr(m) for m in one] == [repr(m) for m in other]
     for a, b in zip(one, other, strict=True):
@@ -167,7 +167,7 @@ def test_same_search_same_answer():
 
 
 def test_search_says_how_it_was_done():
-    """Patterns, guesses, simulated states, and that something can have been missed."""
+    """The summary counts patterns, guesses and simulated states, and says that motions can be missed."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=2, guesses=10, states=4)
     search = found.search
     assert search.patterns == 4  # RL and RRL (or its mirror image), 1 and 2 cycles
@@ -183,7 +183,7 @@ def test_search_says_how_it_was_done():
 
 
 def test_no_guess_and_no_state_find_nothing():
-    """An empty search is an empty list, with its account."""
+    """A search without guesses and states is an empty list, with a summary."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, guesses=0, states=0)
     assert list(found) == []
     assert found.search.guesses == found.search.states == 0
@@ -207,7 +207,7 @@ def test_load_and_lengths_scale():
     ("max_cycles", 1000), ("guesses", -1), ("states", -1), ("settling", -1), ("max_impacts", 2.5),
 ])  # fmt: skip
 def test_values(name, value):
-    """Every limit has its range."""
+    """Values outside their ranges are refused, with the name and the value."""
     with pytest.raises(vi.errors.ParameterError, match=name) as caught:
         vi.find(**{"osc": TABLE, "r": 0.94, "clearance": 37.0} | {name: value})
     assert str(value) in str(caught.value)
@@ -222,7 +222,7 @@ def test_types(name, value):
 
 
 def test_free_vibration_has_no_periodic_impacts():
-    """Without load damping and impacts end everything; no motion, no crash."""
+    """Without load all motion decays, so no periodic motion is found."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, load=0.0, states=4)
     assert [m for m in found if m.admissible and np.abs(m.X).max() > 1e-9] == []
 
@@ -261,7 +261,7 @@ def test_unstable_motion_with_rest_is_found():
         grown = np.diff(np.array(after), axis=0)[0]
         rate = np.linalg.norm(grown[-1]) / np.linalg.norm(grown[-2])
         assert rate == pytest.approx(abs(motion.multipliers[0]), rel=1e-3)
-    # without the releases there is neither
+    # without the search from releases neither is found
     assert "releases from rest" in str(found.search)
     assert found.search.releases == 2 * 32
     without = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, states=0, releases=0)
@@ -272,7 +272,7 @@ def test_unstable_motion_with_rest_is_found():
     (0.8373877928058429, 14.073636669583083), (0.8364626148185172, 14.479751428411182),
 ])  # fmt: skip
 def test_what_settles_where_the_masses_resonate_together_is_listed(r, clearance):
-    """The heavier mass of both resonates at r = 1/sqrt(1 + mu) = 0.845; |x| reaches 15 A with long rests.
+    """The joined masses resonate at r = 1/sqrt(1 + mu) = 0.845; |x| reaches 15 A with long rests.
 
     A fifth of the states that begin with such velocities settle on it.
     """
@@ -303,14 +303,14 @@ def test_what_settles_where_the_masses_resonate_together_is_listed(r, clearance)
 
 
 def test_a_mirror_image_that_is_lost_ends_no_search():
-    """The motion whose image Newton's method loses, at the edge of what it can do, is there all the same."""
+    """A motion is listed even if Newton's method does not converge to its mirror image."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     found = vi.find(osc, 1.0, 1e-4, guesses=0, releases=0, states=4)
     assert any(motion.stable and motion.pattern.has_rest for motion in found)
 
 
 def test_progress_is_told():
-    """Shares rise to the end, with the pattern that is searched; the motions are the same."""
+    """The shares of progress rise, with the pattern being searched, and the motions do not change."""
     message = []
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     limits = {"max_impacts": 3, "max_cycles": 1, "states": 4}
@@ -323,7 +323,7 @@ def test_progress_is_told():
 
 
 def test_little_work_is_done_without_threads(monkeypatch):
-    """It gives the same motions, bit for bit, and starts no thread."""
+    """A small search starts no thread, and gives the same motions bit for bit."""
     wanted = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
     monkeypatch.setattr(
         sys.modules["vibroimpact.studies.find"], "LITTLE", 0
@@ -338,7 +338,7 @@ def test_little_work_is_done_without_threads(monkeypatch):
 
 
 def check_account(found):
-    """Assert that every simulated state is counted once, and that the text tells each reason."""
+    """Assert that every simulated state is counted once, and that the text names each outcome."""
     search = found.search
     reasons = {
         "passed by a motion": search.not_stable, "Newton's method finds no motion": search.unconfirmed,
@@ -367,7 +367,7 @@ def test_attractor_of_many_letters_is_listed():
 
 
 def test_attractor_of_many_cycles_is_listed():
-    """What states settle on beyond the cycles and impacts of the search is there, with its mirror image."""
+    """An attractor with more cycles and impacts than the limits is listed, with its mirror image."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1)
     check_found(found, TABLE, 0.94, 37.0)
     check_account(found)
@@ -377,15 +377,15 @@ def test_attractor_of_many_cycles_is_listed():
 
 
 def test_states_in_intermittent_chaos_have_not_settled():
-    """States that repeat themselves for a while, on a point with nothing stable, are not settled."""
+    """At a point without stable motions, states that repeat for a while do not count as settled."""
     osc = vi.Oscillator(xi=0.005642181773706736, mu=0.04074074074074074, restitution=0.72)
     found = vi.find(osc, 0.9823623663921875, 28.0, max_impacts=4, max_cycles=1, guesses=24)
     check_account(found)
     assert not any(motion.stable for motion in found)
     assert found.search.settled == 0
-    # they do repeat themselves: that is what was taken for settled
+    # they do repeat for a while, which was once taken for settled
     assert found.search.not_stable + found.search.unconfirmed > 0
-    # far ahead no state has come to anything periodic
+    # after many more cycles no state is periodic
     assert {item.kind for item in vi.basins(
         osc, 0.9823623663921875, 28.0, states=36, cycles=2000
     ).attractors} == {"chaotic"}  # fmt: skip
@@ -403,7 +403,7 @@ def test_states_without_impacts_are_counted():
 
 @pytest.mark.parametrize("name", ["cpu_count"])
 def test_threads_do_not_change_the_answer(name, monkeypatch):
-    """Bit for bit, motions and account."""
+    """The number of threads does not change motions or summary, bit for bit."""
     answers = []
     for threads in (1, 2, 5):
         monkeypatch.setattr(os, name, lambda threads=threads: threads)
@@ -427,7 +427,7 @@ def test_what_progress_raises_ends_the_search():
 
 
 def test_a_stopped_search_keeps_what_it_found():
-    """Ctrl-C after the first patterns: their motions, marked as cut short, in every form."""
+    """Ctrl-C after the first patterns keeps their motions in a result marked as cut short, also as JSON."""
 
     def stop(share, what):
         raise KeyboardInterrupt
@@ -445,7 +445,7 @@ def test_a_stopped_search_keeps_what_it_found():
 
 
 def test_a_search_stopped_among_its_releases_is_not_complete():
-    """Also where no states were to be simulated."""
+    """A search stopped among its releases is incomplete, even if no states were to be simulated."""
 
     def stop(share, what):
         if share > 0.5:
@@ -457,7 +457,7 @@ def test_a_search_stopped_among_its_releases_is_not_complete():
     assert re.search(r", \d+ releases and 0 of 0 states were tried$", caught.value.result.cut)
 
 
-# The first was found by an independent program, the others by `atlas`: each lies in a zone of its pattern. From
+# The first was found by an independent program, the others by `atlas`; each lies in a zone of its pattern. From
 # guesses at the point alone none of them was found.
 @pytest.mark.parametrize(("osc", "r", "clearance", "sides"), [
     (vi.Oscillator(xi=0.01217, mu=0.00669, restitution=0.6442),
@@ -484,7 +484,7 @@ def test_a_search_stopped_among_its_releases_is_not_complete():
      0.9899980522469702, 47.01496391078142, "RRRLL"),
 ])  # fmt: skip
 def test_stable_motions_of_zones_are_found(osc, r, clearance, sides):
-    """By lines of constant r and constant clearance through what the guesses find."""
+    """Branches of constant r and of constant clearance from the motions of the guesses find the stable motions."""
     found = vi.find(osc, r, clearance, 5, 1, guesses=60, states=0, releases=0)
     check_found(found, osc, r, clearance)
     pattern = [m for m in found if m.stable and m.pattern == vi.Pattern(sides)]

@@ -1,4 +1,4 @@
-"""Verdicts on very many points against the chain of LAPACK calls: `stability_flags`, `periodic_batch`."""
+"""`stability_flags` and `periodic_batch` on many points, against the chain of LAPACK calls."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def same_bits(one, other):
 
 
 def sensitivity(rng, osc, r, phases, pattern, radius):
-    """How far LAPACK's spectral radius moves when the last bits of r and the phases do."""
+    """Change of LAPACK's spectral radius when the last bits of r and the phases change."""
     many = np.repeat(phases[:, np.newaxis], 128, axis=1)
     many += rng.integers(-2, 3, many.shape) * np.spacing(many) * (many > 0)
     ratios = r + rng.integers(-2, 3, 128) * np.spacing(r)
@@ -54,7 +54,7 @@ def test_a_million_points_agree_with_lapack():
         radius = np.abs(lapack.multipliers[0])
         assert np.array_equal(fast.status, lapack.status)
         assert np.array_equal(fast.consistent, lapack.consistent)
-        # on the circle rounding decides, and LAPACK's is as good as ours
+        # on the circle rounding decides, and either answer is valid
         clear = ~(np.abs(radius - 1) < 1e-9)
         assert np.array_equal(fast.stable[clear], lapack.stable[clear])
         assert np.array_equal(np.isnan(fast.spectral_radius), np.isnan(radius))
@@ -63,7 +63,7 @@ def test_a_million_points_agree_with_lapack():
         for j in np.flatnonzero(known & (apart > 1e-11)):
             assert apart[j] < 10 * sensitivity(rng, osc, r[j], phases[:, j], pattern, radius[j])
             far += 1
-        # without the radius fewer points are referred, and the verdicts are the same
+        # without the radius fewer points are passed to LAPACK, and the verdicts are the same
         plain = vi.stability_flags(osc, r, phases, pattern)
         assert plain.spectral_radius is None
         assert plain.referred <= fast.referred

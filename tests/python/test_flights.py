@@ -1,4 +1,4 @@
-"""Verdicts, extremes and samples, between the impacts, on random systems, against `first_principles`."""
+"""Verdicts, extremes and samples between impacts, on random systems, against `first_principles`."""
 
 import first_principles as fp
 import first_principles_flights as flights
@@ -32,13 +32,13 @@ def likely_motions(draw):
 @given(likely_motions())
 @law(200)
 def test_verdicts(case):
-    """Flags against the reference: where the walls are, what the multipliers and residual say."""
+    """`admissible` agrees with the flights of the reference, and `stable` with the multipliers."""
     case, _ = exact(case)
     motion = vi.periodic(*case.arguments())
     reference = rebuild(motion, case.system)
     for flag in (motion.consistent, motion.admissible):
         assert flag is True or flag is False
-    # on the unit circle, as without damping, rounding cannot tell: the verdict says so
+    # on the unit circle, as without damping, rounding decides: the verdict is None
     distance = abs(abs(motion.multipliers[0]) - 1)
     if distance < 2e-13:
         assert motion.stable is None
@@ -84,7 +84,7 @@ def test_extremes_of_the_primary_mass(case):
 @given(likely_motions(), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
 @law(200)
 def test_samples_are_the_flight(case, parts):
-    """Positions, velocities, Y and load at any time, over any period."""
+    """Samples are positions, velocities, Y and load of the flight, at any time in any period."""
     case, _ = exact(case)
     assume(error_bound(case) < 1e-9)
     motion, system = vi.periodic(*case.arguments()), case.system

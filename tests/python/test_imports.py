@@ -1,4 +1,4 @@
-"""The order of the package: no circle of imports but through the base class of results, which hands over files and
+"""The imports of the package: no cycles except through the base class of results, which imports files and
 pictures."""
 
 import ast
@@ -39,13 +39,13 @@ def imports(path, inside):
         if isinstance(node, ast.ImportFrom):
             for item in node.names:
                 found = target(path, node, item.name)
-                # the package itself imports all nouns and studies; that is where its users begin
+                # the package itself imports all results and studies for its users
                 if found not in (None, path, PACKAGE / "__init__.py"):
                     yield str(found.relative_to(PACKAGE))
 
 
 def statements(tree, inside):
-    """Statements that run, those of functions too or not; none of those for type checkers alone."""
+    """Statements that run, with or without those in functions, except those for type checkers."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and not inside:
             continue
@@ -56,7 +56,7 @@ def statements(tree, inside):
 
 
 def circle(inside, without=()):
-    """A circle of files that import each other; empty if there is none."""
+    """A cycle of files that import each other; empty if there is none."""
     paths = {str(path.relative_to(PACKAGE)): path for path in PACKAGE.rglob("*.py")}
     assert len(paths) > 100
     graph = {

@@ -30,7 +30,7 @@ def assert_refused(call, name, value, allowed=(), kind=(ValueError, TypeError), 
     assert re.match(rf"{name}\b", head), text
     assert must, text
     shown = str(value) if shown is None else shown
-    # what is asked for must not stand in for the value, nor the value for what is asked for
+    # the text of the allowed values must not be taken for the value, nor the value for that text
     assert any(one in head for one in (shown, repr(value))), text
     for word in allowed:
         assert word in wanted, text
@@ -38,7 +38,7 @@ def assert_refused(call, name, value, allowed=(), kind=(ValueError, TypeError), 
 
 @pytest.mark.parametrize("value", [NAN, INF, -INF, -0.1, 1.0, 1.5, 1e300])
 def test_xi_values(value):
-    """Damping from 0 to below 1."""
+    """The damping ratio must be at least 0 and below 1."""
     assert_refused(oscillator, "xi", value, ("0 <= xi < 1",), ValueError)
 
 
@@ -66,7 +66,7 @@ def test_restitution_values(value, place):
 
 @pytest.mark.parametrize("value", [(), (0.5,), (0.5, 0.5, 0.5), [[0.5, 0.5]]])
 def test_restitution_shapes(value):
-    """One number, or one a wall; one an impact in the solvers."""
+    """Restitution must be one number or one for each wall, or in the solvers one for each impact."""
     assert_refused(oscillator, "restitution", value)
     assert_refused(periodic, "restitution", value)
 
@@ -74,7 +74,7 @@ def test_restitution_shapes(value):
 @pytest.mark.parametrize("value", ["0.1", b"0.1", None, 0.1j, [0.1], (), {}, np.array([0.1, 0.2])])
 @pytest.mark.parametrize("name", ["xi", "mu"])
 def test_oscillator_types(name, value):
-    """Numbers are real numbers."""
+    """Damping and mass ratio must be real numbers."""
     assert_refused(oscillator, name, value, (), TypeError)
 
 
@@ -89,19 +89,19 @@ def test_restitution_types(value):
 
 @pytest.mark.parametrize("value", ["", "R", "L", "RR", "LLL", "RX", "R L", "R,L", "R1", "L*", "RÉ"])
 def test_sides_values(value):
-    """Letters R and L only, and both of them: with one wall nothing is periodic."""
+    """The sides must have only letters R and L, and both of them."""
     assert_refused(lambda sides: vi.Pattern(sides), "sides", value, (), ValueError)
 
 
 @pytest.mark.parametrize("value", [None, 12, 1.5, ["R", "L"], b"RL", True])
 def test_sides_types(value):
-    """The sides are a string."""
+    """The sides must be a string."""
     assert_refused(lambda sides: vi.Pattern(sides), "sides", value, (), TypeError)
 
 
 @pytest.mark.parametrize("value", [0, -1, 1.5, True, False, NAN, INF, "1", None, 1j, [1], 10**30])
 def test_cycles(value):
-    """A whole number of load cycles from 1; a bool is not a number of cycles."""
+    """The number of load cycles must be a whole number from 1, and not a bool."""
     assert_refused(
         lambda cycles: vi.Pattern("RL", cycles), "cycles", value, ("1 <= cycles <= 10000",)
     )
@@ -160,13 +160,13 @@ def test_resonance_without_damping(call):
 )
 @pytest.mark.parametrize("call", [periodic, linear_system])
 def test_phases_values(call, value, shown):
-    """As many phases as impacts, from 0, increasing, below the period."""
+    """There must be as many phases as impacts, beginning at 0, increasing, and below the period."""
     assert_refused(call, "phases", value, (), ValueError, shown)
 
 
 @pytest.mark.parametrize("value", [[0.0, 3.0, 2.0], [0.0, 2.0, 2.0], [0.0, 2.0, 7.0]])
 def test_phases_of_three(value):
-    """Unsorted, repeated, beyond the period."""
+    """Unsorted, repeated, and too large phases of three impacts are refused."""
     with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         vi.periodic(OSC, 0.9, value, vi.Pattern("RRL"))
     assert isinstance(caught.value, vi.errors.VibroimpactError)
@@ -192,7 +192,7 @@ def test_phases_types(call, value):
     ],
 )
 def test_batch_phases(value):
-    """One set of phases a column; the message shows the column, or the shape."""
+    """Each column is one set of phases; the message shows the wrong column, or the shape."""
     with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         batch(phases=value)
     assert isinstance(caught.value, vi.errors.VibroimpactError)
@@ -200,20 +200,20 @@ def test_batch_phases(value):
 
 @pytest.mark.parametrize("value", [[0.9], [0.9, 1.1]])
 def test_batch_r_shapes_that_fit(value):
-    """One r, or one a column."""
+    """A batch takes one r, or one for each column."""
     assert len(batch(r=value)) == 2
 
 
 @pytest.mark.parametrize("value", [[], [0.9] * 3, [[0.9, 0.9]], [0.9, NAN], [0.9, 0.0]])
 def test_batch_r_shapes_that_do_not(value):
-    """The number of r is that of the columns."""
+    """The number of frequency ratios must be 1 or the number of columns."""
     with pytest.raises(ValueError, match=r"^r\b.* must ") as caught:
         batch(r=value)
     assert isinstance(caught.value, vi.errors.VibroimpactError)
 
 
 def test_an_empty_batch():
-    """No points are an error that names the phases, never one from inside the core."""
+    """A batch without points is refused by an error that names the phases."""
     with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         batch(phases=np.zeros((2, 0)))
     assert isinstance(caught.value, vi.errors.VibroimpactError)
@@ -241,7 +241,7 @@ def test_acceptance(call, value):
 @pytest.mark.parametrize("call", [periodic, batch, equispaced])
 @pytest.mark.parametrize("value", ["half", "", "Double", None, 64, float])
 def test_precision(call, value):
-    """Two words."""
+    """The precision must be 'double' or 'single'."""
     kind = ValueError if isinstance(value, str) else TypeError
     assert_refused(call, "precision", value, ("double", "single"), kind)
 
@@ -249,14 +249,14 @@ def test_precision(call, value):
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("value", [None, 0.1, (0.01, 0.05, 0.75), "osc", vi.Oscillator])
 def test_osc(call, value):
-    """An Oscillator, not its numbers."""
+    """`osc` must be an Oscillator, not its numbers."""
     assert_refused(call, "osc", value, ("Oscillator",), TypeError)
 
 
 @pytest.mark.parametrize("call", [periodic, linear_system, batch])
 @pytest.mark.parametrize("value", [None, 7, ("RL", 1), vi.Pattern])
 def test_pattern(call, value):
-    """A Pattern or its text, nothing else."""
+    """`pattern` must be a Pattern or its text."""
     assert_refused(call, "pattern", value, ("Pattern",), TypeError)
 
 
@@ -271,7 +271,7 @@ def test_equispaced_needs_equal_restitution():
 
 @pytest.mark.parametrize("cycles", [2, 4, 100])
 def test_equispaced_needs_odd_cycles(cycles):
-    """Half of an even number of cycles is no mirror of the load."""
+    """The load is its own mirror image only after an odd number of half cycles, so `cycles` must be odd."""
     assert_refused(equispaced, "cycles", cycles, ("odd",), ValueError)
 
 

@@ -1,4 +1,4 @@
-"""Results as JSON and as namelists, and back: the same bits, and clear faults for what is broken."""
+"""Results as JSON and as namelists, and back: the same bits, and clear errors for broken files."""
 
 import copy
 import csv
@@ -16,7 +16,7 @@ from vibroimpact.formats import record
 
 @pytest.mark.parametrize("name", NAMES)
 def test_json_gives_every_bit(name, results, tmp_path):
-    """Through text and through a file, in strict JSON."""
+    """JSON is strict, and gives every bit of a result again, as text and as a file."""
     result = results[name]
     text = result.to_json()
     assert "NaN" not in text
@@ -30,7 +30,7 @@ def test_json_gives_every_bit(name, results, tmp_path):
 
 
 def test_same_tells_results_apart(results):
-    """The comparison of these tests sees one bit."""
+    """The comparison `same` of these tests detects a change of one bit."""
     motion = results["motion"]
     data = motion.to_dict()
     columns = data["tables"]["impacts"]["columns"]
@@ -49,7 +49,7 @@ def test_numbers_that_json_does_not_have():
 
 
 def test_what_is_read_goes_on(results):
-    """A motion is sampled and followed, a simulation continues bit for bit, a zone contains."""
+    """Loaded results work: motions can be sampled and followed, simulations continued, zones queried."""
     motion = vi.Motion.from_json(results["motion"].to_json())
     times = np.linspace(0, 7, 50)
     np.testing.assert_array_equal(motion.sample(times), results["motion"].sample(times))
@@ -121,7 +121,7 @@ def test_broken_data_is_named(name, path, value, output, results):
 
 
 def test_a_table_is_no_file_to_load(results, tmp_path):
-    """The message explains the purpose of the table."""
+    """Loading a CSV table is refused; the message says that it is an input of `vibroimpact run`."""
     results["pair"].save(tmp_path / "pair.csv")
     with pytest.raises(
         vi.errors.ParameterError, match=r"a table whose header .* input of .vibroimpact run"
@@ -131,7 +131,7 @@ def test_a_table_is_no_file_to_load(results, tmp_path):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_missing_values_are_named(name, results):
-    """Each attribute without a default is asked for by name."""
+    """A missing attribute without a default is named in the error."""
     data = results[name].to_dict()
     for key in data.keys() - {"type", "vibroimpact"}:
         less = {other: item for other, item in data.items() if other != key}
@@ -141,9 +141,9 @@ def test_missing_values_are_named(name, results):
 
 @pytest.mark.parametrize("name", ["motion", "rest", "trajectory"])
 def test_missing_columns_are_named(name, results):
-    """Each column from which the object or its CSV is made is asked for by name; others may be missing."""
+    """A missing column that the object or its CSV needs is named in the error; other columns may be missing."""
     data = results[name].to_dict()
-    # what is derived from others, or known of few motions
+    # columns derived from others, or known for few motions only
     spare = {"attenuation", "motion", "impact", "impacts.side", "moment", "final.state"}
     for table, item in data["tables"].items():
         for key in item["columns"]:
@@ -172,7 +172,7 @@ def refusal(kind, data):
 @pytest.mark.parametrize("text", ["", "{", "[1, 2]", "7", "{}", '{"type": "Nothing"}', '{"type": ["Zone"]}',
                                   '{"type": "Zone"}', "\N{SNOWMAN}"])  # fmt: skip
 def test_files_of_another_kind(text, tmp_path):
-    """The file is named, and what it should be."""
+    """A file that holds no result is refused, with its name and what it must be."""
     path = tmp_path / "other.json"
     path.write_text(text, encoding="utf-8")
     for read in (vi.load, vi.Atlas.load):
@@ -187,7 +187,7 @@ def test_files_of_another_kind(text, tmp_path):
 
 
 def test_cut_and_missing_files(results, tmp_path):
-    """Half of a file, and none."""
+    """A truncated file and a missing file are refused by name."""
     path = tmp_path / "zone.json"
     results["zone"].save(path)
     whole = path.read_text()
@@ -203,7 +203,7 @@ def test_cut_and_missing_files(results, tmp_path):
 
 
 def test_names_of_files(results, tmp_path):
-    """The form is that of the name's end."""
+    """The suffix of the name sets the form; unknown suffixes are refused, and capitals are allowed."""
     with pytest.raises(vi.errors.ParameterError, match=r"motion.doc'.*must end with one of \.json"):
         results["motion"].save(tmp_path / "motion.doc")
     results["motion"].save(str(tmp_path / "MOTION.JSON"))
@@ -214,7 +214,7 @@ def test_names_of_files(results, tmp_path):
     "name", ["motion", "pair", "linear", "trajectory", "rests", "branch", "zone", "atlas"]
 )
 def test_the_namelist_of_a_result_gives_it_again(name, results, tmp_path):
-    """Every bit, by way of the compiled reader; and the namelist of that is the same."""
+    """The namelist of a result, read by the compiled reader, gives every bit of it, and the same namelist."""
     result = results[name]
     path = write(tmp_path / "case.nml", result.to_namelist())
     (case,) = vi.read_namelist(path)
@@ -228,7 +228,7 @@ def test_the_namelist_of_a_result_gives_it_again(name, results, tmp_path):
 
 @pytest.mark.parametrize("name", ["motion", "trajectory", "branch", "zone", "atlas"])
 def test_the_namelist_runs(name, results, tmp_path):
-    """`vibroimpact run` and the program write digits that are the result's own."""
+    """`vibroimpact run` and the program write the digits of the result from its namelist."""
     path = write(tmp_path / "case.nml", results[name].to_namelist())
     log = vi.run_namelists([path], tmp_path)
     assert log.status == 0
@@ -248,7 +248,7 @@ def test_the_namelist_runs(name, results, tmp_path):
 
 
 def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
-    """Their own phases and positions are the guess."""
+    """The namelist of a motion of `find` has it as the guess, and gives it again within 1e-9."""
     for motion in vi.find(FIGURE6, 1.04, 25.0, max_impacts=3, max_cycles=1):
         (case,) = vi.read_namelist(write(tmp_path / "case.nml", motion.to_namelist()))
         nearest = min(case.run(), key=lambda again: abs(again.X - motion.X).max())
@@ -258,7 +258,7 @@ def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
 
 @pytest.mark.parametrize("clearance", [20.0, 25.0, 33.3, 70.0])
 def test_equispaced_motions_come_back_to_the_bit(clearance, tmp_path):
-    """Both have the clearance that was asked for, and not what rounding leaves of it."""
+    """Equispaced motions come back bit for bit, with the given clearance and not one from rounded results."""
     motions = vi.equispaced(FIGURE6, 1.04, clearance)
     assert [motion.clearance for motion in motions] == [clearance] * 2
     for motion in motions:
@@ -277,7 +277,7 @@ def test_acceptance_is_kept(phases, acceptance, precision, tmp_path):
 
 
 def test_seeds_are_part_of_the_case(results, tmp_path):
-    """A zone with seeds comes from its namelist to the last bit."""
+    """The namelist of a zone includes its seeds, and gives the zone to the last bit."""
     seeds = [results["motion"]]
     seeded = vi.zone(TABLE, vi.Pattern("RL"), (0.9, 1.0), (30, 40), lines=5, guesses=0, seeds=seeds)
     assert seeded.contains(0.94, 37.0)

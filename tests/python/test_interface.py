@@ -1,4 +1,4 @@
-"""What people type and read: names that Tab shows, patterns as text, arguments by name, short representations."""
+"""The interactive interface: names for completion, patterns as text, arguments by name, representations."""
 
 import copy
 import inspect
@@ -21,7 +21,7 @@ FUNCTIONS = [
 
 
 def test_dir_shows_the_public_names_alone():
-    """No module but `errors`; every error is there, and is what `errors` has."""
+    """`dir` shows the public names; the only module is `errors`, whose errors are public names too."""
     assert set(dir(vi)) == {*vi.__all__, "__version__"}
     modules = {name for name in dir(vi) if isinstance(getattr(vi, name), ModuleType)}
     assert modules == {"errors"}
@@ -32,7 +32,7 @@ def test_dir_shows_the_public_names_alone():
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda function: function.__name__)
 def test_docstrings_say_what_is_raised(function):
-    """Every public function that takes something refuses something, by an error of the package."""
+    """The docstring of each public function with arguments names an error of the package under Raises."""
     text = inspect.getdoc(function)
     raised = re.search(r"^Raises\n-+\n((?:.+\n|\n(?=    ))+)", text, re.MULTILINE)
     assert raised, text
@@ -43,7 +43,7 @@ def test_docstrings_say_what_is_raised(function):
 
 
 def test_an_oscillator_needs_names():
-    """Restitution, damping and mass ratio in a wrong order would be a valid, other oscillator."""
+    """Arguments must be named, because in another order they would be a valid but different oscillator."""
     with pytest.raises(vi.ParameterTypeError, match="names") as caught:
         vi.Oscillator(0.75, 0.0114, 0.028)
     assert str(caught.value).startswith("Oscillator(0.75, 0.0114, 0.028): must have the names")
@@ -122,7 +122,7 @@ def cells(thing):
 
 
 def test_jupyter_shows_oscillator_units_and_what_find_gives():
-    """As tables whose numbers are theirs."""
+    """Oscillators, units and the list of `find` are tables of their numbers."""
     rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=(0.75, 0.61))
     shown = dict(cells(rig))
     assert [float(shown[name]) for name in ("xi", "mu", "M", "K")] == [rig.xi, rig.mu, 2.0, 800.0]
@@ -168,7 +168,7 @@ def test_a_final_state_is_short():
 
 
 def test_units_take_arrays():
-    """Each number as by itself; what is not positive is named."""
+    """Conversions take arrays, element by element; numbers that are not positive are refused by name."""
     units = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75).units(
         4.0
     )
@@ -192,7 +192,7 @@ def test_units_take_arrays():
 
 
 def test_exact_says_that_there_were_no_impacts():
-    """From all zero with D > 2 A: the amplitude, half the clearance, and what to do; another state has impacts."""
+    """Without impacts the error gives the amplitude, half the clearance, and what to change."""
     r, clearance = 1.3, 25.0
     A = 1 / math.hypot(1 - r * r, 2 * FIGURE6.xi * r)
     assert clearance > 2 * A
@@ -203,11 +203,11 @@ def test_exact_says_that_there_were_no_impacts():
         assert f"A = {A:.6g}, below D/2 = 12.5" in str(caught.value)
         assert "another state" in str(caught.value)
         assert "do not repeat" not in str(caught.value)
-    # the same oscillator nearer to its resonance: the walls are reached after a while
+    # nearer to resonance the walls are reached later
     early = vi.simulate(FIGURE6, 1.02, clearance, 0.1)
     with pytest.raises(vi.ParameterError, match=r"above D/2 = 12\.5: simulate longer"):
         vi.exact(FIGURE6, 1.02, clearance, early)
-    # impacts that end: said since when
+    # if the impacts end, the error gives the time of the last one
     slow = vi.simulate(
         FIGURE6, r, clearance, 2000, {"t": 0, "x": 0, "x_dot": 0, "z": 0, "z_dot": 9.0}
     )
@@ -219,7 +219,7 @@ def test_exact_says_that_there_were_no_impacts():
 
 @pytest.mark.parametrize("r", [0.3, 0.9, 0.99, 1.0, 1.01, 1.4, 3.0])
 def test_from_all_zero_a_wall_is_reached_where_the_amplitude_says_so(r):
-    """Beyond D/2 = A, the amplitude without impacts, it is reached; after the transient, never below it."""
+    """From rest a wall is reached if A > D/2, and is not reached if D/2 exceeds the bound on the transient."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.5)
     A = 1 / math.hypot(1 - r * r, 2 * osc.xi * r)
     assert len(vi.simulate(osc, r, 2 * A * 0.999, 400).events)
@@ -234,13 +234,13 @@ def test_from_all_zero_a_wall_is_reached_where_the_amplitude_says_so(r):
     lambda thing: vi.run_namelists(thing)])  # fmt: skip
 @pytest.mark.parametrize("thing", [None, 7, "RL", TABLE])
 def test_what_is_no_motion_and_no_list_is_named(call, thing):
-    """An error of the package, not one from inside."""
+    """An argument that is neither a motion nor a list of them raises an error of the package that names it."""
     with pytest.raises(vi.ParameterTypeError, match=r"^(motion|one|paths) = "):
         call(thing)
 
 
 def test_results_that_are_sequences_take_slices():
-    """As lists do: items from both ends, lists for slices; anything else is refused by an error of the package."""
+    """Results are indexed like lists, with negative indices and slices; other indices are refused."""
     motion = vi.equispaced(TABLE, 0.94, 37.0)[0]
     line = vi.branch(motion, "clearance", bounds=(36.0, 37.0))
     batch = vi.periodic_batch(TABLE, 0.94, [np.zeros(5), np.linspace(4.1, 4.5, 5)], "RL")

@@ -13,7 +13,7 @@ from shared_systems import FIGURE6
 
 @pytest.mark.parametrize("name", NAMES)
 def test_jupyter_shows_a_picture(name, results):
-    """HTML that parses, with what the result says of itself and one image; no figure is left open."""
+    """The HTML parses, and has the representation of the result and one image; no figure is left open."""
     plt = pytest.importorskip("matplotlib.pyplot")
     before = plt.get_fignums()
     text = results[name]._repr_html_()
@@ -33,7 +33,7 @@ def test_jupyter_shows_a_picture(name, results):
 
 
 def test_jupyter_without_matplotlib(results, monkeypatch):
-    """The numbers alone."""
+    """Without matplotlib the HTML has a table of numbers and no image."""
     for module in [name for name in sys.modules if name.split(".")[0] == "matplotlib"]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
@@ -51,7 +51,7 @@ def test_jupyter_of_an_empty_zone():
 
 @pytest.mark.parametrize("name", [name for name in STUDIES_NAMED if name != "one"])
 def test_jupyter_shows_studies_of_attractors(name, attractors):
-    """They inherit it; states in no plane have no picture."""
+    """Studies of attractors are shown with a picture, except basins of states outside a plane."""
     pytest.importorskip("matplotlib")
     root = ElementTree.fromstring(attractors[name]._repr_html_())
     assert root.find("code").text == repr(attractors[name])

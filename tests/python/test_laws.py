@@ -54,7 +54,7 @@ def test_reference_impact_in_both_directions(mu, restitution, v, w):
 @given(cases())
 @law(200)
 def test_coefficients_of_26_and_30(case):
-    """The rows are the reference's, with their sign: what the impact asks minus the flight."""
+    """The rows are those of the reference, with the sign: state required by the impact minus end of the flight."""
     matrix, right = vi.linear_system(*case.arguments())
     expected, expected_right = fp.linear_system(case.system, case.phases)
     assert matrix.shape == expected.shape
@@ -70,7 +70,7 @@ def test_coefficients_of_26_and_30(case):
 @given(cases())
 @law(200)
 def test_solution_of_the_linear_problem(case):
-    """The unknowns are the least squares ones, all lengths follow from the amplitude A."""
+    """The unknowns are the least squares solution, and all lengths follow from the amplitude A."""
     bound = error_bound(case)
     assume(bound < 1e-3)
     motion, expected = vi.periodic(*case.arguments()), fp.solve(case.system, case.phases)
@@ -99,7 +99,7 @@ def unknowns_of_reference(motion):
 @given(cases())
 @law(200)
 def test_momentum_restitution_and_energy_at_every_impact(case):
-    """Hold whether or not the phases are those of a periodic motion."""
+    """The laws of impact hold whether or not the phases are those of a periodic motion."""
     assume(error_bound(case) < 1e-3)
     motion = vi.periodic(*case.arguments())
     mu, R = case.system.mu, np.array(case.system.restitution)
@@ -136,7 +136,7 @@ def test_ball_flies_straight_from_wall_to_wall(case):
 
 
 def assert_same_motion(one, two, bound, sign=1.0, shift=0):
-    """Assert that two is one with X turned by sign and its first impact moved by shift."""
+    """Assert that `two` is `one` with X multiplied by `sign` and its impacts shifted by `shift`."""
     size = bound * np.linalg.norm(unknowns_of(one)) * one.clearance
     wave = np.hypot(*unknowns_of(one)[-2:]) * one.clearance
     assert two.clearance == pytest.approx(one.clearance, rel=4 * size / wave + 1e-12)
@@ -148,7 +148,7 @@ def assert_same_motion(one, two, bound, sign=1.0, shift=0):
 @given(cases())
 @law(200)
 def test_mirror(case):
-    """Right and left exchanged: X and Z change sign, the load is half a turn later."""
+    """With right and left exchanged X and Z change sign, and the load is half a cycle later."""
     bound = error_bound(case)
     assume(bound < 1e-6)
     system = replace(case.system, sides=case.system.sides.translate(str.maketrans("RL", "LR")))
@@ -220,7 +220,7 @@ def test_impact_pair_in_closed_form(case):
 @given(cases(least=3, mu=0.0))
 @law(150)
 def test_impact_pair_follows_the_steady_motion(case):
-    """The same for any number of impacts in an exact motion."""
+    """With mu = 0 an exact motion with any number of impacts follows the steady motion."""
     case, _ = exact(case)
     bound = error_bound(case) * away_from_resonance(case)
     assume(bound < 1e-6)

@@ -13,13 +13,13 @@ from vibroimpact.likeness import is_symmetric, motion_images, same_motion, stand
 
 @pytest.fixture(scope="module")
 def fork():
-    """The clearance at which the equispaced motion of Table 1 loses its symmetry: two others part from it."""
+    """The clearance at which the equispaced motion of Table 1 loses its symmetry: two others branch from it."""
     branch = vi.branch(vi.equispaced(TABLE, 0.94, 37.0)[0], "clearance", (30, 120))
     return next(point.clearance for point in branch.special_points if point.type == "pitchfork")
 
 
 def near(fork, offset):
-    """The motion that Newton's method leads to from unequal phases, at a relative offset from the pitchfork."""
+    """The motion found by Newton's method from unequal phases, at a relative offset from the pitchfork."""
     guess = [0, np.pi * 1.001], vi.Pattern("RL")
     if offset < 0:
         guess = [0, np.pi + 1.5636 * math.sqrt(-offset)], vi.Pattern("RL")
@@ -30,7 +30,7 @@ def test_two_motions_that_have_just_parted(fork):
     """Mirror images 9e-5 apart are two motions: for `same`, for the explorer and for `is_symmetric`."""
     one = near(fork, -3e-9)
     other = standard_motion(one, mirrored=True)
-    # the distance grows as the root of the offset: 1.5636 of it, from the branch at offsets of 1e-3 to 1e-8
+    # the distance is 1.5636 times the square root of the offset, by the branch at offsets of 1e-3 to 1e-8
     assert one.phases[1] - np.pi == pytest.approx(8.6e-5, rel=0.02)
     assert not same_motion(one, other)
     assert same_motion(one, other, mirrored=True)
@@ -47,7 +47,7 @@ def test_one_motion_before_they_part(fork):
 
 @pytest.mark.parametrize("make", [pair_motion, rest_motion, triple_motion])
 def test_mirror_images_and_turns(make):
-    """Twice mirrored is the motion; the standard form is its own."""
+    """The mirror image of the mirror image is the motion; the standard form does not change again."""
     motion = make()
     form = standard_motion(motion)
     assert same_motion(form, motion)

@@ -15,7 +15,7 @@ from vibroimpact import _core
 from vibroimpact.interrupt import new_counters
 
 #: Without load a light primary mass between the walls of a heavy, elastic one bounces faster and faster: the time
-#: between impacts has no lower bound that matters, and four load cycles have billions of impacts.
+#: between impacts has no practical lower bound, and four load cycles have billions of impacts.
 FAST = vi.Oscillator(xi=0.0114, mu=1e6, restitution=1)
 RIG = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 EVENT_LIMIT = 13
@@ -37,7 +37,7 @@ def assert_answers(done, wanted):
 
 
 def test_basins_end():
-    """States that have too many events are not decided, and are counted as that."""
+    """States whose simulation has too many events are undecided, and are counted as such."""
     found = vi.basins(
         FAST, 0.5, 37.0, states=3, cycles=4, probes=1, max_cycles=2, load=0, max_events=20_000
     )
@@ -48,7 +48,7 @@ def test_basins_end():
 
 
 def test_response_ends():
-    """The status says that a simulation had too many events; it has no amplitude."""
+    """A frequency ratio with too many events has a status that says so, and no amplitude."""
     found = vi.response(FAST, [0.5, 0.6], 37.0, states=2, settling=5, keep=3, max_events=1000)
     ended = found.status == EVENT_LIMIT
     assert ended.any()
@@ -57,7 +57,7 @@ def test_response_ends():
 
 
 def test_sweeps_end():
-    """A value at which a simulation had too many events has no impacts, and its run goes on."""
+    """A value at which a simulation had too many events has a status that says so."""
     found = vi.bifurcation_diagram(
         FAST, "r", [0.5, 0.6, 0.7], clearance=37.0, settling=5, keep=3, load=0, max_events=10_000
     )
@@ -66,7 +66,7 @@ def test_sweeps_end():
 
 
 def test_exponents_end():
-    """A point whose trajectory has too many events has no exponents."""
+    """A single point whose trajectory has too many events is an error that names the limit."""
     with pytest.raises(vi.errors.VibroimpactError, match="max_events"):
         vi.lyapunov(RIG, 1.04, 20.0, cycles=1000, discard=10, max_events=100)
 
@@ -88,7 +88,7 @@ def test_decay_ends():
 
 
 def test_survey_ends():
-    """A point of a survey whose simulation has too many events is counted as that."""
+    """A point of a survey whose simulation has too many events is counted as such."""
     found = vi.atlas(
         RIG,
         (1.03, 1.05),
@@ -107,7 +107,7 @@ def test_survey_ends():
     "study", ["basins", "response", "bifurcation", "lyapunov", "find", "decay"]
 )
 def test_stop_within_a_cycle(study):
-    """A request to stop ends a study within a load cycle that has millions of impacts."""
+    """A stop request ends a study within a load cycle, even if the cycle has millions of impacts."""
     groups = {
         "basins": "states = 3, cycles = 4, probes = 1, max_cycles = 2, load = 0",
         "response": "r_min = .5, r_max = .6, r_points = 2, states = 1, settling = 1",
@@ -140,14 +140,14 @@ def test_stop_within_a_cycle(study):
 
 
 def test_largest_number_of_events():
-    """A trajectory keeps its events, so their number is bounded by what a computer can hold."""
+    """A trajectory stores its events, so max_events is bounded."""
     with pytest.raises(vi.errors.ParameterError, match="50000000"):
         vi.simulate(RIG, 1.04, 20.0, 1e9, max_events=10**9)
 
 
 @pytest.mark.parametrize("batches", [2**31 - 1, 2**31, 2**30, 1001])
 def test_batches(batches):
-    """Twice the batches must not overflow: their range is checked first."""
+    """The number of batches is checked before it is doubled, so that it cannot overflow."""
     with pytest.raises(vi.errors.ParameterError, match="1000"):
         vi.lyapunov(RIG, 1.04, 20.0, batches=batches)
 
@@ -157,7 +157,7 @@ def test_batches(batches):
 
 @pytest.mark.parametrize("xi", [5e-324, 1e-310, 1e-160, 1e-30, 1e-13])
 def test_hardly_any_damping_at_resonance(xi):
-    """Free and forced vibration of amplitude 1/(2 xi) cancel to no digits: as for xi = 0, r must not be 1."""
+    """At r = 1 with a tiny xi vibrations of amplitude 1/(2 xi) cancel to no digits: refused, as for xi = 0."""
     osc = vi.Oscillator(xi=xi, mu=0.028, restitution=0.75)
     pattern = vi.Pattern("RL")
     for call in (
@@ -183,7 +183,7 @@ def test_hardly_any_damping_at_resonance(xi):
         with pytest.raises(vi.errors.ParameterError, match="resonance"):
             call()
     chart = vi.chart(osc, pattern, r=[0.9, 1.0, 1.1], clearance=[20.0, 30.0])
-    assert (chart.status.sel(r=1.0) != 0).all()  # a column of a chart is a status
+    assert (chart.status.sel(r=1.0) != 0).all()  # in a chart the column gets a status
 
 
 # memory
@@ -225,13 +225,13 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, sets li
     ids=lambda call: call.split("(")[0][3:],
 )
 def test_memory(call):
-    """A case for which memory is lacking raises MemoryError, and the interpreter goes on."""
+    """A case that needs more memory than there is raises MemoryError, and the interpreter continues."""
     assert_answers(child(LIMITED.format(room=250, call=call), 120), "raised True alive")
 
 
 @linux
 def test_memory_of_a_small_case():
-    """What fits in the memory is computed."""
+    """A case that fits in the memory is computed."""
     call = (
         "print(vi.response(osc, np.linspace(.8, 1.2, 9), 25., states=2, settling=5, keep=3).r.size)"
     )
@@ -270,13 +270,13 @@ def test_fork():
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_fork_from_another_thread():
-    """The same in a child forked by a thread that is not the main one."""
+    """A child forked by another thread than the main one computes the same."""
     code = FORKED.replace("\n", "\n    ")
     code = f"import threading\ndef work():\n    {code}\nt = threading.Thread(target=work)\nt.start()\nt.join(90)\n"
     assert_answers(child(code, 120), "0 True")
 
 
-# a request to stop, where one load cycle is a million oscillations
+# a stop request during a load cycle of a million oscillations
 
 SLOW = {
     "simulate": "vi.simulate(rig, 1e-6, .5, 100000, progress=stop)",
@@ -354,27 +354,27 @@ except vi.errors.VibroimpactError as error:
 
 @pytest.mark.parametrize("size", ["1k", "16k", "64k", "64 K", "16384B", "1M", "1000000000G", "x"])
 def test_stacks_of_other_threads(size):
-    """Where OpenMP would give its threads small stacks, one thread computes."""
+    """If OpenMP's threads would have small stacks, a single thread computes."""
     assert_answers(child(STUDY, environment={"OMP_STACKSIZE": size}), "30 2 2")
 
 
 @pytest.mark.parametrize("threads", ["100000", "1"])
 def test_number_of_threads(threads):
-    """The number of threads of the environment is not believed beyond the number of processors."""
+    """The number of threads from the environment is limited to the number of processors."""
     assert_answers(child(STUDY, environment={"OMP_NUM_THREADS": threads}), "30 2 2")
 
 
 @linux
 @pytest.mark.parametrize("size", [256, 128])
 def test_small_stack_of_the_process(size):
-    """With a small stack of the process a study has one of its own."""
+    """If the stack of the process is small, a study runs on a separate, larger one."""
     limit = f"resource.setrlimit(resource.RLIMIT_STACK, ({size * 1024}, {size * 1024}))"
     assert_answers(child(f"import resource, vibroimpact\n{limit}\n{STUDY}"), "30 2 2")
 
 
 @linux
 def test_small_stack_of_a_thread():
-    """A study called in a thread with a small stack runs, or says why it cannot; the process goes on."""
+    """A study called in a thread with a small stack runs, or its error says why not; the process continues."""
     code = f"import threading\nthreading.stack_size(65536)\ndef work():\n{textwrap.indent(STUDY, '    ')}\n"
     done = child(
         code
@@ -437,12 +437,12 @@ print(len(answers), all(map(np.array_equal, wanted, answers)))
 
 @linux
 def test_calls_in_threads_with_small_stacks():
-    """Calls on arrays give the same bits in threads with the least stack that Python allows."""
+    """Calls on arrays give the same bits in threads with the smallest stack that Python allows."""
     assert_answers(child(CALLS), "20 True")
 
 
 def test_exponents_of_nothing_are_not_read():
-    """The numbers of the codes above are those of the core."""
+    """The status codes used in this file are those of the core, and a plain simulation works."""
     assert [vi.status_text(code) for code in (EVENT_LIMIT, EVENT_LIMIT + 1)] == [
         "the simulation reached max_events events before its end", "out of memory",
     ]  # fmt: skip

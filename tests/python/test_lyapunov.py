@@ -1,4 +1,4 @@
-"""Lyapunov exponents: against multipliers, volume and the rate at which neighbours part."""
+"""Lyapunov exponents: against multipliers, volume and the divergence of neighbouring trajectories."""
 
 import math
 
@@ -19,7 +19,7 @@ from shared_systems import FIGURE6, RIG, TABLE
     ],
 )
 def test_exponents_of_periodic_motions_are_those_of_the_multipliers(osc, r, clearance, guess):
-    """... and their sum is that of the invariant det [P] = exp(-4 pi xi k/r) prod R^2."""
+    """Exponents of periodic motions are those of the multipliers; their sum is that of det [P]."""
     run = guess or vi.simulate(osc, r, clearance, 12, discard=2000)
     motion = vi.exact(osc, r, clearance, run)
     assert motion.stable
@@ -33,7 +33,7 @@ def test_exponents_of_periodic_motions_are_those_of_the_multipliers(osc, r, clea
 
 
 def test_exponents_of_a_motion_with_rest():
-    """Two are those of the return map at a release, two are extinguished."""
+    """Two exponents are those of the return map at a release; the other two are -inf."""
     motion = vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200))
     result = vi.lyapunov(RIG, 0.9, 6.0)
     np.testing.assert_allclose(
@@ -45,7 +45,7 @@ def test_exponents_of_a_motion_with_rest():
 
 
 def test_volume_is_checked_on_every_trajectory():
-    """The sum of the logarithms is that of volume, in chaos too and for unequal walls."""
+    """The sum of the logarithms is that of the volume, also in chaos and for unequal walls."""
     for osc in (FIGURE6, RIG):
         result = vi.lyapunov(osc, 1.04, np.linspace(5, 60, 12), cycles=2000)
         assert np.all(result.identity_error[result.rests == 0] < 1e-12)
@@ -55,7 +55,7 @@ def test_volume_is_checked_on_every_trajectory():
 
 
 def test_largest_exponent_is_the_rate_at_which_neighbours_part():
-    """Against two simulations a small distance apart, which know nothing of derivatives."""
+    """The largest exponent agrees with the divergence of two simulations, which uses no derivatives."""
     r, clearance, cycles, small = 1.04, 7.5, 1500, 1e-7
     names = ("x", "x_dot", "z", "z_dot")
     here = vi.simulate(FIGURE6, r, clearance, 0, discard=500).final_state
@@ -117,7 +117,7 @@ STATE = {"t": 0.3, "x": 1.0, "x_dot": -2.0, "z": 2.5, "z_dot": 4.0}
 )
 @pytest.mark.parametrize("state", [None, STATE])
 def test_the_namelist_of_exponents(r, clearance, state, tmp_path):
-    """It gives them again, to the last bit."""
+    """The namelist of exponents gives them again, to the last bit."""
     result = vi.lyapunov(FIGURE6, r, clearance, 61, state, load=1.1, discard=20, batches=3)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -145,7 +145,7 @@ GRID = np.meshgrid([1.0, 1.02, 1.05], [20.0, 30.0])
     ],
 )
 def test_lists_and_arrays_have_a_namelist_too(r, clearance, tmp_path):
-    """A grid, a diagonal, points spaced otherwise: it gives them again, and none depends on the others."""
+    """The namelist of a grid or a list of points gives them again; no point depends on the others."""
     result = vi.lyapunov(FIGURE6, r, clearance, 61, STATE, discard=20, batches=3)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -161,7 +161,7 @@ def test_lists_and_arrays_have_a_namelist_too(r, clearance, tmp_path):
 
 
 def test_the_final_state_of_a_simulation_is_a_start_too(tmp_path):
-    """The final state is given as its five numbers."""
+    """A start from a final state is stored as its five numbers."""
     final = vi.simulate(FIGURE6, 1.04, 25.0, 3).final_state
     result = vi.lyapunov(FIGURE6, 1.04, 25.0, 40, final)
     (tmp_path / "case.nml").write_text(result.to_namelist())
@@ -174,7 +174,7 @@ def test_the_final_state_of_a_simulation_is_a_start_too(tmp_path):
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
 @pytest.mark.parametrize("r", [1.04, [1.0, 1.01, 1.04], GRID[0]])
 def test_a_file_gives_the_exponents_again(r, form, tmp_path):
-    """To the last bit, and its table, which the core writes, too."""
+    """Saved exponents and the core's table are read back to the last bit."""
     result = vi.lyapunov(FIGURE6, r, 25.0, 61, STATE, discard=20, batches=3)
     result.save(tmp_path / f"one.{form}")
     again = vi.load(tmp_path / f"one.{form}")

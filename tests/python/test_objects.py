@@ -1,4 +1,4 @@
-"""Oscillators, patterns, motions and batches as objects: frozen, equal, as JSON, in words."""
+"""Oscillators, patterns, motions and batches as objects: immutability, equality, JSON, representations."""
 
 import dataclasses
 import json
@@ -27,7 +27,7 @@ ARRAYS = (
 
 
 def test_equispaced_answers():
-    """Two motions below the largest clearance, none above, one or two equal ones there."""
+    """Two motions exist below the largest clearance, none above, one or two equal ones at it."""
     osc = vi.Oscillator(xi=0.0, mu=0.0, restitution=0.5)
     r, A = 0.5, 1.0 / 0.75
     limit = A * math.hypot(3.0 * math.pi, 2.0)
@@ -50,14 +50,14 @@ def test_singular_phases():
 
 
 def test_phases_that_need_no_load():
-    """Two symmetric periods in one cycle are answered without load: then no clearance is right."""
+    """Two symmetric periods in one cycle need no load, so that no clearance is determined: an error."""
     osc = vi.Oscillator(xi=0.0, mu=0.0, restitution=0.0)
     with pytest.raises(vi.errors.SingularError, match="load"):
         vi.periodic(osc, 2.0, np.arange(4) * math.pi / 2, vi.Pattern("RLRL"))
 
 
 def test_unusual_but_right():
-    """Integers, tuples, float32, arrays of one number's kind, N = 8, R = 0 and 1, mu = 0."""
+    """Valid but unusual arguments: integers, tuples, float32, 0-d arrays, N = 8, R = 0 and 1, mu = 0."""
     one = vi.Oscillator(xi=0, mu=0, restitution=1)
     assert one.restitution == (1.0, 1.0)
     assert vi.Oscillator(xi=0.1, mu=1, restitution=(0, 1)).restitution == (0.0, 1.0)
@@ -71,7 +71,7 @@ def test_unusual_but_right():
 
 
 def test_frozen():
-    """Nothing of an oscillator, a pattern or a motion can be assigned."""
+    """Attributes of an oscillator, a pattern or a motion cannot be assigned."""
     motion = periodic()
     for thing, name in (
         (OSC, "xi"),
@@ -111,7 +111,7 @@ def test_arrays_are_read_only_and_ours():
 
 
 def test_equal_oscillators_and_patterns():
-    """Values compare by value and can be keys."""
+    """Oscillators and patterns compare by value, and can be keys of a dictionary."""
     assert vi.Oscillator(xi=0.01, mu=0.05, restitution=(0.75, 0.61)) == OSC
     assert vi.Pattern("RL", 1) == PAIR
     assert vi.Pattern("RL", 2) != PAIR
@@ -125,7 +125,7 @@ def test_equal_oscillators_and_patterns():
 
 
 def test_to_dict_is_json():
-    """Plain values throughout, and the same after a round trip."""
+    """`to_dict` gives values that JSON can hold, and the same object after a round trip."""
     motion = periodic()
     tables = json.loads(json.dumps(motion.to_dict(), allow_nan=False))["tables"]
     plain, impacts = (tables[name]["columns"] for name in ("motions", "impacts"))
@@ -144,7 +144,7 @@ def test_to_dict_is_json():
 
 @pytest.mark.parametrize("name", ["consistent", "admissible", "stable"])
 def test_repr_names_the_verdicts(name):
-    """A glance at a motion shows what it is worth; a line leaves out only that it is consistent."""
+    """The text of a motion has its verdicts; its one-line repr omits only `consistent`."""
     assert name in str(periodic())
     assert name in repr(periodic()) or name == "consistent"
     assert len(repr(periodic())) <= 88
@@ -152,7 +152,7 @@ def test_repr_names_the_verdicts(name):
 
 
 def test_repr_of_an_inconsistent_motion():
-    """That a motion contradicts itself is never left out."""
+    """The repr of an inconsistent motion says that it is not consistent."""
     motion = dataclasses.replace(periodic(), consistent=False)
     assert ": not consistent, " in repr(motion)
 
@@ -163,7 +163,7 @@ def test_sample_of_nothing():
 
 
 def test_index_of_a_batch():
-    """Points are found from both ends, and none beyond."""
+    """A batch takes indices from both ends, and refuses indices out of range."""
     motions = batch()
     assert np.array_equal(motions[-1].X, motions[1].X)
     assert len(list(motions)) == 2

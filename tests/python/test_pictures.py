@@ -1,8 +1,8 @@
-"""Three pictures beside those that are kept in tests/data/pictures.
+"""Comparison of three pictures with those kept in tests/data/pictures.
 
 They are compared as means over squares of pixels: a line of another style, colour or place changes the
-squares that it crosses, another way of smoothing it does not. Text is left out altogether, since fonts differ
-from one machine to the next. After a change that is meant, look at the new pictures and keep them:
+squares that it crosses, another anti-aliasing does not. Text is left out altogether, since fonts differ
+from one machine to the next. After an intended change, look at the new pictures and keep them:
 
     .venv/bin/python tests/python/test_pictures.py
 """
@@ -22,13 +22,13 @@ from matplotlib.text import Text  # noqa: E402
 from PIL import Image  # noqa: E402
 
 KEPT = Path(__file__).parents[1] / "data" / "pictures"
-#: Pixels of a square's side, and the most by which one square may differ, of 255.
+#: Side of a square in pixels, and the largest difference allowed between squares, of 255.
 SQUARE, MOST = 6, 16
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 
 
 def zone(ax):
-    """The zone of Figure 6(b) in the coarse."""
+    """The zone of Figure 6(b), traced coarsely."""
     vi.zone(OSC, vi.Pattern("RRL"), r=(0.8, 1.2), clearance=(2, 200)).plot(ax, inverse=True)
 
 
@@ -40,7 +40,7 @@ def motion(ax):
 
 
 def bifurcation(ax):
-    """A sweep where the motions are periodic: rounding decides nothing there."""
+    """A sweep over periodic motions, which does not depend on rounding."""
     vi.bifurcation_diagram(
         OSC, "clearance", np.linspace(16, 18.4, 25), r=1.0, sweep="up", settling=100
     ).plot(ax)
@@ -53,11 +53,11 @@ def picture(name, change=lambda ax: None):
     """The pixels (height, width, 3) of a picture of 600 x 420, without its text."""
     with plt.rc_context(matplotlib.rcParamsDefault):
         figure = plt.figure(figsize=(6, 4.2), dpi=100)
-        # a place of its own: the size of letters must not move the lines
+        # fixed axes: the size of letters must not move the lines
         ax = figure.add_axes((0.1, 0.1, 0.85, 0.8))
         DRAWN[name](ax)
         change(ax)
-        figure.canvas.draw()  # letters of ticks are there from now on
+        figure.canvas.draw()  # from here on tick labels exist
         for text in figure.findobj(Text):
             text.set_visible(False)
         for one in figure.axes:
@@ -82,19 +82,19 @@ def difference(one, other):
 
 
 def kept(name):
-    """The picture that is kept."""
+    """The stored picture."""
     with Image.open(KEPT / f"{name}.png") as image:
         return np.asarray(image.convert("RGB"))
 
 
 @pytest.mark.parametrize("name", DRAWN)
 def test_picture_is_the_one_that_is_kept(name):
-    """The same lines, colours and places."""
+    """Lines, colours and places are those of the stored picture."""
     assert difference(picture(name), kept(name)) < MOST
 
 
 def dashed(ax):
-    """Draw all lines and points otherwise."""
+    """Draw all lines and points in another style."""
     for line in ax.get_lines():
         line.set(linestyle=":", marker="", color="0.5")
 
@@ -115,12 +115,12 @@ def moved(ax):
 @pytest.mark.parametrize("name", DRAWN)
 @pytest.mark.parametrize("change", [dashed, thicker, moved])
 def test_changes_are_seen(name, change):
-    """Another style of the lines, or another window, is far beyond what is let pass."""
+    """Another style of the lines, or another window, exceeds the allowed difference by far."""
     assert difference(picture(name, change), kept(name)) > 2 * MOST
 
 
 def test_letters_are_not_seen():
-    """Another font changes nothing."""
+    """Another font does not change the pictures compared."""
 
     def other_font(ax):
         for text in ax.findobj(Text):

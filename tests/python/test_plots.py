@@ -1,4 +1,4 @@
-"""Pictures: the data behind the panels, the labels, and the manners of a library."""
+"""Pictures: data of the panels, labels, and that drawing leaves no traces in the caller's matplotlib."""
 
 import sys
 
@@ -55,7 +55,7 @@ def curve(ax):
 @pytest.mark.parametrize("which", range(4))
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_panel_into_given_axes(which, kind):
-    """`ax=` is drawn into and returned; no other figure is made; labels have symbols and units."""
+    """`ax` is drawn into and returned, without another figure; labels have symbols and units."""
     figure, ax = plt.subplots()
     before = plt.get_fignums()
     assert things()[which].plot(ax=ax, kind=kind) is ax
@@ -68,7 +68,7 @@ def test_one_panel_into_given_axes(which, kind):
 
 @pytest.mark.parametrize("which", range(4))
 def test_all_panels(which, tmp_path):
-    """Without `ax` a figure with all panels, that can be written to a file."""
+    """Without `ax` one figure has all panels, and can be written to a file."""
     axes = things()[which].plot()
     assert len(axes) == len(KINDS)
     figure = axes[0].figure
@@ -141,7 +141,7 @@ def test_rests_are_marked():
 
 @pytest.mark.parametrize("which", range(4))
 def test_load_panel(which):
-    """The load is f sin(phase) of the thing itself."""
+    """The load drawn is f sin(phase) of the motion or trajectory."""
     thing = things()[which]
     _, ax = plt.subplots()
     thing.plot(ax=ax, kind="load", cycles=2)
@@ -152,7 +152,7 @@ def test_load_panel(which):
 
 @pytest.mark.parametrize("which", range(4))
 def test_acceleration_panel(which):
-    """The acceleration is load - 2 xi X' - X, over 1 + mu at rest; a spike at each impact."""
+    """The acceleration is load - 2 xi X' - X, over 1 + mu at rest, with a spike at each impact."""
     thing = things()[which]
     osc, motion = thing.osc, isinstance(thing, vi.Motion)
     _, ax = plt.subplots()
@@ -167,7 +167,7 @@ def test_acceleration_panel(which):
     rest &= h.X_dot == h.Z_dot
     want = np.where(rest, free / (1 + osc.mu), free)
     good = np.abs(values[pick] - want) < 1e-5 * max(1.0, np.abs(want).max())
-    # both sides of a jump are drawn, and rounding decides which side such a time falls on
+    # both sides of a jump are drawn, and rounding decides to which side such a time belongs
     events = np.array(thing.events["time"])
     events = np.concatenate([events + i * thing.period for i in range(4)]) if motion else events
     away = np.abs(times[:, None] - events).min(axis=1) > 1e-9
@@ -208,7 +208,7 @@ def test_wrong_arguments(name, value):
 
 
 def test_short_and_quiet_trajectories_are_drawn():
-    """No impact, no time, or fewer cycles than asked for: a picture all the same."""
+    """Trajectories without impacts, without duration, or with fewer cycles than the window are drawn."""
     for run in (
         vi.simulate(RIG, 0.9, 1e4, 3),
         vi.simulate(RIG, 0.9, 6.0, 0.5),
@@ -273,7 +273,7 @@ def test_without_matplotlib(monkeypatch):
 @pytest.mark.parametrize("engine", [None, "constrained"])
 @pytest.mark.parametrize("name", [*NAMES, *STUDIES_NAMED])
 def test_legends_are_not_cut_off(name, engine, results, attractors):
-    """In small axes of one's own, saved as they are: every legend is within the figure."""
+    """In small axes of the caller every legend lies within the figure."""
     noun = results[name] if name in NAMES else attractors[name]
     if not noun.drawable:
         with pytest.raises(vi.errors.ParameterError):

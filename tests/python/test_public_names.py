@@ -1,4 +1,4 @@
-"""The explorer and the reproduction of the paper are users of the package: they take its public names alone."""
+"""The explorer and the reproduction of the paper use only public names of the package."""
 
 import ast
 from pathlib import Path
@@ -7,8 +7,8 @@ import pytest
 import vibroimpact as vi
 
 PACKAGE = Path(vi.__file__).parent
-#: What all parts of the package share besides: errors and checks of values, files written whole or not at all,
-#: calls that an interrupt ends, progress bars, the style of pictures, areas and winding numbers of closed curves.
+#: Modules that all parts of the package share: errors and checks of values, files written whole or not at all,
+#: interruptible calls, progress bars, the style of pictures, areas and winding numbers of closed curves.
 SERVICES = {
     "checks",
     "errors",

@@ -76,7 +76,7 @@ def test_table_of_published_bifurcations_is_up_to_date(monkeypatch):
 
 
 def test_measured_errors_are_not_larger_than_on_the_page(monkeypatch):
-    """Rounding differs between machines: results and cases must be the same, and errors of the same order."""
+    """Quantities and numbers of cases are those of the page, and no error is larger beyond rounding."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     page = importlib.import_module("generate.right")
     start = page.PAGE.read_text(encoding="utf-8").partition("<!-- table measured")[2]

@@ -56,7 +56,7 @@ def force_at(record, t):
 
 
 def check(run, tolerance=1e-9):
-    """Every flight between samples by the matrix exponential, every impact by its law, every gap open."""
+    """Every flight between samples by the matrix exponential, every impact by its law, every gap nonnegative."""
     s, record = run.structure, run.load
     t, state = run.start, [np.array(part) for part in run.first_state]
     marks = [(e["time"], e, after) for e, after in zip(run.events, run.states, strict=True)]
@@ -95,7 +95,7 @@ def noise(samples, n, seed=1):
 @pytest.mark.parametrize("coupling", [False, True])
 @pytest.mark.parametrize("step", [0.02, 0.3, 2.0])
 def test_flights_and_impacts(step, coupling):
-    """Steps below, near and above the shortest time scale; the record ends before the simulation does."""
+    """Flights and impacts obey their laws for steps below, near and above the shortest time scale."""
     record = vi.Record(step, 2 * noise(int(12 / step), 4), constant=[0.1, 0, 0, 0.05])
     run = vi.simulate(frame(coupling=coupling), record, duration=15.0)
     assert (run.events["kind"] == "impact").sum() > 5
@@ -120,7 +120,7 @@ def test_samples():
 
 @pytest.mark.parametrize("restitution", [0.5, 0.3])
 def test_a_constant_record_is_a_constant_load(restitution):
-    """Impacts, accumulations and rests too: a ball on a spring-supported table under gravity."""
+    """A constant record gives the events of a constant load: a ball on a spring-supported table under gravity."""
     gaps = [vi.Gap([1, -1], 0.0, restitution)]
     s = vi.Structure([1.0, 0.2], [0.1, 0], [20.0, 0], gaps)
     weight = np.array([-1.0, -0.2])
@@ -149,7 +149,7 @@ def test_a_constant_record_is_a_constant_load(restitution):
 
 
 def test_release_from_rest_by_a_record():
-    """A block on the ground is pulled up by a growing force: it leaves when the force exceeds its weight."""
+    """A block on the ground, pulled up by a growing force, is released when the force exceeds its weight."""
     s = vi.Structure([2.0], [0.0], [0.0], [vi.Gap([-1.0], 0.0, 0.5)])
     force = np.linspace(0.0, 4.0, 11)[:, None]
     run = vi.simulate(s, vi.Record(0.3, force, constant=[-2.5]), duration=3.0)
@@ -187,7 +187,7 @@ def test_the_start_may_lie_within_the_record():
 
 
 def test_many_intervals():
-    """10^5 samples: the same as in two parts, and without a gap the same as by matrix exponentials."""
+    """10^5 samples give the result of two parts, and without a gap that of matrix exponentials."""
     s = frame(gaps=False)
     record = vi.Record(0.01, noise(20_000, 4))
     run = vi.simulate(s, record)
@@ -233,7 +233,7 @@ def test_a_periodic_base_motion_gives_equal_gaps_in_both_coordinates():
 
 
 def test_a_recorded_base_motion_gives_equal_gaps_in_both_coordinates():
-    """y'' is linear between samples of its own in both; y is then a cubic, whose samples are linear to h^2."""
+    """y'' is linear between samples in both coordinates; y, a cubic there, is linear between its own to h^2."""
     s = base()
     first, errors = None, []
     for step in (0.02, 0.01, 0.005):
@@ -252,7 +252,7 @@ def test_a_recorded_base_motion_gives_equal_gaps_in_both_coordinates():
 
 
 def test_base_motion_of_one_mass_in_closed_form():
-    """F0 = K Y sqrt(1 + (2 xi r)^2) for a mass on a spring and a damper, the lead atan(2 xi r)."""
+    """For a mass on a spring and a damper F0 = K Y sqrt(1 + (2 xi r)^2), and the phase lead is atan(2 xi r)."""
     xi, r, size = 0.1, 1.3, 0.4
     s = vi.Structure([1.0], [2 * xi], [1.0])
     load = vi.base_motion(s, r, sine=size)

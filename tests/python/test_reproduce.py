@@ -1,4 +1,4 @@
-"""The recomputed paper: independent routes to its zones, its statements, and how results are kept."""
+"""The recomputed paper: its zones by independent routes, its statements, and the storage of results."""
 
 import contextlib
 import json
@@ -37,7 +37,7 @@ VERDICTS = ("agrees", "differs", "cannot be checked")
 
 
 def perturbed(motion):
-    """A state a little off a motion, just after its first impact."""
+    """A state near a motion, just after its first impact."""
     x = 1.001 * float(motion.X[0])
     return {
         "t": motion.load_phase / motion.r, "x": x, "x_dot": float(motion.X_dot_after[0]),
@@ -64,7 +64,7 @@ def test_no_equispaced_motion_in_the_gap():
 
 
 def test_the_gap_ends_before_the_printed_end():
-    """The paper has the gap up to r = 0.985; simulation confirms a stable equispaced motion at 0.984."""
+    """The paper's gap ends at r = 0.985, but a simulation confirms a stable equispaced motion at 0.984."""
     (strip,) = scan.equispaced_zone(MASRI, np.array([0.984]), 400)
     pair = vi.equispaced(MASRI, 0.984, math.sqrt(strip.low[0] * strip.high[0]))
     (stable,) = [motion for motion in pair if motion.stable]
@@ -122,7 +122,7 @@ def test_traced_zone_is_the_scanned_one():
 
 
 def test_join_follows_slopes_and_splits():
-    """Intervals that rise fast stay one strip; where one becomes two, a new one begins."""
+    """Intervals that rise fast stay one strip; where an interval splits in two, a new strip begins."""
     r = np.linspace(1.0, 1.5, 6)
     middle = np.exp(3.0 * r) / scan.scale(r)
     low, high = 0.8 * middle, 1.25 * middle
@@ -158,7 +158,7 @@ def test_thin_zone_at_resonance():
     "row", appendix.study(), ids=lambda row: f"{row['motion']}: {row['corrected']}"
 )
 def test_appendix(row):
-    """Only with all three corrections are (A6), (A7) the derivative, and does det[P] keep its law."""
+    """(A6) and (A7) are the derivative, and det[P] meets its law, only with all three corrections."""
     if len(row["corrected"]) == 3:
         assert row["largest_error"] < 1e-13
         assert row["determinant"] == pytest.approx(row["law"], rel=1e-10)
@@ -169,7 +169,7 @@ def test_appendix(row):
 
 @pytest.mark.parametrize("unit", [1.0, 3.7, 0.02])
 def test_unit_of_length(unit):
-    """Multipliers have no unit: they depend on that of the lengths only with S_6i in P_ia(3,1), as printed."""
+    """Multipliers are dimensionless; they depend on the unit of length only with S_6i in P_ia(3,1), as printed."""
     motion = vi.periodic(MASRI, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
     for left in appendix.CORRECTIONS:
         chosen = set(appendix.CORRECTIONS) - {left}
@@ -196,7 +196,7 @@ def test_phases_read_without_error_are_consistent():
     ("point", "sides"), list(zip(phase_errors.POINTS, ("RRL", "RRLL", "RRRLL"), strict=True))
 )
 def test_patterns_are_found(point, sides):
-    """A search of all patterns at a point of Figure 7 finds three, four and five impacts a cycle stable."""
+    """A search at a point of Figure 7 finds stable motions with three, four and five impacts a cycle."""
     found = vi.find(EQUAL, *point, max_impacts=5, max_cycles=1, states=8)
     # attractors beyond the limits of the search are listed too
     stable = [m for m in found if m.stable and len(m.pattern) <= 5 and m.pattern.cycles == 1]
@@ -209,7 +209,7 @@ def test_patterns_are_found(point, sides):
 
 
 def test_sweep_ends_on_motions_of_the_zone():
-    """A rising and falling load at r = 1.1: equispaced holds lie in the equispaced zone."""
+    """In a sweep of the load at r = 1.1, steps that settle on equispaced motions lie in the equispaced zone."""
     seen = sweeps.sweep(EQUAL, 1.1, 9, 30.0)
     assert [item["direction"] for item in seen] == ["up"] * 9 + ["down"] * 9
     assert seen[8]["load"] == seen[9]["load"] > seen[0]["load"]
@@ -224,7 +224,7 @@ def test_sweep_ends_on_motions_of_the_zone():
 
 
 def test_bars_join_successive_holds():
-    """A bar is a run of holds of one kind in one direction."""
+    """A bar is a sequence of steps of a sweep with one kind of motion in one direction."""
     kinds = ["2e", "2e", "3", "2e"]
     seen = [
         {"direction": d, "kind": kind, "load": load}
@@ -236,7 +236,7 @@ def test_bars_join_successive_holds():
 
 
 def test_kinds():
-    """Motions are called what the paper calls them."""
+    """Kinds of motions have the names of the paper."""
     assert kind_of("RL", 1, [0, math.pi], alike=True) == "2e"
     assert kind_of("LR", 1, [1, 5], alike=True) == "2u"
     assert kind_of("RL", 1, [0, math.pi]) == "2"
@@ -245,7 +245,7 @@ def test_kinds():
     assert kind_of("RL*", 1) == "rest"
 
 
-# how results are kept
+# how results are stored
 
 
 def state_of(folder):
@@ -254,7 +254,7 @@ def state_of(folder):
 
 
 def test_only_what_changed_is_done_again(tmp_path, capsys):
-    """A second run does nothing; a damaged or missing output and another resolution are redone."""
+    """A second run does nothing; a damaged or missing output, or another resolution, is computed again."""
     names = ["table1", "figure4a"]
     assert run.reproduce(names, tmp_path, ROUGH, workers=1) == 0
     first = state_of(tmp_path)
@@ -274,7 +274,7 @@ def test_only_what_changed_is_done_again(tmp_path, capsys):
 
 
 def test_fingerprint_follows_sources(monkeypatch):
-    """It changes with a module that is used, and with nothing else."""
+    """The fingerprint of a task changes with the modules that it uses, and with no others."""
     names = ("table1", "figure4a", "figure4b", "figure7", "report")
     before = {name: tasks.fingerprint(name, 1.0) for name in names}
     digest = tasks._digest
@@ -294,7 +294,7 @@ def test_fingerprint_follows_sources(monkeypatch):
 
 
 def test_needs_come_first():
-    """Every task stands after what it needs, and what is named brings its needs along."""
+    """Every task comes after those it needs, and a named task includes them."""
     order = list(tasks.TASKS)
     for name, task in tasks.TASKS.items():
         assert all(order.index(need) < order.index(name) for need in task.needs)
@@ -305,14 +305,14 @@ def test_needs_come_first():
 
 
 def test_unknown_name_gives_the_list(tmp_path):
-    """The error names what there is."""
+    """The error for an unknown name lists the known names."""
     with pytest.raises(vi.errors.ParameterError, match=r"figure5.*table1, figure3, figure4a"):
         run.reproduce(["figure5"], tmp_path)
     assert not list(tmp_path.iterdir())
 
 
 def test_failure_fails_what_needs_it_and_nothing_else(tmp_path, monkeypatch, capsys):
-    """Without matplotlib there is no Figure 4a, but there is Table 1."""
+    """Without matplotlib Figure 4a fails, but Table 1 is written."""
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     assert run.reproduce(["table1", "figure4a"], tmp_path, ROUGH, workers=1) == 1
     assert "matplotlib" in capsys.readouterr().err
@@ -334,7 +334,7 @@ class Terminal:
 
 
 def test_bar_is_for_terminals():
-    """It shows the share done and the time left, and nothing elsewhere."""
+    """On a terminal the bar shows the share done and the time left; elsewhere nothing is written."""
     for is_one in (True, False):
         stream = Terminal(is_one)
         bar = run.Bar(["table1", "figure3"], stream)
@@ -347,7 +347,7 @@ def test_bar_is_for_terminals():
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """Everything, at a rough resolution, by the command's own route: two processes."""
+    """All tasks at a rough resolution, in two processes, as the command runs them."""
     folder = tmp_path_factory.mktemp("results")
     assert run.reproduce((), folder, ROUGH, workers=2) in (0, 1)
     return folder
@@ -355,7 +355,7 @@ def whole(tmp_path_factory):
 
 @pytest.mark.slow
 def test_everything_is_there(whole):
-    """All outputs of all tasks, and no temporary file."""
+    """All outputs of all tasks exist, and no temporary file."""
     for task in tasks.TASKS.values():
         for output in task.outputs:
             assert (whole / output).stat().st_size > 0
@@ -369,7 +369,7 @@ def statements_of(folder):
 
 @pytest.mark.slow
 def test_unit_of_the_printed_multiplier(whole):
-    """The multiplier by the formulas as transcribed is given with its unit of length, in two units."""
+    """The statement gives the multiplier by the formulas as transcribed in two units of length."""
     (row,) = (row for row in statements_of(whole) if row["where"] == "(A6), (A7)")
     motion = vi.periodic(MASRI, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
     units = {
@@ -383,7 +383,7 @@ def test_unit_of_the_printed_multiplier(whole):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "osc"), [("a", EQUAL), ("b", UNEQUAL)])
 def test_two_readings_of_figure_10(name, osc, whole):
-    """Its words are quoted; at r = 0.98 they differ if read as at every load, and agree if as at some loads."""
+    """The words of the paper are quoted; at r = 0.98 they hold for some loads, and not for every load."""
     rows = [
         row for row in statements_of(whole)
         if row["where"] == f"Figure 10{name}" and "“amplifications always occur”" in row["statement"]
@@ -398,7 +398,7 @@ def test_two_readings_of_figure_10(name, osc, whole):
 
 @pytest.mark.slow
 def test_simulations_are_not_called_measurements(whole):
-    """Where only a simulation is compared the verdict states that; no text calls it an experiment."""
+    """If only a simulation is compared, the verdict says so, and no text calls it an experiment."""
     rows = [row for row in statements_of(whole) if "simulated" in row["found"]]
     assert len(rows) >= 8
     for row in rows:
@@ -414,7 +414,7 @@ def test_simulations_are_not_called_measurements(whole):
 
 @pytest.mark.slow
 def test_two_readings_of_section_2(whole):
-    """One row is on the verdicts, one on what is accepted; with 1.5 % far fewer motions are accepted."""
+    """One row is on the verdicts, one on the accepted motions; with 1.5 % far fewer motions are accepted."""
     rows = [row for row in statements_of(whole) if "virtually no effect" in row["statement"]]
     assert [row["statement"].split("read as: on ")[1].split()[0] for row in rows] == [
         "the",
@@ -443,7 +443,7 @@ def test_tally_counts_every_statement():
 
 
 def test_thinned_outline_is_the_same_curve():
-    """Every point that is left out lies within the tolerance of the line that is drawn."""
+    """Every omitted point lies within the tolerance of the drawn line."""
     angle = np.linspace(0, 2 * math.pi, 4001)
     line = np.stack([1 + 0.3 * np.cos(angle), np.exp(np.sin(3 * angle))], axis=1)
     few = canvas.thinned(line)
@@ -461,7 +461,7 @@ def test_thinned_outline_is_the_same_curve():
 
 @pytest.mark.slow
 def test_report_stands_alone(whole):
-    """The page refers to nothing outside itself, and holds every figure and statement."""
+    """The page has no external references, and holds every figure and statement."""
     text = (whole / "report.html").read_text(encoding="utf-8")
     outside = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(?!data:|#)([^"\')>\s]+)', text)
     assert outside == []
@@ -478,7 +478,7 @@ def test_report_stands_alone(whole):
 
 
 def test_interrupt_leaves_whole_items(tmp_path):
-    """Ctrl-C ends with status 1; what is stamped as done is whole, and is not done again."""
+    """Ctrl-C ends with status 1; tasks stamped as done have whole outputs, and are not repeated."""
     code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
     names = ["figure3", "figure7", "figure8b", "figure10a"]
     command = [sys.executable, "-c", code, "reproduce", *names, "-o", str(tmp_path)]
@@ -488,12 +488,12 @@ def test_interrupt_leaves_whole_items(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        # a shell's background job would hand on that interrupts are ignored
+        # a background job of a shell would inherit that interrupts are ignored
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
         time.sleep(0.005)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all processes
+    os.killpg(process.pid, signal.SIGINT)  # to all processes, as a terminal does
     _, message = process.communicate()
     assert process.returncode == 1
     assert "interrupted" in message
@@ -507,7 +507,7 @@ def test_interrupt_leaves_whole_items(tmp_path):
 
 
 def session_of(leader):
-    """The processes of a session, by their numbers; those that only wait to be collected are left out."""
+    """The ids of the processes of a session, without zombies."""
     found = []
     for place in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
@@ -519,7 +519,7 @@ def session_of(leader):
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
 def test_workers_end_with_a_killed_program(tmp_path):
-    """After kill -9 of the program its workers, idle or not, end within seconds."""
+    """After kill -9 of the program its workers, busy or idle, end within seconds."""
     code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
     # two workers, of which one is idle as soon as the other has the last task
     start = "import os; os.sched_getaffinity = lambda _: {0, 1}\n" + code

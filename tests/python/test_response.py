@@ -1,4 +1,4 @@
-"""The response along r: against exact motions and the laws of scale."""
+"""The response along r, against exact motions and scaling laws."""
 
 import gc
 
@@ -10,7 +10,7 @@ from shared_systems import FIGURE6
 
 @pytest.mark.parametrize("wall", [{"clearance": 25.0}, {"inverse_clearance": 0.03}])
 def test_the_namelist_of_a_response(wall, tmp_path):
-    """It gives the response again, to the last bit."""
+    """The namelist of a response gives it again, to the last bit."""
     line = vi.spaced(1.0, 1.02, 3)
     result = vi.response(FIGURE6, line, **wall, states=4, load=1.1, settling=30, keep=9)
     (tmp_path / "case.nml").write_text(result.to_namelist())
@@ -23,7 +23,7 @@ def test_the_namelist_of_a_response(wall, tmp_path):
 
 @pytest.mark.parametrize("name", ["clearance", "inverse_clearance"])
 def test_lists_have_a_namelist_too(name, tmp_path):
-    """Frequency ratios that are not evenly spaced, and a clearance for each: none depends on the others."""
+    """Uneven frequency ratios, with a clearance for each, have a namelist; no point depends on the others."""
     line, walls = np.array([1.0, 1.003, 1.02]), {name: np.array([25.0, 0.03, 24.0])}
     result = vi.response(FIGURE6, line, **walls, states=4, settling=30, keep=9)
     (tmp_path / "case.nml").write_text(result.to_namelist())
@@ -38,7 +38,7 @@ def test_lists_have_a_namelist_too(name, tmp_path):
 
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
 def test_a_file_gives_the_response_again(form, tmp_path):
-    """To the last bit, and its table, which the core writes, too."""
+    """A saved response and the core's table are read back to the last bit."""
     result = vi.response(FIGURE6, [1.0, 1.01, 1.03], 25.0, states=3, settling=30, keep=9)
     result.save(tmp_path / f"one.{form}")
     again = vi.load(tmp_path / f"one.{form}")
@@ -51,7 +51,7 @@ def test_a_file_gives_the_response_again(form, tmp_path):
 
 
 def test_arrays_outlive_the_result():
-    """An array shows the memory of the core, which is freed with the last of them."""
+    """An array is a view of memory of the core, which is freed with the last such array."""
     lowest = vi.response(FIGURE6, [1.0, 1.01], 25.0, states=3, settling=30, keep=9).lowest
     copy = lowest.copy()
     gc.collect()
@@ -61,7 +61,7 @@ def test_arrays_outlive_the_result():
 
 
 def test_response_is_that_of_the_exact_motions():
-    """Each attractor's max|X|/A is that of a motion that Newton's method finds."""
+    """Each attractor's max|X|/A is that of an exact motion."""
     r, inverse = np.array([1.04, 1.06]), 0.03
     result = vi.response(FIGURE6, r, inverse_clearance=inverse, states=8)
     for i, one in enumerate(r.tolist()):
@@ -80,7 +80,7 @@ def test_response_by_clearance_is_the_same():
 
 
 def test_load_scales_lengths():
-    """Twice the load with twice the clearance is the same motion, twice as large."""
+    """With twice the load and the clearance the motions are the same, twice as large."""
     plain = vi.response(FIGURE6, [1.04], clearance=30.0, states=4)
     twice = vi.response(FIGURE6, [1.04], clearance=60.0, states=4, load=2.0)
     np.testing.assert_allclose(plain.highest, twice.highest, rtol=1e-9)

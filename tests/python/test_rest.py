@@ -1,4 +1,4 @@
-"""Accumulations end where they must, in a rest that obeys Newton's law."""
+"""Accumulations end at their limits, in a rest that obeys Newton's law."""
 
 import itertools
 import math
@@ -31,10 +31,10 @@ def accumulating():
 
 
 def test_limit_of_an_accumulation_against_140_impacts():
-    """The instant, place and speed at which impacts end, and the release after it.
+    """Time, position and speed at the limit of an accumulation, and at the release, agree with the reference.
 
-    The reference follows the impacts until the flights last 1e-30. The claimed error of the instant
-    is 1e-16; what the flights before lose to rounding, and how that grows, comes on top.
+    The reference follows the impacts until the flights last 1e-30. The claimed error of the time
+    is 1e-16; rounding in the flights before, and its growth, adds to it.
     """
     first, its_system = accumulating()
     expected = rs.simulate(its_system, rs.start(**first), 400, limit=7)
@@ -55,7 +55,7 @@ def test_limit_of_an_accumulation_against_140_impacts():
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.8])
 @pytest.mark.parametrize("mu", [0.0, 2.0])
 def test_accumulation_is_summed_not_cut_off(restitution, mu):
-    """From one small hop: the limit is right to 1e-15, whatever R and mass ratio."""
+    """From one small hop the limit is correct to 1e-15, for any R and mass ratio."""
     osc = vi.Oscillator(xi=0.2, mu=mu, restitution=restitution)
     first = state(x=1.0, z=2.0, z_dot=-0.02)
     run = vi.simulate(osc, 0.9, 2.0, 0.1, first)
@@ -76,7 +76,7 @@ def rests(run):
 
 
 def test_rest_obeys_newton_and_the_contact_pushes():
-    """In rest both masses accelerate as one, the force only pushes, and it ends where it is zero."""
+    """In rest both masses accelerate as one and the contact force pushes; the rest ends where it is zero."""
     run = settled(5)
     xi, mu, r = RIG.xi, RIG.mu, 0.9
     found = rests(run)
@@ -102,7 +102,7 @@ def test_rest_obeys_newton_and_the_contact_pushes():
 
 
 def test_the_example_repeats_every_cycle():
-    """One impact on one wall, a completed chatter with rest on the other, each cycle the same."""
+    """The example repeats in each cycle one impact on one wall and a completed chatter with rest on the other."""
     run = settled(6)
     kinds = run.events["kind"]
     period = TURN / 0.9
@@ -118,7 +118,7 @@ def test_the_example_repeats_every_cycle():
 
 
 def test_rest_that_never_ends():
-    """Pressed on by the spring for the whole run, or lying still for good: no release."""
+    """A rest under a steady push of the spring, or without any motion, has no release."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.2)
     run = vi.simulate(osc, 1e-3, 1.0, 1e-4, state(x=2.0, z=2.45), load=2.0)
     assert run.events["kind"].tolist()[-1] == "stick"
@@ -152,7 +152,7 @@ def test_release_that_turns_into_chatter_again():
 
 
 def test_plastic_walls_rest_after_one_impact():
-    """R = 0: where M is pressed against the mass the first impact is the rest; else they part."""
+    """With R = 0 each rest begins at a single impact, and the velocities after each impact are equal."""
     osc = vi.Oscillator(xi=0.05, mu=0.3, restitution=0.0)
     run = vi.simulate(osc, 0.8, 0.7, 40)
     assert_laws(run)
@@ -166,7 +166,7 @@ def test_plastic_walls_rest_after_one_impact():
 
 
 def test_elastic_walls_never_rest():
-    """R = 1 has no accumulation, and without damping and load no energy is lost."""
+    """With R = 1 there is no rest, and without damping and load no energy is lost."""
     osc = vi.Oscillator(xi=0.0, mu=0.4, restitution=1.0)
     first = state(x=1.0, z=0.9, z_dot=0.3)
     run = vi.simulate(osc, 0.8, 0.5, 100, first, load=0.0)
@@ -178,7 +178,7 @@ def test_elastic_walls_never_rest():
 
 
 def test_without_load_the_frequency_ratio_does_not_matter():
-    """Also where it is the resonance of both masses together: (1 + mu) r^2 = 1, without damping."""
+    """Without load r has no effect, even at the undamped resonance of both masses, (1 + mu) r^2 = 1."""
     osc = vi.Oscillator(xi=0.0, mu=3.0, restitution=0.3)
     start = {"t": 0, "x": 3.0, "x_dot": 0.3, "z": 3.0, "z_dot": 1.0}
     runs = [vi.simulate(osc, r, 1.0, 6 * r, start, load=0.0) for r in (0.5, 0.7)]

@@ -1,4 +1,4 @@
-"""Rests within which the contact force falls to zero for a moment: the contact is lost and at once made again.
+"""Rests in which the contact force falls to zero briefly: the contact is lost and made again at once.
 
 The letter ends there, and another one of the same wall begins. The systems were found by simulating random
 ones at low frequency, where the free vibration of the primary mass lets the force fall several times a cycle.
@@ -48,7 +48,7 @@ def test_letters(motions, sides):
 
 @pytest.mark.slow
 def test_verdicts_by_an_independent_simulation(motions):
-    """Each returns to itself, and multipliers and verdict are those of its stroboscopic map."""
+    """Each motion returns to itself, and has the multipliers and verdict of its stroboscopic map."""
     report = shared_audit.Audit()
     report.claims(list(motions.values()))
     assert report.findings == []

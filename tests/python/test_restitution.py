@@ -24,7 +24,7 @@ def test_values_stay_between_zero_and_one(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_slopes(law):
-    """The slope by central differences; it is continuous, so that it holds at the points of a table too."""
+    """The slope agrees with central differences, also at the points of a table, where it is continuous."""
     v = np.array([0.07, 0.2, 0.3, 0.5, 0.77, 1.0, 1.9, 3.0, 3.5, 4.0, 10.0])
     h = 1e-6
     differences = (law(v + h) - law(v - h)) / (2 * h)
@@ -62,7 +62,7 @@ def damper(law, masses=(1.0, 0.1), opening=0.5):
 
 @pytest.mark.parametrize("r", [0.0, 0.37, 0.8, 1.0])
 def test_constant_laws_equal_a_number(r):
-    """Bit by bit, of a structure that is not simulated by the oscillator's own procedures."""
+    """A constant law gives the bits of the number, for a structure outside the oscillator's own procedures."""
     load = vi.Load(1.04, sine=[0.3, 0])
 
     def dragged(law):
@@ -140,7 +140,7 @@ def test_against_an_independent_event_loop(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_the_energy_lost_at_each_impact(law):
-    """An impact takes m v^2 (1 - R(v)^2)/2, whatever the bodies are."""
+    """Each impact takes the energy m v^2 (1 - R(v)^2)/2, m being the effective mass of the bodies."""
     s = damper(law)
     s = vi.Structure(s.mass, np.zeros((2, 2)), s.stiffness, s.gaps)
     run = vi.simulate(s, duration=60, state=([0, 0], [1, -1]))
@@ -160,7 +160,7 @@ def test_the_energy_lost_at_each_impact(law):
     vi.TabulatedRestitution([0, 1, 5], [0.4, 0.7, 0.2]),
 ])  # fmt: skip
 def test_a_ball_comes_to_rest(law):
-    """Its hops by the recurrence v -> R(v) v, each 2 v/g long, summed to their limit."""
+    """The hops of a ball follow v -> R(v) v, each 2 v/g long, and it rests at the limit of their sum."""
     g, height = 9.81, 1.0
     s = vi.Structure([2.0], [0.0], [0.0], [vi.Gap([-1.0], 0.0, law)])
     run = vi.simulate(s, vi.Load(1.0, constant=[-2.0 * g]), duration=5.0, state=([height], [0.0]))

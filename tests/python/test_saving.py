@@ -1,4 +1,4 @@
-"""Files that are saved: whole or not at all, whatever other threads, links and limits do."""
+"""Saving files: whole or not at all, with concurrent threads, links, limits and interrupts."""
 
 import os
 import secrets
@@ -27,7 +27,7 @@ def test_threads_that_save_to_one_path(form, motion, tmp_path):
     path = tmp_path / f"motion.{form}"
     motion.save(path)
     whole, errors = path.read_bytes(), []
-    times = 5 if form == "nc" else 25  # a file of netCDF takes 50 times as long as another
+    times = 5 if form == "nc" else 25  # a netCDF file takes 50 times as long as another
 
     def save():
         try:
@@ -44,13 +44,13 @@ def test_threads_that_save_to_one_path(form, motion, tmp_path):
     while any(thread.is_alive() for thread in threads):
         seen = path.read_bytes()
         assert (len(seen), seen[skip:]) == (len(whole), whole[skip:])
-        time.sleep(1e-3)  # else the reader mostly waits for the interpreter, and the writers for it
+        time.sleep(1e-3)  # otherwise the threads mostly wait for each other in the interpreter
     assert errors == []
     assert [item.name for item in tmp_path.iterdir()] == [path.name]
 
 
 def test_threads_that_save_one_result_under_other_names(motion, tmp_path):
-    """Each CSV has its own name in its header: saving does not change the result."""
+    """Threads that save one result as CSV under several names each get that name in the header."""
     names = [f"name_{i}" for i in range(8)]
 
     def save(name):
@@ -67,7 +67,7 @@ def test_threads_that_save_one_result_under_other_names(motion, tmp_path):
 
 
 def test_planted_links_are_not_followed(motion, tmp_path, monkeypatch):
-    """Where a link has the name of the temporary file, another name is taken; names differ each time."""
+    """If a link has the name of the temporary file, another name is taken; the names differ each time."""
     victim = tmp_path / "victim"
     victim.write_text("mine")
     token = secrets.token_hex
@@ -81,7 +81,7 @@ def test_planted_links_are_not_followed(motion, tmp_path, monkeypatch):
 
 
 def test_permissions_follow_the_umask(tmp_path):
-    """A file that was saved may be read by whoever may read a new file."""
+    """A saved file has the permissions of any new file."""
     before = os.umask(0o027)
     try:
         write_bytes(tmp_path / "file", b"x")
@@ -109,13 +109,13 @@ except OSError as error:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_file_size_limit(form, tmp_path):
-    """A file that becomes too large is an OSError that names it, and leaves nothing."""
+    """A file that becomes too large raises an OSError that names it, and leaves no file."""
     path = tmp_path / f"motion.{form}"
     done = subprocess.run(
         [sys.executable, "-c", LIMITED, path], capture_output=True, text=True, timeout=300
     )
     assert (done.returncode, done.stderr) == (0, "")
-    # the runtime library of Fortran does not always tell the reason
+    # the runtime library of Fortran does not always give the reason
     assert "File too large" in done.stdout or (form == "csv" and "written whole" in done.stdout)
     assert str(path) in done.stdout
     assert [*tmp_path.iterdir()] == []
@@ -146,7 +146,7 @@ print(os.listdir(folder))
 
 
 def test_interrupt_stops_the_writing_of_a_csv(tmp_path):
-    """Ctrl-C while the core writes a large CSV: it stops at once, and leaves nothing."""
+    """Ctrl-C stops the core at once while it writes a large CSV, and leaves no file."""
     done = subprocess.run(
         [sys.executable, "-c", SLOW, tmp_path], capture_output=True, text=True, timeout=300
     )

@@ -1,4 +1,4 @@
-"""Simulations: energy is accounted for, and symmetries of the equations are those of the answers."""
+"""Simulations: energy balance, and the symmetries of the equations."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from shared_systems import EPS, RIG, TURN, law
     (vi.Oscillator(xi=0.02, mu=0.5, restitution=(0.9, 0.5)), 0.7, 0.5, 0.0),
 ])  # fmt: skip
 def test_energy_is_accounted_for_at_every_event(osc, r, clearance, load):
-    """Change of energy = work of the load - damper - impacts, event by event."""
+    """From event to event the energy changes by the work of the load less the losses in damper and impacts."""
     run = vi.simulate(osc, r, clearance, 40, state(x_dot=0.4, z_dot=-0.2), load=load)
     assert run.events.size > 10
     assert_laws(run)
@@ -54,7 +54,7 @@ def mirrored(events, back=0):
 
 
 def test_mirror_image_without_load_is_exact():
-    """x -> -x, R <-> L: every bit of a free vibration."""
+    """Under x -> -x, R <-> L every bit of a free vibration is mirrored."""
     osc = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.8, 0.5))
     turned = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.5, 0.8))
     first = state(0.0, 0.4, 1.1, 0.3, -0.7)
@@ -81,7 +81,7 @@ def test_mirror_image_under_load():
 
 
 def apart(run, other, shift=0.0):
-    """Return the largest difference of any number, event by event, from a run begun earlier by `shift`."""
+    """Return the largest difference of any number, event by event, from a run that began earlier by `shift`."""
     assert np.array_equal(other.events["kind"], run.events["kind"])
     numbers = np.array(
         [other.events[name] - run.events[name] for name in ("time", "phase", *COLUMNS)]
@@ -91,9 +91,9 @@ def apart(run, other, shift=0.0):
 
 
 def test_shift_by_load_periods():
-    """The same state whole load periods later: the same events later, the same phases.
+    """From the same state whole load periods later, the same events follow later, with the same phases.
 
-    Times have fewer digits there. That grows no more than a small change of the state does.
+    Later times have fewer digits; this error grows no more than a small change of the state.
     """
     first = state(t=0.7, x=0.1, z=0.3)
     run = vi.simulate(RIG, 0.9, 6.0, 6, first)
@@ -112,7 +112,7 @@ def test_shift_by_load_periods():
 @pytest.mark.parametrize("factor", [2.0, 0.5, 1024.0, 3.0, 0.1])
 @pytest.mark.parametrize("load", [1.0, 0.0])
 def test_answers_scale_with_the_load(factor, load):
-    """All lengths times a factor; a power of two does not change one bit of the rest."""
+    """All lengths scale with the load; with a power of two all other numbers keep their bits."""
     first = state(0.2, 0.4, 0.8, 0.3, -0.6)
     run = vi.simulate(RIG, 0.9, 1.5, 6, first, load=load)
     larger = {name: value * (1.0 if name == "t" else factor) for name, value in first.items()}
@@ -125,7 +125,7 @@ def test_answers_scale_with_the_load(factor, load):
 
 
 def test_same_call_same_bits():
-    """Nothing depends on the day, the order of calls or the threads around."""
+    """Repeated calls give the same bits, also after another study with threads."""
     runs = [vi.simulate(RIG, 0.9, 6.0, 50) for _ in range(3)]
     vi.find(RIG, 0.9, 6.0, max_impacts=2, max_cycles=1, guesses=4, states=2)
     runs.append(vi.simulate(RIG, 0.9, 6.0, 50))

@@ -36,18 +36,18 @@ def test_values_of_lengths_and_cycles(name, value):
 @pytest.mark.parametrize("name", [*GOOD, "load", "discard", "max_events"])
 @pytest.mark.parametrize("value", ["1", None, 1j, [1.0], b"1", True])
 def test_types(name, value):
-    """Numbers are numbers; a bool is not."""
+    """Arguments that are no numbers, bools included, are refused."""
     assert_refused({name: value}, name, repr(value), kind=TypeError)
 
 
 @pytest.mark.parametrize("value", [0, -3, 10**10, 2.5])
 def test_max_events_values(value):
-    """The budget is a whole number from 1."""
+    """`max_events` must be a whole number from 1."""
     assert_refused({"max_events": value}, "max_events", str(value), kind=ValueError)
 
 
 def test_zero_clearance_and_undamped_resonance():
-    """No clearance is no motion of the free mass; r = 1 without damping has no amplitude."""
+    """A clearance of 0, and r = 1 without damping, are refused."""
     assert_refused({"clearance": 0.0}, "clearance", "0.0", kind=ValueError)
     assert_refused(
         {"osc": vi.Oscillator(xi=0.0, mu=0.1, restitution=0.5), "r": 1.0},
@@ -59,13 +59,13 @@ def test_zero_clearance_and_undamped_resonance():
 @pytest.mark.parametrize("name", STATE)
 @pytest.mark.parametrize("value", [NAN, INF, "0", None, 1j])
 def test_state_values(name, value):
-    """Each number of a state is finite and real."""
+    """Each number of a state must be finite and real."""
     assert_refused({"state": state() | {name: value}}, name, repr(value))
 
 
 @pytest.mark.parametrize("bad", [3, [0.0] * 5, "rest", (1, 2)])
 def test_state_types(bad):
-    """A state is a mapping."""
+    """A state must be a mapping."""
     assert_refused({"state": bad}, "state", repr(bad), kind=TypeError)
 
 
@@ -78,7 +78,7 @@ def test_state_keys():
 
 @pytest.mark.parametrize("z", [3.1, -3.1, 1e9])
 def test_state_outside_the_walls(z):
-    """The free mass starts between the walls."""
+    """The free mass must start between the walls."""
     assert_refused({"state": state(z=z)}, "z", f"{z!r}", "3", kind=ValueError)
 
 

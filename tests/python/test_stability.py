@@ -66,7 +66,7 @@ def test_determinant_of_an_exact_motion(case):
         # The product of the determinants holds a zero: a zero pivot to rounding in each factor.
         assert abs(found) <= 1e-10 * np.prod(np.linalg.norm(maps, 2, axis=(1, 2)))
         return
-    # A determinant is as good as its matrix is conditioned. The law also needs the approach speed
+    # The error of a determinant is that of its matrix's condition. The law also needs the approach speed
     # of the flight to be that of the impact: their difference is the residual.
     rounding = EPS * np.linalg.cond(maps, 2).sum()
     residual = 1e-14 * np.abs(fp.linear_system(system, case.phases)[0]).max()
@@ -84,7 +84,7 @@ def test_determinant_of_an_exact_motion(case):
 @given(cases(most=5))
 @law(200)
 def test_exact_motion_is_a_fixed_point_of_the_impact_maps(case):
-    """Newton on the flight time, from a guess that is off, arrives at the next impact's state."""
+    """From a wrong guess of the flight time Newton's method arrives at the next impact's state."""
     case, _ = exact(case)
     system = case.system
     motion = vi.periodic(*case.arguments())
@@ -113,7 +113,7 @@ def test_exact_motion_is_a_fixed_point_of_the_impact_maps(case):
 @given(cases(most=4), st.integers(2, 3))
 @law(150)
 def test_repeated_motion(case, times):
-    """A motion written several times over is itself; its multipliers are powers."""
+    """A motion written as several of its periods is the same motion; its multipliers are powers."""
     case, _ = exact(case)
     system = case.system
     more = replace(

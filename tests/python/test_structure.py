@@ -45,7 +45,7 @@ def extended(state, load, t):
 
 
 def check_laws(run, tolerance=1e-10):
-    """Each flight by the matrix exponential, each impact by its law, and every gap open in between."""
+    """Check each flight by the matrix exponential, each impact by its law, and that gaps are open in between."""
     s, n = run.structure, run.structure.coordinates
     a = first_order(s, run.load)
     directions = np.array([gap.direction for gap in s.gaps])
@@ -124,7 +124,7 @@ def test_chain(speed, impacts, first):
 
 
 def test_one_wall():
-    """COCO, example 15.2: x'' + .1 x' + x = cos t, a wall at 1, R = .8; its published motion has the phase
+    """COCO, example 15.2: x'' + .1 x' + x = cos t, a wall at 1, R = .8. The published motion has the phase
     .07595216493831 and the approach speed 1.69573294."""
     s = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
     run = vi.simulate(s, vi.Load(1.0, cosine=[1.0]), cycles=200)
@@ -138,7 +138,7 @@ def test_one_wall():
 @pytest.mark.parametrize("restitution", [(0.9, 0.8), (0.2, 0.4)])
 @pytest.mark.parametrize("r", [0.5, 1.04])
 def test_the_oscillator_as_a_structure(restitution, r):
-    """The same impacts, rests and releases as by the kernel of the oscillator."""
+    """Impacts, rests and releases are those of the kernel of the oscillator."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=restitution)
     known = vi.simulate(osc, r, 4.0, cycles=6)
     gaps = [
@@ -148,7 +148,7 @@ def test_the_oscillator_as_a_structure(restitution, r):
     s = vi.Structure([1, 0.1], [0.1, 0], [1, 0], gaps)
     run = vi.simulate(s, vi.Load(r, sine=[1, 0]), cycles=6)
     check_laws(run)
-    # an accumulation may be summed some impacts earlier: compare what is no end of one
+    # an accumulation may be summed some impacts earlier: compare only faster impacts
     pick = [
         (e["time"], e["speed"]) for e in run.events if e["kind"] == "impact" and e["speed"] > 1e-3
     ]
@@ -185,7 +185,7 @@ def test_ball():
 
 @pytest.mark.parametrize("overshoot", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_grazes_are_found(overshoot):
-    """A stop that the amplitude passes by a small share is hit; one that it misses by as much is not."""
+    """A stop slightly below the amplitude is hit; a stop slightly above it is not."""
     for side in (1, -1):
         s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1 - side * overshoot, 0.5)])
         run = vi.simulate(s, duration=2 * np.pi, state=([0.0], [1.0]))
@@ -305,7 +305,7 @@ def test_more_events_than_at_first_expected():
 
 
 def test_coupled_impacts_at_one_instant_are_refused():
-    """A ball reaches a wall while the next one reaches it: the impact law does not say what follows."""
+    """A ball hits a wall and another ball at the same time: the impact law does not determine the result."""
     gaps = [vi.Gap([1, 0], 1.0), vi.Gap([-1, 1], 1.0)]
     s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
     with pytest.raises(vi.SingularError, match="coupled gaps"):
@@ -313,7 +313,7 @@ def test_coupled_impacts_at_one_instant_are_refused():
 
 
 def test_what_was_computed_before_an_error_is_kept():
-    """A ball bounces between two walls until the second ball arrives together with it."""
+    """The events of a ball between two walls, until a second ball arrives at the same time, are kept."""
     gaps = [vi.Gap([1, 0], 1.0), vi.Gap([-1, 0], 1.0), vi.Gap([-1, 1], 1.0)]
     s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
     # the first ball meets walls at t = 1, 3, 5; the second one is at 2 = 1 + 1 then
@@ -382,7 +382,7 @@ def test_a_gap_that_is_less_than_closed():
 
 
 def test_events_before_a_rest_that_cannot_be_computed_are_kept():
-    """While the particle rests on the host, their natural frequency is that of the load."""
+    """The events before a rest at resonance, which cannot be computed, are kept."""
     structure = vi.Structure([1.0, 0.21], [0, 0], [1.21, 0], [vi.Gap([-1, 1], 0.1, 0.0)])
     load = vi.Load(1.0, sine=[0.01, 0], constant=[0, 0.5])
     with pytest.raises(vi.SingularError, match="resonates") as error:
@@ -448,7 +448,7 @@ def test_bad_loads(words, message):
 @pytest.mark.parametrize("scale", [1e-200, 1e-60, 1e60, 1e200])
 @pytest.mark.parametrize("of", ["length", "mass", "time"])
 def test_extreme_units_are_refused(scale, of):
-    """Powers of them would underflow or overflow, so that impacts are missed; moderate ones change nothing."""
+    """Units whose powers underflow or overflow, so that impacts are missed, are refused; others change nothing."""
 
     def simulated(unit):
         m, d, t = (unit if name == of else 1.0 for name in ("mass", "length", "time"))

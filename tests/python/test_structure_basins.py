@@ -1,4 +1,4 @@
-"""Basins of structures: against the oscillator's own, single simulations, and symmetry."""
+"""Basins of structures, against those of the oscillator, single simulations, and symmetry."""
 
 from collections import Counter
 from pathlib import Path
@@ -37,7 +37,7 @@ def found():
     [((0.0114, 0.028, 0.75, 14.0), 1.04, 2), ((0.02, 0.1, 0.3, 20.0), 0.94, 2)],
 )
 def test_the_two_masses_of_1983_have_the_basins_of_the_oscillator(system, r, count):
-    """State by state, found by an algorithm of its own; rounding decides a state with a long transient."""
+    """Two independent algorithms agree on each state, except those with long transients."""
     xi, mu, restitution, clearance = system
     plane = (
         ("q_0", -clearance / 2.1, clearance / 2.1, 9), ("q_dot_0", -clearance / 1.5, clearance / 1.5, 10),
@@ -68,7 +68,7 @@ def test_a_label_is_the_motion_of_the_simulation_alone(found):
 
 
 def test_the_mirror_image_of_a_state_has_that_of_its_attractor(found):
-    """Half a cycle later all signs are turned."""
+    """The state with all signs changed, half a cycle later, goes to the mirror image of the attractor."""
     turned = vi.basins(DAMPER, LOAD, PLANE, start=np.pi / LOAD.frequency)
     for label, attractor in enumerate(found.attractors):
         motion = attractor.motion
@@ -108,7 +108,7 @@ def test_states_with_closed_gaps_have_no_attractor():
 
 
 def test_random_states_begin_alike():
-    """... and are those on which `find` counts its motions."""
+    """The first random states do not depend on their number, and are those that `find` simulates."""
     few, many = (vi.basins(DAMPER, LOAD, states=n, seed=3) for n in (5, 12))
     np.testing.assert_array_equal(few.states, many.states[:, :, :5])
     assert few.axes is None
@@ -194,7 +194,7 @@ def test_an_event_limit_is_a_label():
 
 @pytest.mark.parametrize("suffix", ["json", "nc", "mat"])
 def test_random_states_are_read_back(tmp_path, suffix):
-    """The number of states is not the size of the derivative of a motion."""
+    """Basins of random states are read back, in which the states and the derivatives of motions differ in size."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     found = vi.basins(wall, vi.Load(1.0, cosine=[1]), states=20)
     found.save(tmp_path / f"a.{suffix}")

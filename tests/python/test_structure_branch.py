@@ -1,4 +1,4 @@
-"""Branches and zones of structures: the oscillator's own by another way, and laws on random structures."""
+"""Branches and zones of structures: those of the oscillator by another route, and laws on random structures."""
 
 import math
 
@@ -44,7 +44,7 @@ def test_branches_of_the_oscillator(pair, name, bounds, parameter, factor):
 
 
 def test_a_load_factor_is_an_inverse_opening(pair):
-    """Twice the load has the same motions as half the openings."""
+    """Motions under twice the load are those with half the openings."""
     loads = vi.branch(pair[0], "load", (18.5 / 30, 18.5 / 5)).special_points
     openings = vi.branch(pair[0], "opening", (5, 30)).special_points
     found = [(p.type, 18.5 / p.value) for p in reversed(loads)]
@@ -53,7 +53,7 @@ def test_a_load_factor_is_an_inverse_opening(pair):
 
 
 def test_symmetric_motions_are_followed_through_pitchforks():
-    """The map of half a period decides; the oscillator's branch has the same points."""
+    """Special points by the map of half a period are those of the oscillator's branch."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     motion = vi.exact(osc, 1.04, 25.0, vi.simulate(osc, 1.04, 25.0, cycles=100, discard=500))
     structure = damper(0.0114, 0.028, 0.75, 25.0)
@@ -85,13 +85,13 @@ def followed(seeds):
 
 
 def law_of(kind, branch, i):
-    """How far a special point is from its law."""
+    """The error of a special point in the equation that defines it."""
     multipliers = branch.multipliers[:, i]
     if kind not in ("zero_approach", "simultaneous") and (branch.speeds[:, i] <= 0).any():
         return 0.0  # beyond a zero of an approach speed there are no motions, and no multipliers
     if kind in ("fold", "pitchfork"):
         return np.abs(multipliers - 1).min()
-    if kind == "flip":  # of the motion itself, or of the shorter one that it meets
+    if kind == "flip":  # of the motion, or of the motion of half the period that it meets
         return min(np.abs(multipliers + 1).min(), np.abs(multipliers - 1).min())
     if kind == "neimark_sacker":
         pairs = multipliers[np.abs(multipliers.imag) > 1e-9]
@@ -106,7 +106,7 @@ def law_of(kind, branch, i):
 
 @pytest.mark.slow
 def test_special_points_of_random_structures():
-    """Each special point meets its law; verdicts change at special points alone; grazes touch."""
+    """Each special point meets its law; verdicts change only at special points; grazes touch."""
     kinds = set()
     for name, branch in followed(range(0, 12)):
         special = {point.index: point for point in branch.special_points}
@@ -160,7 +160,7 @@ def rotor(p):
 
 
 def test_any_function_of_a_parameter(pair):
-    """A function of the parameter has its values at every point, and the same points as its name."""
+    """Each point has the structure given by the function; special points are those of the named parameter."""
     branch = vi.branch(pair[0], rotor, (-0.5, 0.5), at=0.0)
     for i in range(0, len(branch), 7):
         structure, load = rotor(float(branch.values[i]))
@@ -238,7 +238,7 @@ def test_series_that_do_not_meet_the_motion_are_named(tmp_path):
 
 
 def test_a_function_keeps_the_laws_of_restitution(pair):
-    """It may change R and R0; other numbers of a law would be lost."""
+    """A function of a parameter may change R and R0, but no other numbers of a law of restitution."""
 
     def slower(p):
         gaps = [
@@ -275,7 +275,7 @@ def one_wall(load):
 
 
 def test_a_zone_down_to_impacts_without_restitution():
-    """At R = 0 an impact leaves its wall with the speed 0, which is no grazing."""
+    """At R = 0 an impact leaves its wall with speed 0, which is not reported as a grazing."""
     zone = vi.zone(one_wall(0.6), x=("frequency", 0.8, 1.2), y=("restitution", 0.0, 1.0), lines=9)
     assert zone.closed
     assert len(zone.loops) == 1
@@ -331,7 +331,7 @@ def zones(pair):
 
 
 def test_zones_of_the_oscillator(zones):
-    """The loop around the motion is one of the oscillator's: its vertices meet the same condition there."""
+    """The loop around the motion is that of the oscillator's zone, and its vertices meet the same conditions."""
     ours, theirs = zones
     assert ours.closed
     assert ours.contains(0.94, 18.5)
@@ -358,7 +358,7 @@ def test_zones_of_the_oscillator(zones):
 
 @pytest.mark.slow
 def test_the_symmetric_zone_of_figure_6():
-    """The same points of the window are inside; the rig of the 1983 paper, with a pitchfork and a fold."""
+    """For the rig of the 1983 paper both zones contain the same points, and have a pitchfork and a fold."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     theirs = vi.zone(osc, "RL", (0.8, 1.2), (2.0, 60.0), symmetric=True)
     load = vi.Load(1.04, sine=[1, 0])
@@ -374,7 +374,7 @@ def test_the_symmetric_zone_of_figure_6():
 
 
 def test_zones_hold_what_simulation_finds():
-    """Points of the plane of a random structure: inside, the motion attracts; outside, it does not."""
+    """In a zone of a structure simulations stay on its stable motion; outside there is no such motion."""
     gaps = [vi.Gap([0, -1, 1], 6.0, 0.7), vi.Gap([0, 1, -1], 6.0, 0.7)]
     k = np.array([[2, -1, 0], [-1, 1, 0], [0, 0, 0]])
     structure = vi.Structure([1, 1, 0.1], 0.05 * k, k, gaps)

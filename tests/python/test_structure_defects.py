@@ -1,4 +1,4 @@
-"""Bodies whose damping makes modes nearly coincide: no digits are lost, or the body is refused by name."""
+"""Bodies whose damping makes modes nearly coincide: no digits are lost, or the body is refused."""
 
 import re
 
@@ -52,7 +52,7 @@ def critical(damping, stiffness):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_through_critical_damping(seed):
-    """Random bodies, moved through the damping at which two eigenvectors coincide."""
+    """Random bodies keep their digits while damping passes the value at which two eigenvectors coincide."""
     rng = np.random.default_rng(seed)
     n = 2 + seed % 3
     root = rng.normal(size=(n, n))
@@ -80,7 +80,7 @@ def coinciding(ratio, sigma):
 
 @pytest.mark.parametrize(("ratio", "sigma"), [(1.5, 0.3), (1.2, 0.2), (2.0, 0.5)])
 def test_pairs_that_coincide(ratio, sigma):
-    """Two pairs of complex eigenvectors that coincide are refused; beyond that all digits are there."""
+    """Two coinciding pairs of complex eigenvectors are refused; slightly apart they keep all digits."""
     damping, stiffness = coinciding(ratio, sigma)
     state, t = np.array([[1.0, -0.5], [0.3, 0.8]]), 7.0
     messages = {}
@@ -102,7 +102,7 @@ def test_pairs_that_coincide(ratio, sigma):
 
 
 def copies(seed):
-    """Two or three copies of a body with coupled damping, in turned coordinates."""
+    """Two or three copies of a body with coupled damping, in rotated coordinates."""
     rng = np.random.default_rng(seed)
     n, count = 2 + seed % 2, 2 + seed // 2 % 2
     stiff, damped = rng.normal(size=(2, n, n))

@@ -1,4 +1,4 @@
-"""Structures in namelists, saved files and the interface of the core: the same digits through each of them."""
+"""Structures by namelists, saved files and the interface of the core: each gives the same digits."""
 
 import csv
 import pickle
@@ -83,7 +83,7 @@ def run_case(text):
 
 
 def test_same_digits_through_every_door(tmp_path):
-    """Python's call, a namelist text, a namelist file, and the tables of the runner."""
+    """Python's call, a namelist text, a namelist file, and the tables of `run` give the same digits."""
     rng = np.random.default_rng(11)
     found = 0
     for i in range(60):
@@ -91,7 +91,7 @@ def test_same_digits_through_every_door(tmp_path):
         span = {"duration": 12.0}
         if load is not None and load.frequency and rng.random() < 0.5:
             span = {"cycles": 2.5}
-        # all that the call is asked for; an error says that the motion cannot be followed
+        # all arguments of the call; the outcome can be an error that the motion cannot be followed
         words = span | {"state": state, "start": float(rng.choice([0, 3.25]))}
         direct = outcome(lambda: vi.simulate(structure, load, max_events=400, **words))  # noqa: B023
         request = span | {
@@ -183,7 +183,7 @@ def matrix_market(matrix, symmetric, coordinate):
 
 
 def test_matrices_of_files(tmp_path):
-    """All forms of a file hold the same matrix, to the bit; paths begin at the folder of the namelist."""
+    """All forms of a file give the same matrix, to the bit; paths are relative to the folder of the namelist."""
     rng = np.random.default_rng(3)
     root = rng.normal(size=(3, 3))
     matrix = np.array(root @ root.T)
@@ -242,7 +242,7 @@ def test_lists_of_four_numbers():
 
 
 def test_modes():
-    """A structure by its modes is that of `Structure.from_modes`, to the bit."""
+    """A structure given by modes is that of `Structure.from_modes`, to the bit."""
     rng = np.random.default_rng(8)
     omega, zeta, shapes = rng.uniform(0, 9, 5), rng.uniform(0, 0.1, 5), rng.normal(size=(3, 5))
     gaps = [vi.Gap(rng.normal(size=3), 0.4, 0.6) for _ in range(2)]
@@ -263,7 +263,7 @@ def test_modes():
 
 
 def test_repeats_and_messages_of_large_matrices():
-    """A matrix of 500 coordinates is read, and the message about a fault in it is short."""
+    """A matrix of 500 coordinates is read, and an error in it has a short message."""
     zeros = "500*1"
     text = f"&structure mass = {zeros}, stiffness = 249999*0, -1 /\n"
     text += "&gap direction = 1, 499*0, opening = 1 /\n&simulate duration = 1 /\n"

@@ -1,4 +1,4 @@
-"""Searches for motions of structures by all doors: namelists, the program, Python, files."""
+"""Searches for motions of structures by namelists, the program, Python, and files."""
 
 from pathlib import Path
 

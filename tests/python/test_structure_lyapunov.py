@@ -1,4 +1,4 @@
-"""Lyapunov exponents of structures: multipliers, volume, the oscillator's own, neighbours that part."""
+"""Lyapunov exponents of structures: multipliers, volume, those of the oscillator, divergence of neighbours."""
 
 from pathlib import Path
 
@@ -54,7 +54,7 @@ def test_of_periodic_motions_they_are_those_of_the_multipliers(structure, load):
 
 
 def test_the_two_masses_of_1983_have_the_exponents_of_the_oscillator():
-    """In periodic motion to rounding, in chaos within the errors of both."""
+    """Exponents agree with the oscillator's: of periodic motion to rounding, of chaos within both errors."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     own = vi.lyapunov(osc, 1.04, 14.0)
     found = vi.lyapunov(pair(14), sine(1.04), cycles=10_000)
@@ -77,7 +77,7 @@ def test_in_chaos_the_volume_shrinks_as_damping_and_impacts_say():
 
 
 def test_the_largest_is_the_rate_at_which_neighbours_part():
-    """Two simulations, brought together after every cycle."""
+    """The largest exponent is the rate at which two simulations diverge, rescaled after every cycle."""
     structure, load = pair(5), sine(1.04)
     found = vi.lyapunov(structure, load, cycles=1500, state=([0, 0], [6, 9]), directions=1)
     apart, growth, n = 1e-8, [], 600
@@ -130,7 +130,7 @@ def test_without_impacts_they_are_the_damping_of_the_modes():
 
 
 def test_without_damping_they_are_in_pairs_of_opposite_sign():
-    """... and of a free motion one pair is zero."""
+    """Without damping exponents are pairs of opposite sign; in free motion one pair is zero."""
     gaps = [vi.Gap([-1, 1], 1.0), vi.Gap([1, -1], 1.0)]
     cell = vi.Structure([1, 0.3], [0, 0], [1, 0], gaps)
     found = vi.lyapunov(cell, cycles=20_000, state=([0, 0], [0, -1]))
@@ -219,7 +219,7 @@ def test_what_fails_says_so():
 
 
 def test_it_stops_when_asked():
-    """A flag that is set before the start leaves nothing."""
+    """A stop flag set before the start leaves a result without points."""
     counters = new_counters()
     counters[2] = 1
     text = vi.lyapunov(WALL, vi.Load(1.0, cosine=[1]), cycles=40).to_namelist()

@@ -57,7 +57,7 @@ def random_structure(rng, restitution=None):
 
 
 def settled(structure, load, cycles=300, most=6):
-    """Impacts of a period with which a simulation ends: phases, gaps, cycles; None if it is not periodic."""
+    """Phases, gaps and cycles of the period at the end of a simulation; None if it is not periodic."""
     run = vi.simulate(structure, load, cycles=cycles)
     period = 2 * np.pi / load.frequency
     if not len(run.events) or (run.events["kind"] != "impact").any() or not run.complete:
@@ -337,7 +337,7 @@ def test_a_motion_through_a_wall_is_not_admissible():
 
 
 def test_the_oscillator_as_a_structure():
-    """With constant restitution the motion of the oscillator; with laws det[P] and the energy of each impact."""
+    """With constant R the motion is the oscillator's; with laws det[P] and the energy of each impact hold."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.7))
     load = vi.Load(0.94, sine=[1, 0])
     plain = vi.exact(osc, 0.94, 37.0, ([0, 4.4], "RL"))
@@ -401,7 +401,7 @@ def test_fifty_periods_of_a_motion(drag):
 
 
 def test_a_motion_is_drawn_by_its_own_flights():
-    """A simulation of its period would leave an unstable motion, and would stop where a gap is negative."""
+    """The picture has the motion's own flights, as a simulation would leave an unstable or inadmissible motion."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.1, 0.8)])
     load = vi.Load(1.0, cosine=[1])
     through = vi.exact(wall, load, ([0.1], [0], 6))
@@ -484,7 +484,7 @@ def test_resonance_with_the_period_is_refused():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_mode_that_no_gap_meets_has_no_part_in_the_equations(seed):
-    """A body without stiffness, coupled by mass alone: gaps meet its mode of frequency 0 only by rounding."""
+    """A mode of frequency 0 that no gap moves, except by rounding, does not enter the equations."""
     spread = 0.1 * np.random.default_rng(seed).normal(size=(3, 3))
     gaps = [vi.Gap([1, 0, 0], 0.3, 0.7), vi.Gap([0, -1, 0], 0.3, 0.7)]
     structure = vi.Structure(np.eye(3) + spread @ spread.T, [0.1, 0.1, 0.1], [1, 1.5, 0], gaps)

@@ -1,4 +1,4 @@
-"""Periodic motions of structures by all doors: namelists, the program, Python, files."""
+"""Periodic motions of structures by namelists, the program, Python, and files."""
 
 from pathlib import Path
 

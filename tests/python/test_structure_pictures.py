@@ -1,4 +1,4 @@
-"""Pictures of structures: what they show is what the trajectory has."""
+"""Pictures of structures show the data of the trajectory."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def test_bodies_are_the_connected_parts():
 
 @pytest.mark.parametrize("hosts", [1, 2, 10, 11, 30])
 def test_sketch_has_each_body_once(hosts):
-    """Up to ten bodies with their names; of more, the first three and the last one."""
+    """The sketch names up to ten bodies; of more, the first three and the last one."""
     _, ax = plt.subplots()
     draw_sketch(ax, chain(hosts))
     names = [text.get_text() for text in ax.texts]
@@ -54,7 +54,7 @@ def test_sketch_has_each_body_once(hosts):
         assert sum(name.startswith(f"$m_{{{i}}}$") for name in names) == (i in shown)
         assert sum(name.startswith(f"$m_{{{hosts + i}}}$") for name in names) == (i in shown)
     springs = [name for name in names if name.startswith("$k$")]
-    # between neighbours that are both shown, and at both ends; a single body has one for both ends
+    # springs between neighbours that are both shown, and at both ends; a single body has one spring
     assert len(springs) == {1: 1, 2: 3, 10: 11}.get(hosts, 4)
 
 
@@ -81,7 +81,7 @@ def test_openings_of_a_structure_by_its_modes():
 
 @pytest.mark.parametrize("hosts", [1, 4])
 def test_every_impact_is_in_the_picture(hosts):
-    """Stems for few gaps, dots for many."""
+    """Every impact is drawn, as a stem if there are few gaps and as a dot if there are many."""
     run = run_of(hosts)
     ax = run.plot(kind="impacts")
     impacts = run.events[run.events["kind"] == "impact"]
@@ -120,7 +120,7 @@ def test_all_panels_and_windows():
 
 
 def test_still_structure():
-    """Nothing moves and nothing happens."""
+    """A structure without motion and events can be drawn."""
     run = vi.simulate(chain(2), duration=1)
     for kind in KINDS:
         run.plot(kind=kind)

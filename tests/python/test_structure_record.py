@@ -18,7 +18,7 @@ STRUCTURE = """&structure mass = 2, 0.3, damping = 0.3, -0.1, -0.1, 0.1, stiffne
 
 
 def structure():
-    """That of STRUCTURE."""
+    """The structure of the namelist STRUCTURE."""
     gaps = [vi.Gap([-1, 1], 0.2, 0.6), vi.Gap([1, -1], 0.3, 0.7)]
     return vi.Structure([2, 0.3], [[0.3, -0.1], [-0.1, 0.1]], [[3, -1], [-1, 1]], gaps)
 
@@ -42,7 +42,7 @@ def computed(folder, load, study="&simulate duration = 30 /"):
 
 
 def kanai_tajimi():
-    """The motion of the ground of inputs/structure_frame.csv."""
+    """The ground motion of inputs/structure_frame.csv."""
     step, samples, omega, zeta, peak = 0.02, 1001, 15.6, 0.6, 3.0
     t = step * np.arange(samples)
     envelope = np.where(t < 3, (t / 3) ** 2, np.where(t < 9, 1.0, np.exp(-0.4 * (t - 9))))
@@ -56,7 +56,7 @@ def kanai_tajimi():
 
 
 def test_earthquake_of_the_inputs():
-    """Its file holds what its header says, and a motion under it obeys the equations of motion between impacts."""
+    """The file holds the motion of its header, and between impacts the response obeys the equations of motion."""
     t, ground = kanai_tajimi()
     rows = np.loadtxt(INPUTS / "structure_frame.csv", delimiter=",", comments="#", skiprows=5)
     assert np.abs(rows - np.stack([t, ground], axis=1)).max() <= 0.5001e-5
@@ -80,7 +80,7 @@ def test_earthquake_of_the_inputs():
 
 
 def test_files_of_each_format_have_the_same_digits(tmp_path):
-    """CSV with commas or blanks, names, comments and times; Matrix Market; NumPy of both orders; plain numbers."""
+    """CSV in several forms, Matrix Market, NumPy in both orders and plain numbers give the same digits."""
     force = np.random.default_rng(3).normal(size=(600, 2))
     digits = [[repr(float(x)) for x in row] for row in force]
     lines = [",".join(row) for row in digits]
@@ -109,7 +109,7 @@ def test_files_of_each_format_have_the_same_digits(tmp_path):
 
 
 def test_a_coordinate_or_weights(tmp_path):
-    """One column acts on the coordinates that are named, or on all by weights; a constant force remains."""
+    """One column acts on the named coordinates, or on all by weights; a constant force is added."""
     signal = np.random.default_rng(4).normal(size=500)
     np.save(tmp_path / "one.npy", signal)
     both = np.zeros((500, 2))
@@ -130,7 +130,7 @@ def test_a_coordinate_or_weights(tmp_path):
 
 @pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
 def test_motion_of_the_base(tmp_path, direction):
-    """As by `base_record`, bit by bit; the gap between two bodies is the same in both kinds of coordinates."""
+    """A base motion is that of `base_record`, bit for bit; gaps are the same in both kinds of coordinates."""
     t = 0.01 * np.arange(3001)
     y, y_dot, acceleration = np.sin(t) - t * np.exp(-t), np.cos(t) - (1 - t) * np.exp(-t), None
     acceleration = -np.sin(t) + (2 - t) * np.exp(-t)
@@ -153,7 +153,7 @@ def test_motion_of_the_base(tmp_path, direction):
     if direction is None:
         times = np.linspace(0, 20, 401)
         relative, absolute = (s.gaps[0].direction @ run.sample(times)[0] for run in runs.values())
-        assert np.abs(relative - absolute).max() < 2e-4  # linear between samples in one of them
+        assert np.abs(relative - absolute).max() < 2e-4  # linear between samples in only one
         assert np.ptp(relative) > 0.4
 
 
@@ -192,7 +192,7 @@ def written(folder, run):
 
 
 def test_modes_need_a_direction(tmp_path):
-    """-M d y'' with M = I: d holds the participation factors."""
+    """With modes (M = I) base_direction d, the participation factors, is required; the force is -d y''."""
     text = """&structure frequencies = 1, 3, damping_ratios = 0.01, 0.01, shapes = 1, -1 /
 &gap direction = 1, opening = 0.1 /
 &load record = 0, 1, 0.5, step = 0.5, base = 'acceleration'{} /

@@ -117,7 +117,7 @@ def test_sample_holds_the_gap_closed_during_rest():
 
 @pytest.mark.parametrize("system", [unequal_walls, host_with_dashpot])
 def test_flights_of_a_motion_with_rest(system):
-    """They are those of a simulation, with the rests of the motion."""
+    """The flights and rests of a motion are those of a simulation."""
     structure, load = system()
     motion = settled_with_rest(structure, load)
     run = motion._run()

@@ -1,4 +1,4 @@
-"""Several gaps at rest at once, against event-driven integration of the equations of motion."""
+"""Several gaps at rest simultaneously, against event-driven integration of the equations of motion."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import vibroimpact as vi
 
 solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
 
-#: Rebound speed below which the integration lets a gap rest; what it neglects is of its third power.
+#: Rebound speed below which the integration lets a gap rest; the error is of its third power.
 SLOW = 3e-4
 
 
@@ -22,7 +22,7 @@ def loaded_hosts(seed):
         return matrix
 
     stiffness = semidefinite(1.0) + np.diag([1.0] * n + [0.0] * n)
-    # springs between the free masses: the flights of one depend on the others
+    # springs between the free masses: the flight of each depends on the others
     stiffness[n:, n:] += 0.1 * np.array([[1, -1, 0], [-1, 2, -1], [0, -1, 1]])
     damping = semidefinite(0.05) + np.diag([0.1] * n + [0.02] * n)
     directions = np.hstack([np.eye(n), -np.eye(n)])

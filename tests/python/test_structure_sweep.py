@@ -1,4 +1,4 @@
-"""Sweeps of structures along a parameter: closed forms, published points, simulations of their own."""
+"""Sweeps of structures along a parameter: closed forms, published points, separate simulations."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ def diagram():
 
 
 def test_the_motion_of_two_cycles_exists_above_the_published_flip(diagram):
-    """It loses its stability at F = 0.3475334 (tests/data/vivid.csv)."""
+    """The motion of two cycles exists above the flip at F = 0.3475334 (tests/data/vivid.csv)."""
     assert set(diagram.labels) == {"1/2"}
     below = vi.bifurcation_diagram(WALL, LOAD, "load", [0.345, 0.347], sweep="down", settling=600)
     assert "1/2" not in below.labels
@@ -55,7 +55,7 @@ def test_up_and_down_agree_where_one_motion_is_stable(diagram):
 
 
 def test_hysteresis_ends_at_the_fold_of_the_branch():
-    """On the way up the impacts go on to the fold; on the way down they begin again far below it."""
+    """In the sweep up impacts last to the fold; in the sweep down they begin again far below it."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     values = np.linspace(1.1, 1.5, 21)
     found = vi.response(wall, vi.Load(1.1, cosine=[0.3]), values)
@@ -115,7 +115,7 @@ def test_a_constant_force_moves_the_steady_motion():
     found = vi.response(structure, load, [1.0, 1.5], settling=600)
     np.testing.assert_allclose(found.steady_largest, 0.5, rtol=1e-12)
     np.testing.assert_allclose(found.rms, 0.5, rtol=1e-9)
-    free = vi.Structure([1], [0.1], [0], [vi.Gap([1], 1e6)])  # it drifts
+    free = vi.Structure([1], [0.1], [0], [vi.Gap([1], 1e6)])  # it drifts: there is no steady motion
     assert np.isnan(vi.response(free, load, [1.0, 1.5], settling=10).steady_rms).all()
 
 

@@ -1,4 +1,4 @@
-"""From one branch to another: at a flip, a pitchfork and a grazing, against simulation."""
+"""Branch switching at a flip, a pitchfork and a grazing, against simulation."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from shared_systems import FIGURE6
 
 
 def settles_on(motion):
-    """Whether a simulation from a disturbed motion comes back to it."""
+    """Whether a simulation from a disturbed motion returns to it."""
     i = 0
     state = {
         "t": motion.load_phase / motion.r,
@@ -27,7 +27,7 @@ def settles_on(motion):
 
 
 def test_switching_at_a_flip():
-    """The doubled motion is exact, of twice the period, and as stable as simulation says."""
+    """The doubled motion is exact, has twice the period, and its stability is that of simulation."""
     branch = vi.branch(pair_motion(), "clearance", (10, 60))
     flip = next(p for p in branch.special_points if p.type == "flip")
     (doubled,) = flip.switch()
@@ -41,7 +41,7 @@ def test_switching_at_a_flip():
 
 
 def test_switching_where_a_doubled_branch_ends():
-    """The branch of doubled motions ends at the flip; the motions that begin there are its own."""
+    """Switching at the end of a doubled branch gives motions of that branch."""
     (doubled,) = next(
         p
         for p in vi.branch(pair_motion(), "clearance", (10, 60)).special_points
@@ -55,7 +55,7 @@ def test_switching_where_a_doubled_branch_ends():
     (again,) = end.switch()
     assert again.pattern == doubled.pattern
     assert again.residual < 1e-12
-    # one place of the branch, at the same clearance, has the same motion
+    # the branch has the same motion at the same clearance
     there = vi.branch(doubled, "clearance", (again.clearance, 60))
     gaps = [
         np.abs(np.roll(again.X, j) - there.X[:, i]).max()
@@ -98,7 +98,7 @@ def test_switching_at_grazing_adds_an_impact():
 
 @pytest.mark.parametrize("parameter", ["clearance", "r", "mu"])
 def test_switching_at_a_grazing_of_a_symmetric_motion(parameter):
-    """Both walls are touched at once: one impact more, or the mirrored pair, which begins right here."""
+    """Both walls are grazed at once: branches with one more impact, or a mirrored pair of them, begin there."""
     osc = vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6)
     start = next(m for m in vi.equispaced(osc, 0.36, 2.2) if m.admissible)
     bounds = {"clearance": (1.1, 4.4), "r": (0.342, 0.378), "mu": (0.21, 0.39)}[parameter]

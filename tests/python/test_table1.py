@@ -72,7 +72,7 @@ def quantities(motion):
 
 @pytest.mark.parametrize("column", COLUMNS)
 def test_recomputed_digits(motions, column):
-    """Half a unit of the last digit of the recomputed table."""
+    """The package agrees with the recomputed table to half a unit of the last digit."""
     found = quantities(motions[column])
     for name, row in DIGITS.items():
         text = row.split()[COLUMNS.index(column)]
@@ -81,7 +81,7 @@ def test_recomputed_digits(motions, column):
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['quantity']}-{row['column']}")
 def test_every_row(motions, row):
-    """Six decimals of the reference, and the print to one unit unless it is a misprint."""
+    """Each entry agrees with six recomputed decimals, and with the printed digits unless these are a misprint."""
     found = quantities(motions[row["column"]])[row["quantity"]]
     assert found == pytest.approx(float(row["recomputed"]), abs=6e-7)
     printed = abs(found - float(row["printed"])) <= last_digit(row["printed"])
@@ -89,7 +89,7 @@ def test_every_row(motions, row):
 
 
 def test_the_file_is_complete():
-    """Nineteen quantities in three columns, two of the entries misprinted."""
+    """The file has nineteen quantities in three columns, with two misprints."""
     pairs = {(row["quantity"], row["column"]) for row in ROWS}
     assert len(ROWS) == len(pairs) == 19 * 3
     assert sum(row["note"].startswith("misprint") for row in ROWS) == 2
@@ -120,7 +120,7 @@ def test_verdicts(motions):
 
 
 def test_the_reference_agrees(motions):
-    """The two independent computations to rounding."""
+    """The package and the independent reference agree to rounding."""
     pair = sorted(fp.equispaced(SYSTEM, D), key=lambda motion: -motion.X[0])
     other = fp.solve(SYSTEM, np.array([0.0, 1.37 * np.pi]))
     for motion, expected in zip(motions.values(), [*pair, other], strict=True):

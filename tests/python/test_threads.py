@@ -1,4 +1,4 @@
-"""Eight threads that read and run namelist files: each gets what one thread gets. How many compute one case."""
+"""Namelist files read and run by eight threads give the results of one thread; numbers of computing threads."""
 
 import os
 import subprocess
@@ -34,7 +34,7 @@ def together(work):
 
 
 def answer(path):
-    """The cases of a file, or why it is refused."""
+    """The cases of a file, or the message with which it is refused."""
     try:
         return vi.read_namelist(path)
     except vi.errors.ParameterError as error:
@@ -71,7 +71,7 @@ def test_reading(files):
 
 
 def test_reading_one_file(files):
-    """A file that all threads read at once is read by all."""
+    """All threads can read one file at the same time."""
     alone = answer(files[0])
     found = together(lambda i: [answer(files[0]) for _ in range(5 * ROUNDS)])
     assert all(got == alone for each in found for got in each)
@@ -134,7 +134,7 @@ for n in (1, 4):
 @pytest.mark.skipif(sys.platform != "linux", reason="counts threads where Linux lists them")
 @pytest.mark.parametrize("study", ["chart", "response"])
 def test_as_many_threads_as_asked_for(study):
-    """One thread starts no others, and four are three more, on any number of processors."""
+    """A computation starts one thread fewer than asked for, on any number of processors."""
     done = subprocess.run(
         [sys.executable, "-c", COUNT, study], capture_output=True, text=True, check=True,
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "3"},

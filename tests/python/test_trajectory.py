@@ -1,4 +1,4 @@
-"""Where a trajectory begins and ends, and what lies between."""
+"""Trajectories: beginning and end, continuation, samples."""
 
 import math
 
@@ -12,7 +12,7 @@ from shared_systems import EPS, RIG, TURN
 
 
 def test_a_run_in_two_parts_is_the_whole_run():
-    """Going on from a final state gives the events of the run in one piece, bit for bit."""
+    """A run continued from a final state has the events of the whole run, bit for bit."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20)
     first = vi.simulate(RIG, 0.9, 6.0, 10)
     second = vi.simulate(RIG, 0.9, 6.0, 10, state=first.final_state)
@@ -24,7 +24,7 @@ def test_a_run_in_two_parts_is_the_whole_run():
 
 
 def test_discarded_cycles_are_the_run_before():
-    """`discard` is a run whose events are dropped."""
+    """`discard` simulates cycles and drops their events."""
     first = vi.simulate(RIG, 0.9, 6.0, 10)
     second = vi.simulate(RIG, 0.9, 6.0, 10, state=first.final_state)
     kept = vi.simulate(RIG, 0.9, 6.0, 10, discard=10)
@@ -51,7 +51,7 @@ def test_event_budget(budget):
 
 
 def test_event_budget_that_is_just_enough():
-    """As many events as allowed, and none after them: the run is complete."""
+    """A run with exactly max_events events is complete."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20)
     exact = vi.simulate(RIG, 0.9, 6.0, 20, max_events=whole.events.size)
     assert exact.complete
@@ -62,7 +62,7 @@ def test_event_budget_that_is_just_enough():
 
 @pytest.mark.parametrize(("name", "size"), [("CHUNK", 5), ("CHUNK", 64), ("SPAN", 1), ("SPAN", 3)])
 def test_calls_of_bounded_work_are_one_run(monkeypatch, name, size):
-    """Where a long run is cut into calls of the core does not change one bit of it."""
+    """A long run, divided into calls of the core, does not depend on where it is divided."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20.3)
     monkeypatch.setattr(f"vibroimpact.trajectory.{name}", size)
     for budget in (10**6, whole.events.size, whole.events.size - 1):
@@ -79,7 +79,7 @@ def test_event_budget_with_discard():
 
 
 def test_a_run_may_end_anywhere_in_an_accumulation():
-    """No event lies after the end of the run, wherever it falls."""
+    """No event lies after the end of the run, wherever in an accumulation it ends."""
     run = settled(2)
     stick = run.events["time"][run.events["kind"] == "stick"][0]
     for before in (1e-3, 1e-7, 2e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-12):
@@ -97,7 +97,7 @@ def test_a_run_may_end_anywhere_in_an_accumulation():
 
 @pytest.mark.parametrize("kind", ["flight", "rest"])
 def test_plain_and_full_states_are_the_same_state(kind):
-    """The five numbers of a final state alone go on too, in flight and at rest."""
+    """The five numbers of a final state continue the run, in flight and at rest."""
     run = settled(2)
     stick = run.events["time"][run.events["kind"] == "stick"][0]
     later = {"flight": -1.5, "rest": 0.1}[kind]
@@ -123,7 +123,7 @@ def test_the_time_of_a_state_is_kept(beside):
 
 
 def test_default_state_and_zero_cycles():
-    """All zero by default; no cycles is a trajectory of one instant."""
+    """The default state is zero; a trajectory of no cycles is one instant."""
     run = vi.simulate(RIG, 0.9, 6.0, 0)
     assert plain(run.initial_state) == plain(run.final_state) == state()
     assert run.events.size == 0
@@ -132,7 +132,7 @@ def test_default_state_and_zero_cycles():
 
 
 def test_change_of_parameter_on_the_way():
-    """A final state goes on at another frequency, load or clearance without a jump of phase."""
+    """A final state continues at another frequency, load or clearance without a jump of phase."""
     before = vi.simulate(RIG, 0.9, 6.0, 3.3)
     after = vi.simulate(RIG, 0.95, 6.0, 3, state=before.final_state, load=0.5)
     assert_laws(after)
@@ -141,7 +141,7 @@ def test_change_of_parameter_on_the_way():
 
 
 def test_rest_does_not_jump_to_another_wall():
-    """A state at rest on a wall is not one when the walls are moved: refused, or flight from there."""
+    """A state at rest on a wall, with the clearance changed, is refused or continues in flight."""
     run = settled(2)
     stick = run.events["time"][run.events["kind"] == "stick"][0]
     cycles = (stick + 0.05 - run.initial_state["t"]) * 0.9 / TURN
@@ -203,7 +203,7 @@ def test_trajectory_is_frozen_and_says_what_it_is():
 
 
 def test_a_stopped_case_keeps_its_events(tmp_path, monkeypatch):
-    """Those up to the stop are those of the whole; where it was stopped goes to files and back."""
+    """A stopped case has the events of the whole up to the stop, whose time survives saving and loading."""
     monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
     path = tmp_path / "case.nml"
     path.write_text(

@@ -1,4 +1,4 @@
-"""Verdicts where rounding decides: beside bifurcations, and where masses leave an impact together."""
+"""Verdicts close to rounding: near bifurcations, and where masses separate slowly after an impact."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import vibroimpact as vi
 from reference_motion import excess
 from shared_motions import after_impact, searched
 
-#: Oscillator, r and clearance beside which folds, pitchforks, flips and Neimark-Sacker points lie.
+#: Oscillator, r and clearance near folds, pitchforks, flips and Neimark-Sacker points.
 PLACES = [
     (vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75), 0.95, 30.0),
     (vi.Oscillator(xi=0.0025, mu=0.0405, restitution=(0.387, 0.562)), 0.7628, 4.0),
@@ -29,9 +29,9 @@ def bifurcations(osc, r, clearance):
 
 @pytest.mark.parametrize("place", PLACES)
 def test_stable_is_true_or_none_beside_a_bifurcation(place):
-    """At relative distances of 1e-6 to 1e-14, on both sides; None only within 5e-9.
+    """At relative distances of 1e-6 to 1e-14 from a bifurcation `stable` is right or None, None only within 5e-9.
 
-    The truth is that of the motion solved again with 50 digits.
+    The reference is the motion solved with 50 digits.
     """
     osc, r, _ = place
     verdicts = none = 0
@@ -53,7 +53,7 @@ def test_stable_is_true_or_none_beside_a_bifurcation(place):
 
 
 def test_stable_beside_a_pitchfork_of_equispaced_impacts():
-    """The symmetric motion is stable above the pitchfork and not below it, never the other way.
+    """Above the pitchfork `stable` of the symmetric motion is never False, and below it never True.
 
     Found by an independent program; at 1.857e-11 below it the multiplier is 1 + 3.57e-10.
     """
@@ -74,7 +74,7 @@ def test_stable_beside_a_pitchfork_of_equispaced_impacts():
 
 
 def test_masses_that_leave_an_impact_together_must_part():
-    """R = 0 on the right: admissible is the sign of the gap's acceleration, None at rounding.
+    """With R = 0 `admissible` is the sign of the gap's acceleration after the impact, and None at rounding.
 
     Found by an independent program: the acceleration passes through zero at this clearance.
     """
@@ -101,7 +101,7 @@ def test_masses_that_leave_an_impact_together_must_part():
 
 
 def separations(motion):
-    """Speeds of separation after the impacts whose masses accelerate least; the others do not count."""
+    """Speeds of separation after the impacts at which the gap accelerates least."""
     apart = motion.pattern.signs * (motion.X_dot_after - motion.Z_dot_after)
     load = np.sin(motion.phases + motion.load_phase)
     pull = load - 2 * motion.osc.xi * motion.X_dot_after - motion.X

@@ -1,4 +1,4 @@
-"""Zones against the closed form of the equispaced pair, their symmetries, and bad input."""
+"""Zones against the closed form of the equispaced pair, their symmetries, and invalid input."""
 
 import math
 import signal
@@ -22,27 +22,27 @@ def equispaced():
 
 
 def assert_closed_form(zone, r, clearance):
-    """Assert that places lie in a zone where the pair's own verdicts say so; return whether they do."""
+    """Assert that points lie in a zone where the pair's verdicts say so; return whether they do."""
     inside = zone.contains(r, clearance)
     wrong = []
     for a, b, answer in zip(r.tolist(), clearance.tolist(), inside.tolist(), strict=True):
         pair = vi.equispaced(FIGURE6, a, b)
         if any(m.stable and m.admissible for m in pair) != answer:
             wrong.append((a, b))
-    # a wrong answer is one within the distance of the polygon from the curve
+    # wrong answers are allowed only within the distance of the polygon from the curve
     assert all(distance(zone, *place) < 1e-6 for place in wrong), wrong
     return inside
 
 
 def test_equispaced_zone_against_the_closed_form(equispaced):
-    """10,000 points: the pair's own verdicts, away from the boundary."""
+    """At 10,000 points away from the boundary the zone agrees with the verdicts of the pair."""
     r, clearance = random_points(10_000, 1)
     inside = assert_closed_form(equispaced, r, clearance)
     assert 500 < inside.sum() < 9500
 
 
 def test_a_wide_window_against_the_closed_form():
-    """Two decades of r and five of d K/F0, where the lattice has to be denser about the resonance."""
+    """The same in a window of two decades of r and five of d K/F0, where resonance needs a denser lattice."""
     window = ((0.1, 10.0), (0.01, 1000.0))
     wide = vi.zone(FIGURE6, vi.Pattern("RL"), *window, symmetric=True)
     assert wide.closed
@@ -54,7 +54,7 @@ def test_a_wide_window_against_the_closed_form():
 
 
 def test_boundary_against_bisection(equispaced):
-    """The leading multiplier of the closed form crosses the circle where the boundary is."""
+    """The leading multiplier of the closed form crosses the unit circle on the boundary."""
     checked = 0
     for r in (0.9, 1.05, 1.15):
         grid = np.geomspace(2.1, 190, 400)
@@ -76,12 +76,12 @@ def test_boundary_against_bisection(equispaced):
 
 
 def test_vertices_against_bisection(equispaced):
-    """At the r of a vertex the closed form loses stability where the boundary is, to 1e-8."""
+    """At the r of a vertex the closed form loses stability at the vertex's clearance, to 1e-8."""
     checked = []
     for piece in equispaced.boundary:
         if piece.type not in ("pitchfork", "neimark_sacker"):
             continue
-        # away from the ends, where a corner is near and another condition may come first
+        # away from the ends of pieces, where another condition may end the zone first
         for j in range(5, len(piece) - 5, 12):
             r, clearance, x = float(piece.r[j]), float(piece.clearance[j]), piece.x[0, j]
 
@@ -97,7 +97,7 @@ def test_vertices_against_bisection(equispaced):
 
 
 def test_pitchfork_pieces_are_the_pitchfork_of_the_equispaced_motion():
-    """The end of the unsymmetric motions, by the multiplier 1 of the closed form."""
+    """Where the unsymmetric motions end the closed form has the multiplier 1."""
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=False)
     pieces = [p for p in zone.boundary if p.type == "pitchfork"]
     assert pieces
@@ -130,7 +130,7 @@ def test_nothing_is_stable_without_loss():
 
 
 def test_progress_is_told():
-    """From nothing to all, over both families of motions, and the answer is the same."""
+    """Progress runs to 1 over both families of motions, and the zone does not change."""
     shares = []
     message = vi.zone(
         FIGURE6, vi.Pattern("RL"), *WINDOW, progress=lambda share, what: shares.append(share)
@@ -154,7 +154,7 @@ def test_budget_is_told():
 
 @pytest.mark.parametrize("lines", range(5, 13))
 def test_a_fold_that_leaves_a_pitchfork(lines):
-    """Where their curves cross only tiny steps succeed: a larger one jumped over the crossing."""
+    """The zone closes where a fold leaves a pitchfork, although only tiny steps resolve the crossing."""
     osc = vi.Oscillator(xi=0.0114, mu=1.0, restitution=0.75)
     zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=4)
     assert zone.closed
@@ -177,7 +177,7 @@ def test_a_fold_that_leaves_a_pitchfork(lines):
     ],
 )
 def test_all_loops_close(xi, mu, restitution, sides):
-    """Five of 318 random zones: folds of motions that are already unstable were taken for boundaries."""
+    """Five random zones close in which folds of motions already unstable were once taken for boundaries."""
     zone = vi.zone(vi.Oscillator(xi=xi, mu=mu, restitution=restitution), vi.Pattern(sides), *WINDOW)
     assert zone.closed
     assert len(zone.boundary) > 3
@@ -241,7 +241,7 @@ def test_an_interrupt_is_heard_within_a_call():
 
 
 def test_what_progress_raises_ends_the_search(monkeypatch):
-    """The core hears of it in the middle of a long call, and what it had by then is not called whole."""
+    """An exception of `progress` stops the core within a long call, and its partial result is marked."""
     core, ended, answers = _core.run_case, threading.Event(), []
 
     def watched(*arguments):
@@ -274,7 +274,7 @@ def test_symmetric_is_one_of_three(symmetric):
 
 
 def test_motions_of_a_zone_belong_to_its_family():
-    """Next to a pitchfork, the motion returned is no symmetric one of a zone of unsymmetric motions."""
+    """A zone of unsymmetric motions returns no symmetric motion, even next to a pitchfork."""
     zone = vi.zone(
         vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75),
         "RL",

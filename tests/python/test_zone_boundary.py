@@ -1,4 +1,4 @@
-"""The boundaries of zones of many patterns: laws on them, a search, and simulation beside them."""
+"""The boundaries of zones of many patterns: laws, a search, and simulation next to them."""
 
 import json
 
@@ -26,9 +26,9 @@ def case(request):
 
 
 def test_zones_against_a_search(case):
-    """Where a search finds a stable, admissible motion of the kind, and where it does not.
+    """A zone contains exactly the points at which a search finds a stable, admissible motion of its family.
 
-    A search from few guesses can miss a motion: one from many has the last word.
+    A search from few guesses can miss a motion, so that one from many guesses decides.
     """
     r, clearance = random_points(60, 2)
     for a, b in zip(r.tolist(), clearance.tolist(), strict=True):
@@ -45,7 +45,7 @@ def test_zones_against_a_search(case):
 
 
 def test_vertices_meet_their_condition(case):
-    """The motion at a vertex and its defining multiplier, from the impact laws alone and without iterating.
+    """Vertices meet their conditions on the multipliers, computed from the impact laws without iteration.
 
     Products over all multipliers are smooth where two of them meet; the multipliers themselves are not.
     """
@@ -112,11 +112,11 @@ def test_corners_meet_both_conditions(case):
                     assert min(abs(value / bound - 1) for bound in values) < 1e-12
             if not {piece.type, other.type} <= names:
                 continue
-            # from the phases: at a fold r and D tell a motion to the root of rounding only
+            # from the phases: at a fold r and D determine a motion only to the square root of rounding
             phases = piece.theta[:, -1] - piece.theta[0, -1]
             try:
                 motion = vi.periodic(case.osc, piece.r[-1], phases, case.pattern)
-            except vi.errors.SingularError:  # equispaced phases leave the clearance free
+            except vi.errors.SingularError:  # equispaced phases do not determine the clearance
                 continue
             assert abs(motion.clearance / piece.clearance[-1] - 1) < 1e-9
             multipliers = motion.multipliers
@@ -134,7 +134,7 @@ def test_corners_meet_both_conditions(case):
 
 
 def test_impacts_follow_each_other(case):
-    """No flight takes a negative time: the equations have such roots, which are no motions."""
+    """No flight has a negative duration; such solutions of the equations are no motions."""
     for piece in case.boundary:
         assert (np.diff(piece.theta, axis=0) > 0).all()
         assert (piece.theta[-1] - piece.theta[0] < 2 * np.pi * case.pattern.cycles).all()
@@ -167,7 +167,7 @@ def letters_from(motion, cycles):
 
 @pytest.mark.parametrize(("osc", "pattern", "r", "clearance"), GRAZING)
 def test_grazing_pieces_against_simulation(osc, pattern, r, clearance):
-    """Across the piece, along r and along D: the pattern lasts inside, outside there is one impact more."""
+    """Inside a grazing piece a simulation keeps the pattern; outside there is one impact more."""
     zone = vi.zone(osc, pattern, r, clearance)
     pieces = [p for p in zone.boundary if p.type == "grazing" and len(p) > 6]
     assert pieces
@@ -175,7 +175,7 @@ def test_grazing_pieces_against_simulation(osc, pattern, r, clearance):
     for piece in pieces:
         flight, side = int(piece.detail.split()[1]), piece.detail[-1]
         longer = pattern.sides[:flight] + side + pattern.sides[flight:]
-        j = 3 * len(piece) // 4  # a fold can be near an end: there, motions exist on one side alone
+        j = 3 * len(piece) // 4  # near an end there can be a fold, with motions on one side only
         for step in (np.array([1e-5, 0]), np.array([0, 1e-5])):
             verdicts = []
             for sign in (1, -1):

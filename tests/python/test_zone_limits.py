@@ -1,4 +1,4 @@
-"""Zones at their limits: very narrow ones, no mass, no restitution, a fold that leaves a pitchfork."""
+"""Zones at their limits: very narrow zones, mu = 0, R = 0, a fold that leaves a pitchfork."""
 
 import math
 
@@ -11,19 +11,19 @@ from shared_zones import distance, motion_at
 
 
 def corners(zone, edge):
-    """Where an edge of the window cuts the zone: the lowest and highest ends of that piece."""
+    """The lowest and highest ends of the piece at which an edge of the window cuts the zone."""
     (piece,) = [p for p in zone.boundary if p.detail == edge]
     ends = piece.clearance if edge.endswith(" r") else piece.r
     return sorted(ends[[0, -1]].tolist())
 
 
 def unequispaced(r, second):
-    """The motion whose second impact has a given phase: the paper's linear problem, no iteration."""
+    """The motion whose second impact has a given phase, by the paper's linear problem, without iteration."""
     return vi.periodic(TABLE, r, [0, second], vi.Pattern("RL"))
 
 
 def test_the_very_narrow_zone_of_figure_3_at_resonance():
-    """Its width in D at r = 1: from the flip to the pitchfork, both by bisection of a multiplier."""
+    """The width in D at r = 1 is that from flip to pitchfork, both by bisection of a multiplier."""
     pattern = vi.Pattern("RL")
     zone = vi.zone(TABLE, pattern, (0.98, 1.02), (20, 60), symmetric=False)
     assert zone.closed
@@ -41,7 +41,7 @@ def test_the_very_narrow_zone_of_figure_3_at_resonance():
     low = unequispaced(1.0, second).clearance
     high = brentq(pitchfork, 35.5, 36.0, xtol=1e-12)
     assert 0.006 < high / low - 1 < 0.0065
-    # with r = 1 as an edge of the window, its corners are the very ends
+    # with r = 1 as an edge of the window, the corners of the zone are these ends
     cut = vi.zone(TABLE, pattern, (1.0, 1.02), (20, 60), symmetric=False)
     np.testing.assert_allclose(corners(cut, "lowest r"), [low, high], rtol=1e-8)
     width = high - low
@@ -60,7 +60,7 @@ def test_the_very_narrow_zone_of_figure_3_at_resonance():
 
 
 def test_the_very_narrow_zone_of_figure_3_at_its_tip():
-    """Its width in r at D = 37: from the flip to the fold, where r is stationary on the line D = 37."""
+    """The width in r at D = 37 is that from the flip to the fold, where r is stationary on the line D = 37."""
 
     def on_line(second):
         return brentq(lambda r: unequispaced(r, second).clearance - 37.0, 0.997, 0.9995, xtol=1e-15)
@@ -92,7 +92,7 @@ def test_the_very_narrow_zone_of_figure_3_at_its_tip():
     ],
 )
 def test_zones_close_where_a_fold_leaves_a_pitchfork(xi, mu, restitution):
-    """There the equations are met to rounding long before the place is known as well as that."""
+    """Zones close although near that point the equations are met to rounding over a wide range of positions."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     zone = vi.zone(osc, vi.Pattern("RL"), (0.7, 1.4), (1, 150), symmetric=False)
     assert zone.closed
@@ -105,7 +105,7 @@ def impact_pair_limits(restitution, cycles):
 
     For mu = 0 the primary mass follows X = A sin(theta), theta = r t + tau, whatever the impacts do. The free
     mass flies with speed w from the right wall to the left one, and back; k cycles and half of them between.
-    An impact at the right wall at theta = p and the flight that follows say, with V = A r cos(p),
+    An impact at the right wall at theta = p and the next flight give, with V = A r cos(p),
         w = R w - (1 + R) V,   2 A sin(p) + D = k pi w/r,
     so cos(p) + 2 q sin(p) = -q D/A with q = (1 - R)/((1 + R) k pi). Two solutions merge where
         D/A = sqrt(1 + 4 q^2)/q                                                               (fold).
@@ -114,7 +114,7 @@ def impact_pair_limits(restitution, cycles):
     its derivative at the motion has determinant R^2 and trace
         2 R - (1 + R)^2 (k pi)^2 A sin(p)/(2 (2 A sin(p) + D)).
     A determinant below 1 leaves the multipliers 1 (trace 1 + R^2: the fold again) and -1 (trace -(1 + R^2)):
-    there A sin(p) ((k pi)^2 - 4) = 2 D, and the equation of the motion makes that
+    there A sin(p) ((k pi)^2 - 4) = 2 D, which with the equation of the motion gives
         D/A = ((k pi)^2 - 4)/sqrt(4 + q^2 (k pi)^4)                                      (pitchfork).
     Between the two the motion is stable; the multipliers of the primary mass have modulus exp(-2 pi xi k/r).
     """
@@ -162,7 +162,7 @@ def test_impact_pair_against_its_closed_form(xi, restitution, cycles, r, clearan
 
 
 def test_impact_without_restitution_ends_where_rest_begins():
-    """R = 0: on the boundary the masses part with no acceleration."""
+    """With R = 0 the relative acceleration after the impact is zero on the boundary."""
     osc = vi.Oscillator(xi=0.019, mu=0.0114, restitution=(0.0, 0.22))
     zone = vi.zone(osc, vi.Pattern("RL"), (1.15, 2.28), (0.64, 2.32))
     pieces = [p for p in zone.boundary if p.type == "rest_vanishes"]
@@ -175,7 +175,7 @@ def test_impact_without_restitution_ends_where_rest_begins():
 
 
 def test_a_closed_curve_between_the_lattice_lines_is_gone_round_once():
-    """A search that reached such a curve did not end; more lines find the same zone."""
+    """The tracing of a closed curve between lattice lines ends, and more lines give the same zone."""
     osc = vi.Oscillator(xi=0.0202, mu=0.108, restitution=(0.79, 0.81))
     window = (0.4280966277871413, 2.7493171322070333), (2.0, 200.0)
     zones = [vi.zone(osc, vi.Pattern("RL"), *window, lines=n, guesses=4) for n in (5, 17)]

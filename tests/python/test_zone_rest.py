@@ -1,4 +1,4 @@
-"""Motions with rest beside the ends of their family, and the exact boundaries of their zones."""
+"""Motions with rest near the ends of their family, and the exact boundaries of their zones."""
 
 import contextlib
 import math
@@ -12,7 +12,7 @@ from shared_systems import RIG
 from test_exact_rest import strobe_matrix
 from vibroimpact.newton import release_motion
 
-#: The same walls the other way round.
+#: The same walls, exchanged.
 TURNED = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
 #: A heavy free mass between hard walls: its zones with rest are narrow.
 HEAVY = vi.Oscillator(xi=0.0188, mu=0.42728, restitution=(0.8054, 0.9253))
@@ -70,11 +70,11 @@ def test_a_simulated_motion_with_rest_is_not_denied():
 
 
 def power_of_rest(restitution):
-    """Return the power with which the rest shortens beside the end of its family.
+    """Return the exponent of the power law of the rest's duration near the end of its family.
 
     An accumulation of impacts with a closing acceleration that falls linearly through zero has a
     self-similar limit: after each impact the time s that is left shrinks by 1 - tau, and a
-    distance from the limit grows by `growth`. Both follow from one impact to the next by hand: a
+    distance from the limit grows by `growth`. Both follow analytically from one impact to the next: a
     gap u t - s t^2/2 + t^3/6 closes at t = tau s, and the speed there times R is the next u.
     """
 
@@ -91,7 +91,7 @@ def power_of_rest(restitution):
 
 
 def test_the_rest_vanishes_on_the_boundary():
-    """Towards the boundary the rest shortens by its power law; beyond it there is no such motion."""
+    """Towards the boundary the rest shortens by its power law; beyond the boundary there is no such motion."""
     zone = vi.zone(RIG, vi.Pattern("RL*"), (0.8, 1.2), (2, 200))
     assert zone.closed
     piece = max((p for p in zone.boundary if p.type == "rest_vanishes"), key=len)
@@ -115,7 +115,7 @@ def test_the_rest_vanishes_on_the_boundary():
 
 
 def test_a_narrow_zone_closes_where_a_fold_meets_the_end_of_rest():
-    """The zone is as wide as a hair in places, and the same for another lattice."""
+    """A zone that is very narrow in places closes, and is the same for another lattice."""
     zone = vi.zone(HEAVY, vi.Pattern("R*L"), (0.82, 0.88), (7, 12))
     assert zone.closed
     assert {p.type for p in zone.boundary} >= {"rest_vanishes", "fold"}
@@ -148,13 +148,13 @@ def test_zones_hold_the_attractors_with_rest(parameters, sides, r, clearance):
 
 @pytest.mark.parametrize("share", [1.02, 1.0, 0.995, 0.99, 0.988])
 def test_a_motion_with_rest_may_have_any_number_of_impacts(share):
-    """Beyond the 24 symbols of a zone too: the multipliers are those of small disturbances in a simulation."""
+    """Beyond the 24 symbols of a zone, too, multipliers are those of small disturbances in a simulation."""
     osc = vi.Oscillator(
         xi=0.005237033396, mu=0.267405956, restitution=(0.6664908148, 0.789348612516)
     )
     r, clearance = 0.926034818765, 0.700744637918 * share
     motions = attractors(osc, r, clearance, 3)
-    assert len(motions) == 1  # each once
+    assert len(motions) == 1  # each motion once
     for motion in motions:
         assert motion.pattern.sides == "L" * (len(motion.pattern) - 1) + "R*"
         assert motion.residual < 1e-12
@@ -166,7 +166,7 @@ def test_a_motion_with_rest_may_have_any_number_of_impacts(share):
 
 
 def test_vertices_bound_the_stable_motions():
-    """Just inside each piece of a boundary there is a stable motion, just outside there is none."""
+    """Just inside each piece of a boundary there is a stable motion, and just outside there is none."""
     osc = vi.Oscillator(xi=0.00359, mu=0.05224, restitution=(0.6257, 0.371))
     zone = vi.zone(osc, vi.Pattern("RRRL*"), (0.9, 1.1), (2, 20))
     assert zone.closed
@@ -188,7 +188,7 @@ def stable_near(osc, r, clearance, release):
         motion = release_motion(osc, r, clearance, 1.0, 1, np.array([-1, *release])[:, None])
     except vi.errors.SingularError:
         return False
-    if motion.pattern.sides != "RRRL*":  # near its corner there is another, RRL*
+    if motion.pattern.sides != "RRRL*":  # near its corner there is another motion, RRL*
         return False
     phase, v = motion.events[["phase", "x_dot_after"]][-1]  # of the last event, the release
     near = math.hypot(math.remainder(phase - release[0], 2 * math.pi), v / release[1] - 1)
@@ -197,7 +197,7 @@ def stable_near(osc, r, clearance, release):
 
 @pytest.mark.slow
 def test_the_atlas_of_a_heavy_free_mass_explains_its_attractors():
-    """Its zones with rest are narrow, and all that a survey finds within the limits lies in one of them."""
+    """Its zones with rest are narrow, and contain all motions of a survey within the limits."""
     atlas = vi.atlas(HEAVY, (0.6, 1.4), (0.5, 150))
     assert all(zone.closed for zone in atlas.zones)
     assert atlas.unexplained == []

@@ -1,4 +1,4 @@
-"""A zone contains each seed, or says by name around which one no boundary closes; what open boundaries mean."""
+"""A zone contains each seed, or names those without a closed boundary; zones with open boundaries."""
 
 import dataclasses
 import warnings
@@ -26,13 +26,13 @@ def narrow_seed():
 
 @pytest.mark.parametrize("lines", [5, 17, 33])
 def test_a_narrow_zone_contains_its_seed(narrow_seed, lines):
-    """At the edge of the window the zone is 5e-5 wide, and the Jury conditions fail just beyond."""
+    """A zone that is 5e-5 wide at the edge of the window contains its seed."""
     m = narrow_seed
     zone = vi.zone(NARROW, m.pattern, (0.6, 1.4), (0.5, 150), seeds=[m], lines=lines)
     assert zone.closed
     assert zone.search.open_seeds == []
     assert zone.contains(m.r, m.clearance)
-    # each loop goes round something: none leads along a boundary and back along the same one
+    # each loop encloses an area: none follows a boundary forth and back
     for ring in zone.loops:
         place = np.c_[ring[:, 0], np.log(ring[:, 1])]
         length = np.linalg.norm(np.diff(place, axis=0), axis=1).sum()
@@ -62,7 +62,7 @@ def test_a_narrow_zone_contains_its_seed(narrow_seed, lines):
     ],
 )  # fmt: skip
 def test_zones_of_a_seed_alone_contain_it(xi, mu, restitution, r, clearance, sides):
-    """Five lines each way and no guesses: only the lines through the seed can lead to its zone."""
+    """With five lines each way and no guesses, the lines through the seed lead to its zone."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     motions = stable_motions(osc, r, clearance, max_impacts=4, max_cycles=1)
     motions = [m for m in motions if m.pattern.sides == sides]
@@ -74,7 +74,7 @@ def test_zones_of_a_seed_alone_contain_it(xi, mu, restitution, r, clearance, sid
 
 
 def test_a_zone_at_resonance_closes_where_a_fold_leaves_a_pitchfork():
-    """Where rounding leaves too little of the equations near the pitchfork; one area by any lattice."""
+    """The zone closes where rounding dominates the equations near the pitchfork; any lattice gives its area."""
     osc = vi.Oscillator(
         xi=0.0005417004965190911, mu=0.22158630702037513, restitution=0.6657527384929456
     )
@@ -108,7 +108,7 @@ def unclosed():
 
 
 def test_an_open_boundary_is_kept_and_told(unclosed):
-    """The traced part is kept in both directions from its start, and lies on the boundary."""
+    """The part traced in both directions is kept, lies on the boundary, and is reported as open."""
     cut, whole = unclosed
     assert not cut.closed
     assert cut.open_boundary
@@ -121,7 +121,7 @@ def test_an_open_boundary_is_kept_and_told(unclosed):
 
 
 def test_membership_beside_an_open_boundary_is_undecided(unclosed):
-    """No point of the zone is denied without a word."""
+    """Near an open boundary `contains` warns, and points of the zone are inside or undecided."""
     cut, whole = unclosed
     random = np.random.default_rng(2)
     r, clearance = random.uniform(*WINDOW[0], 300), np.exp(random.uniform(*np.log(WINDOW[1]), 300))
@@ -138,7 +138,7 @@ def test_membership_beside_an_open_boundary_is_undecided(unclosed):
 
 
 def test_a_seed_within_no_closed_boundary_is_named():
-    """A zone with too few points for its boundary does not contain its seed, and the result names it."""
+    """A seed in no closed boundary, because of too few points, is not contained but named by the result."""
     seed = next(m for m in vi.equispaced(FIGURE6, 1.04, 25.0) if m.stable)
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True, max_points=100, seeds=[seed])
     assert not zone.closed
