@@ -254,12 +254,12 @@ def find_batch():
 
 
 def find_launcher():
-    """`vibroimpact-batch` beside the running interpreter, or None."""
+    """`vibroimpact-batch` in the folder of the running interpreter, or None."""
     return shutil.which("vibroimpact-batch", path=str(BIN))
 
 
 def find_command():
-    """`vibroimpact` beside the running interpreter."""
+    """`vibroimpact` in the folder of the running interpreter."""
     return shutil.which("vibroimpact", path=str(BIN)) or "vibroimpact"
 
 

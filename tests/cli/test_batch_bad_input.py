@@ -73,7 +73,7 @@ KEYS = [
     ("clearance = 37", "not for kind = 'periodic'"),
 ]
 
-#: Complete files: id, text, line, what the message starts with after the place, a part of the rest.
+#: Complete files: id, text, line, beginning of the message after the place, a part of the rest.
 FORMS = [
     ("empty", "", 0, "holds no namelist group", "&system"),
     ("blank", " \n\t\n! nothing\n", 0, "holds no namelist group", "&system"),
@@ -176,7 +176,7 @@ def said_by_command(folder):
 
 @pytest.mark.parametrize("i", range(len(CASES)), ids=[case[0] for case in CASES])
 def test_fault_is_named(i, folder, binary):
-    """A fault is one line: file:line: &group key = value: what is allowed. Status 2, no result."""
+    """An error gives one line, file:line: &group key = value: what is allowed; status 2 and no result."""
     _, _, line, start, part = CASES[i]
     done = Runner([binary], folder)(f"bad{i}.nml", "-o", f"out{i}")
     place = f"bad{i}.nml:{line}: " if line else f"bad{i}.nml: "

@@ -86,7 +86,7 @@ def example(text, name):
 
 
 def test_example_of_the_program(batch):
-    """The example of the help works as it stands, from the top folder of the project."""
+    """The example of the help works as written, from the top folder of the project."""
     words = example(batch("--help").out.decode(), "vibroimpact-batch")
     shutil.copytree(ROOT / "inputs", batch.cwd / "inputs")
     done = batch(*words)
@@ -97,7 +97,7 @@ def test_example_of_the_program(batch):
 # examples that write: test_help.py; explore, which does not end by itself: test_explorer.py
 @pytest.mark.parametrize("sub", [[], ["doctor"], ["bench"], ["completion"]])
 def test_example_of_the_command(sub, tmp_path):
-    """The example of each help of the command works as it stands."""
+    """The example in the help of each command works as written."""
     run = Runner([find_command()], tmp_path)
     help_text = run(*sub, "--help")
     assert (help_text.status, help_text.err) == (0, b"")
@@ -115,7 +115,7 @@ def test_example_of_the_command(sub, tmp_path):
                                        ["find"], ["find", "--xi", "0.1"], ["find", "no.nml"],
                                        ["find", "case.nml", "--mu", "0.1"]])  # fmt: skip
 def test_command_refuses(arguments, tmp_path):
-    """Arguments that make no sense give status 2 and a message, never a traceback or a result."""
+    """Invalid arguments give status 2 and a message, without a traceback or a result."""
     write(tmp_path / "case.nml", PAIR)
     done = Runner([find_command()], tmp_path)(*arguments)
     assert (done.status, done.out) == (2, b"")

@@ -47,7 +47,7 @@ def start(program, folder, *arguments):
 
 
 def test_command_runs_many_cases(complete_run, tmp_path):
-    """Two hundred cases in one file: the command gives the same files and the same lines."""
+    """For two hundred cases in one file the command gives the files and lines of the program."""
     run = Runner(find_twin(), complete_run)
     done = run("many.nml", "-o", str(tmp_path / "out"))
     assert (done.status, len(done.out.splitlines())) == (0, 200)
@@ -96,7 +96,7 @@ def test_ten_thousand_lines_in_one_group(batch):
 
 @pytest.mark.parametrize("program", ["program", "command"])
 def test_kill_leaves_whole_results(program, complete_run, binary, tmp_path):
-    """After kill -9 in mid run every result is a whole new one or the whole old one."""
+    """After kill -9 during a run every result is whole, either the new one or the old one."""
     call = [binary] if program == "program" else find_twin()
     expected = contents(complete_run / "results")
     old = dict.fromkeys(list(expected)[::2], b"old\n")
@@ -205,7 +205,7 @@ def test_folder_that_cannot_be_made(folder, batch, command):
 
 
 def test_reason_of_a_long_folder(batch):
-    """The reason stands in the message, however long the path is."""
+    """The message has the reason, however long the path is."""
     folder = "case.nml/" + "d" * 250
     assert "d: case.nml is a file; must be a folder" in batch.case(PAIR, "-o", folder).faults[0]
 

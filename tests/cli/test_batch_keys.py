@@ -47,7 +47,7 @@ def needed(name):
 
 
 def smallest(name):
-    """What stands before the group of a study, and its keys."""
+    """The groups before that of a study, and its keys."""
     keys = needed(name)
     before = WALLS if keys.pop("r", None) is None else SYSTEM
     return before, ", ".join(f"{key} = {value}" for key, value in keys.items())
@@ -64,7 +64,7 @@ def call(name, osc, **keys):
     )
 
 
-#: The smallest case of each group: what stands before it, and its keys.
+#: The smallest case of each group: the groups before it, and its keys.
 SMALLEST = {
     "motion": (SYSTEM, "sides = 'RL', phases = 0, 4.3"),
     "simulate": (SYSTEM, "clearance = 37, cycles = 1"),

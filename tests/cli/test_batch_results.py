@@ -87,7 +87,7 @@ def doubles(cases, results):
 
 
 def close(left, right, scale=1.0):
-    """Equal but for rounding."""
+    """Equal to rounding."""
     return math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9 * scale)
 
 

@@ -119,7 +119,7 @@ def test_options_of_a_simulation_are_a_namelist(tool):
     (["--plot", "case.nml"], "png"), (["case.nml", "--plot"], "png"), (["case.nml", "--plot", "pdf"], "pdf"),
     (["--plot", "svg", "case.nml"], "svg"), (["--plot=svg", "case.nml"], "svg")])  # fmt: skip
 def test_simulate_draws(words, kind, tool):
-    """--plot, wherever it stands, puts a picture of that format beside the table."""
+    """--plot, anywhere among the arguments, adds a picture of its format to the table."""
     write(tool.cwd / "case.nml", SIMULATION)
     done = tool("simulate", *words)
     assert (done.status, done.err) == (0, b"")

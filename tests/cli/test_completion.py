@@ -89,7 +89,7 @@ def test_fish(typed, wanted, script):
 
 
 def test_zsh_takes_it(script):
-    """The script is sourced without a fault, and the command is bound to it."""
+    """zsh sources the script without an error, and binds the completion to the command."""
     path = script("zsh")
     code = f'autoload -Uz compinit && compinit -D -u; eval "$(cat {path})"; echo ${{_comps[vibroimpact]}}'
     assert "vibroimpact" in " ".join(answer(["zsh", "-f", "-c", code], ROOT))

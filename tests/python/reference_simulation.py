@@ -118,7 +118,7 @@ def next_contact(system, state, left, limit):
     if left:
         speed = left * (state.v - state.w)
         closing = -left * acceleration(system, state)
-        # at a release both are 0 but for rounding
+        # at a release both are 0 to rounding
         if speed > 0 and closing > 0 and 2 * speed / closing < SCAN:
             estimate = 2 * speed / closing
 

@@ -1,6 +1,6 @@
 """Random systems, and how well the laws on them can be met.
 
-Tolerances are rounding (EPS) times the condition of what is compared: of the linear system, of
+Tolerances are rounding (EPS) times the condition of the compared quantity: of the linear system, of
 the phases (a gap of impacts is a difference of two phases), of an event (a small approach speed
 makes the time of an impact sensitive). Comments say which.
 """
@@ -26,7 +26,7 @@ class Case:
     walls: tuple | None
 
     def arguments(self):
-        """Return what the package's functions take: oscillator, r, phases, pattern, restitution."""
+        """Return the arguments of the package's functions: oscillator, r, phases, pattern, restitution."""
         s = self.system
         osc = vi.Oscillator(xi=s.xi, mu=s.mu, restitution=self.walls or (0.5, 0.5))
         return (

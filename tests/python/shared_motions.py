@@ -59,7 +59,7 @@ def rest_motion(**changes):
 
 
 def pair_motion(osc=TABLE, r=0.94, clearance=37.0):
-    """The stable motion beside the third column of Table 1."""
+    """The stable motion near the third column of Table 1."""
     return vi.exact(osc, r, clearance, COLUMN)
 
 

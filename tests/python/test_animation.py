@@ -170,7 +170,7 @@ def test_wrong_arguments(words, output):
 
 
 def test_missing_writers(tmp_path, monkeypatch):
-    """Without Pillow or ffmpeg the error says what is missing for which ending."""
+    """Without Pillow or ffmpeg the error names what each file suffix requires."""
     run = vi.simulate(RIG, 0.9, 6.0, 2)
     monkeypatch.setenv("PATH", "")
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)

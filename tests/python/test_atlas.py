@@ -301,7 +301,7 @@ def test_zone_with_rest_agrees_with_simulation():
         r, clearance = random.uniform(0.84, 0.94), random.uniform(4, 8)
         pattern = attractor(UNEQUAL, r, clearance)
         there = pattern is not None and pattern.standard().sides == "RL*"
-        # another attractor may exist beside it, but what simulation reaches is in the zone
+        # another attractor may coexist, but a motion of the pattern lies in the zone
         assert not there or zone.contains(r, clearance)
         inside += there
     assert inside > 5

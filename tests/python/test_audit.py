@@ -75,7 +75,7 @@ def test_zones_hold_stable_motions_alone(report):
 
 
 def test_undecided_verdicts_are_rare(report):
-    """Only near a bifurcation may rounding hide on which side of the unit circle a multiplier is."""
+    """`stable` is None only near a bifurcation, where rounding hides the side of the unit circle."""
     assert report.undecided == []
 
 

@@ -36,7 +36,7 @@ def test_impacts_are_those_of_exact_motions(sweeps):
 def test_a_sweep_leaves_a_motion_at_the_boundary_of_its_zone():
     """The sweep up follows the two-impact motion to the last value that its zone contains.
 
-    It ends in a Neimark-Sacker bifurcation: it settles ever more slowly, and what goes to it shrinks.
+    The zone ends in a Neimark-Sacker bifurcation, near which settling is slow and the basin is small.
     """
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), (1.02, 1.06), (20, 90), lines=9)
     values = np.arange(70.0, 72.0, 0.05)
@@ -53,7 +53,7 @@ def test_a_sweep_leaves_a_motion_at_the_boundary_of_its_zone():
 
 
 def test_hysteresis(sweeps):
-    """The sweep down finds the two-impact motion later than the sweep up has left it."""
+    """The sweep down reaches the two-impact motion at a lower value than that at which the sweep up leaves it."""
     ends = {w.run: w.high for w in sweeps.windows if w.label == "2/1"}
     assert ends["down"] < ends["up"]
     between = (sweeps.values > ends["down"]) & (sweeps.values <= ends["up"])

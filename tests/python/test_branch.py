@@ -44,7 +44,7 @@ def test_determinant_along_the_branch(path):
     wanted = np.exp(-4 * np.pi * branch.xi * branch.pattern.cycles / branch.r)
     wanted = wanted * product_of_restitution(branch)
     product = np.prod(branch.multipliers, axis=0)
-    # a multiplier of 1e6 beside one of 1e-6 leaves this much of their product
+    # with multipliers of 1e6 and 1e-6 this precision of their product is left
     largest = np.abs(branch.multipliers).max(axis=0)
     # (none is left where an approach speed is zero)
     good = largest < 1e4
@@ -83,7 +83,7 @@ def test_points_are_exact_motions(path):
 
 
 def test_special_points_are_where_they_should_be(path):
-    """Each point has the critical multiplier, or the zero gap, that defines its type."""
+    """Each special point has the critical multiplier, or the zero gap, that defines its type."""
     _, branch = path
     for point in branch.special_points:
         motion = point.motion
@@ -144,7 +144,7 @@ def test_stability_changes_at_special_points_only(path):
         known = np.flatnonzero(column >= 0).tolist()
         changes = [(i, j) for i, j in itertools.pairwise(known) if column[i] != column[j]]
         assert all(set(range(i, j + 1)) & marks for i, j in changes), f"{name} changes at {changes}"
-        # beside a bifurcation alone rounding decides
+        # only near a bifurcation rounding decides
         assert len(known) > 0.9 * len(column) - 5
 
 
@@ -310,7 +310,7 @@ def test_bad_longest_step(step):
 
 @pytest.mark.parametrize("bounds", [(37, 60), (10, 37)])
 def test_branch_that_starts_on_a_bound(bounds):
-    """It stays between the bounds, and both ends say so."""
+    """The branch stays between the bounds, and both ends report the bound."""
     branch = vi.branch(pair_motion(), "clearance", bounds)
     assert branch.ends == ("bound of the parameter", "bound of the parameter")
     assert [point.type for point in branch.special_points[:: len(branch.special_points) - 1]] == [

@@ -1,4 +1,4 @@
-"""Random branches: every crossing of the unit circle is a special point, and every special point is one.
+"""Random branches: the special points are exactly the crossings of the unit circle by multipliers.
 
 The multipliers are those of first_principles.py, not the package's.
 """
@@ -227,7 +227,7 @@ NARROW = [
 
 @pytest.mark.parametrize("system", range(len(NARROW)))
 def test_branch_beside_another_sheet(system):
-    """Two branches are closer to each other than the length of a step."""
+    """Branches closer to each other than the length of a step are followed without a jump."""
     osc, clearance, pattern, bounds, starts = NARROW[system]
     for r, phases in starts:
         motion = vi.exact(osc, r, clearance, (phases, vi.Pattern(*pattern)))
@@ -237,7 +237,7 @@ def test_branch_beside_another_sheet(system):
 
 
 def test_neimark_sacker_with_another_multiplier_outside():
-    """A pair leaves the circle while a multiplier of 1e4 is outside already."""
+    """A Neimark-Sacker point is found while another multiplier of 1e4 is outside the unit circle."""
     osc = vi.Oscillator(
         xi=0.0003232406496780347, mu=0.04836445901228357, restitution=0.27631301409515274
     )
@@ -253,7 +253,7 @@ def test_neimark_sacker_with_another_multiplier_outside():
 
 
 def test_neimark_sacker_and_flip_in_one_step():
-    """Between them lies a short stretch of stable motions."""
+    """Both points are found within one step, with a short interval of stable motions between them."""
     osc = vi.Oscillator(
         xi=0.0008446336304214421,
         mu=0.02449241486588316,
@@ -273,7 +273,7 @@ def test_neimark_sacker_and_flip_in_one_step():
 
 
 def test_no_fold_where_approach_speeds_vanish_together():
-    """Two impacts merge: multipliers of 1e10 and more, but none near 1."""
+    """Where two impacts merge multipliers exceed 1e10, but no fold is reported, as none is near 1."""
     osc = vi.Oscillator(
         xi=0.019277312704164336,
         mu=0.12515000903233775,
@@ -289,7 +289,7 @@ def test_no_fold_where_approach_speeds_vanish_together():
 
 
 def test_neutral_saddle_is_no_special_point():
-    """Two real multipliers with the product 1 satisfy the same equation as a pair on the circle."""
+    """Two real multipliers with product 1 are not reported, although they satisfy the equation of a pair."""
     saddles = 0
     for seed in range(20):
         path = random_branch(seed)

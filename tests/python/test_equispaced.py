@@ -20,7 +20,7 @@ def free_map_defect(xi, r, cycles):
 def test_equispaced_at_an_undamped_resonance(cycles, odd, mu):
     """If free vibration changes sign in half a period it can be added: the family of motions is reported.
 
-    The positions of mu > 0 are those at which the free mass stands still in space, so that no impact changes
+    With mu > 0 the positions are those at which the free mass is at rest in space, so that no impact changes
     the free vibration.
     """
     r, restitution = cycles / odd, 0.6

@@ -199,7 +199,7 @@ def test_the_period_of_a_doubled_motion(most):
 
 @pytest.mark.parametrize("factor", [2.0, 10.0, 0.01])
 def test_load_scales_the_motion(factor):
-    """f -> factor f with the clearance alike: phases and multipliers do not change, lengths scale."""
+    """With f and the clearance times a factor phases and multipliers do not change, and lengths scale."""
     one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     other = vi.exact(TABLE, 0.94, 37.0 * factor, COLUMN, load=factor)
     assert other.load == factor
@@ -213,7 +213,7 @@ def test_load_scales_the_motion(factor):
 
 
 def test_inadmissible_motions_are_returned_and_flagged():
-    """A solution of the equations that passes a wall comes back with `admissible` False."""
+    """A solution of the equations that passes a wall is returned with `admissible` False."""
     draw, flagged = np.random.default_rng(3), 0
     for i in range(120):
         sides = ["RRL", "RRLL", "RLRL", "RRRL"][i % 4]

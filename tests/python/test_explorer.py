@@ -228,7 +228,7 @@ def test_lines_snap_and_are_clipped():
 
 
 def test_a_line_across_the_plane_is_the_same_both_ways():
-    """A sweep of r with the clearance beside it is the sweep of the clearance with r beside it."""
+    """A sweep of r along a line in the plane is the sweep of the clearance along the same line."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     r, clearance = np.linspace(1.0, 1.1, 21), np.geomspace(20, 60, 21)
     one = vi.bifurcation_diagram(osc, "r", r, clearance=clearance)

@@ -1,4 +1,4 @@
-"""The explorer's page in a real browser: what it shows and does."""
+"""The explorer's page in a real browser: contents and actions."""
 
 import re
 from types import SimpleNamespace

@@ -493,7 +493,7 @@ def test_stable_motions_of_zones_are_found(osc, r, clearance, sides):
 
 
 def test_an_old_account_can_be_read():
-    """The counts by reason are 0 in a file that has none."""
+    """Counts by reason that an older file lacks are 0."""
     search = vi.Search(**{
         field.name: 3 for field in dataclasses.fields(vi.Search)
         if field.default is dataclasses.MISSING

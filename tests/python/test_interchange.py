@@ -110,7 +110,7 @@ BROKEN = [
 
 @pytest.mark.parametrize(("name", "path", "value", "output"), BROKEN)
 def test_broken_data_is_named(name, path, value, output, results):
-    """The error names the wrong item, its value and what is allowed; it is never a bare KeyError."""
+    """The error names the wrong item, its value and what is allowed, and is one of the package."""
     data = copy.deepcopy(results[name].to_dict())
     inner = data
     for key in path[:-1]:

@@ -110,7 +110,7 @@ def test_a_pattern_is_also_a_text():
             assert len(str(caught.value)) < 400, name
 
 
-# -- what is shown
+# -- representations
 
 
 def cells(thing):

@@ -33,7 +33,7 @@ def zone(ax):
 
 
 def motion(ax):
-    """The motion beside the third column of Table 1."""
+    """The motion near the third column of Table 1."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     guess = ([0, 1.37 * np.pi], vi.Pattern("RL"))
     vi.exact(osc, 0.94, 37.0, guess).plot(ax, "history")

@@ -124,7 +124,7 @@ def ring(cells):
 
 @pytest.mark.parametrize("body", [*map(copies, range(24)), *map(ring, (3, 4, 5, 6, 8))])
 def test_repeated_pairs_of_symmetric_bodies(body):
-    """Complex eigenvalues that repeat, with eigenvectors of their own, cost no digits."""
+    """Repeated complex eigenvalues with independent eigenvectors cost no digits."""
     mass, damping, stiffness = body
     n = len(mass)
     first_order = np.block(

@@ -78,7 +78,7 @@ def test_reading_one_file(files):
 
 
 def test_running(tmp_path):
-    """Each thread writes into a folder of its own."""
+    """Threads that write into separate folders get the messages and files of one thread."""
     short = [path for path in FILES if not {case.kind for case in vi.read_namelist(path)} & LONG]
     assert len(short) > len(FILES) / 2
     alone = run(short, tmp_path / "alone")

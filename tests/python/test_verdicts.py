@@ -29,7 +29,7 @@ def bifurcations(osc, r, clearance):
 
 @pytest.mark.parametrize("place", PLACES)
 def test_stable_is_true_or_none_beside_a_bifurcation(place):
-    """At relative distances of 1e-6 to 1e-14 from a bifurcation `stable` is right or None, None only within 5e-9.
+    """At relative distances of 1e-6 to 1e-14 from a bifurcation `stable` is correct, or None within 5e-9.
 
     The reference is the motion solved with 50 digits.
     """

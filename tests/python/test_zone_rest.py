@@ -44,7 +44,7 @@ def stroboscopic_multipliers(motion, size):
 
 @pytest.mark.parametrize(("r", "clearance"), [(0.98828677, 5.503184141), (0.9084234, 0.890988794)])
 def test_verdict_beside_a_grazing(r, clearance):
-    """Within 1e-4 of a grazing the verdict is that of small disturbances in a simulation.
+    """Within 1e-4 of a grazing `stable` agrees with the growth of small disturbances in a simulation.
 
     The points were found by an audit with an independent program: R*LLLL is stable there.
     """
