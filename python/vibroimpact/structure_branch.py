@@ -228,7 +228,7 @@ def branch_structure(
     Parameters
     ----------
     motion : StructureMotion
-        Without rest, with at most 24 impacts.
+        Without rest, with at most 24 impacts (23 if a mode has frequency 0).
     parameter : str or function
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant
         forces and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or

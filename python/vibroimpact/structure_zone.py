@@ -295,7 +295,7 @@ def zone_structure(
     Parameters
     ----------
     motion : StructureMotion
-        Without rest, with at most 24 impacts; it need not be stable.
+        Without rest, with at most 24 impacts (23 if a mode has frequency 0); it need not be stable.
     x, y : (parameter, float, float)
         Each a parameter, as in `vibroimpact.branch`, with its lowest and highest value.
     lines : int
