@@ -188,8 +188,8 @@ class StructureBranch(Noun, study="branch_structure"):
         ----------
         ax : matplotlib Axes, optional
         y : str
-            "q_max_I", "q_min_I" (of coordinate I, from 0), "speed_I", "impulse_I", "phase_I" (of impact I, from
-            0), or "largest" for the largest modulus of the multipliers.
+            "q_max_0", ... or "q_min_0", ... (of a coordinate, from 0), "speed_1", ..., "impulse_1", ... or
+            "phase_1", ... (of an impact, from 1), or "largest" for the largest modulus of the multipliers.
 
         Returns
         -------

@@ -25,7 +25,7 @@ contains
       type(line_type), allocatable, intent(out) :: lines(:)
       type(buffer_type) :: buffer
       character(:), allocatable :: label
-      integer :: i, j
+      integer :: first, i, j
 
       allocate (lines(0))
       do i = 1, size(case)
@@ -41,7 +41,9 @@ contains
             label = trim(column%label)
             if (len(label) == 0) label = trim(column%name)
             if (label == '=') label = trim(result%tables(filled%table)%dims(1))
-            do j = 1, filled%inner
+            ! coordinates count from 0, as in the names of keys
+            first = merge(0, 1, column%each == 'coordinate')
+            do j = first, first + filled%inner - 1
                if (column%kind == complexes .and. .not. is_modulus(filled)) then
                   call add(buffer, ','//numbered(label//'_re', j)//','//numbered(label//'_im', j))
                else

@@ -29,14 +29,16 @@ contains
       integer :: i
 
       step = 0
-      reach = min(limit, 1.5_wp*min(limit, first_zero(g, slope, 0.5_wp*curvature)))
+      reach = limit
+      zero = first_zero(g, slope, 0.5_wp*curvature)
+      if (zero < 0.7_wp*limit) reach = min(limit, 1.5_wp*zero)
       if (.not. reach > 0) return
       do i = 1, 2
          zero = first_zero(g, slope, 0.5_wp*curvature &
             + min(0.0_wp, jerk/6 - bound*reach/24)*reach)
          step = max(step, min(zero, reach))
          if (zero >= reach) return
-         reach = min(reach, 1.5_wp*zero)
+         if (zero < 0.7_wp*reach) reach = min(reach, 1.5_wp*zero)
       end do
    end function safe_step
 

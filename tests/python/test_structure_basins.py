@@ -144,7 +144,7 @@ def test_inputs_run(tmp_path):
     log = vi.run_namelists([INPUT], tmp_path)
     assert log.status == 0, log
     table = (tmp_path / "structure_basins_wall.csv").read_text()
-    assert "q_1,q_dot_1,label,attractor" in table
+    assert "q_0,q_dot_0,label,attractor" in table
 
 
 def test_picture(found):

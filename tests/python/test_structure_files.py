@@ -116,7 +116,7 @@ def test_same_digits_through_every_door(tmp_path):
         assert [float(row["time"]) for row in rows] == direct.events["time"].tolist()
         assert [int(row["gap"]) for row in rows] == direct.events["gap"].tolist()
         n = structure.coordinates
-        velocities = [[float(row[f"q_dot_{k + 1}"]) for k in range(n)] for row in rows]
+        velocities = [[float(row[f"q_dot_{k}"]) for k in range(n)] for row in rows]
         assert np.array_equal(np.reshape(velocities, (-1, n)), direct.states[:, 1])
         # the header of the table gives the same table again
         again = vi.run_namelists([log.results[0]], tmp_path / "again")

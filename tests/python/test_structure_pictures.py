@@ -49,8 +49,8 @@ def test_sketch_has_each_body_once(hosts):
     _, ax = plt.subplots()
     draw_sketch(ax, chain(hosts))
     names = [text.get_text() for text in ax.texts]
-    shown = range(1, hosts + 1) if hosts <= 10 else (1, 2, 3, hosts)
-    for i in range(1, hosts + 1):
+    shown = range(hosts) if hosts <= 10 else (0, 1, 2, hosts - 1)
+    for i in range(hosts):
         assert sum(name.startswith(f"$m_{{{i}}}$") for name in names) == (i in shown)
         assert sum(name.startswith(f"$m_{{{hosts + i}}}$") for name in names) == (i in shown)
     springs = [name for name in names if name.startswith("$k$")]

@@ -26,7 +26,8 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
         size = int(np.prod(list(table.dims.values())))
         inner = column.values.shape[-1] if column.each else 1
         values = column.values.reshape(size, inner)[places[name]]
-        for i, part in enumerate(values.T, start=1):
+        # coordinates count from 0, as in the names of keys
+        for i, part in enumerate(values.T, start=0 if column.each == "coordinate" else 1):
             own = next(iter(table.dims)) if column.label == "=" else column.label or column.name
             found |= cells(column, part, own.replace("#", str(i)))
     keep = listed(result, found)

@@ -138,7 +138,7 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
         _draw_openings(ax, run, times, q)
     elif n <= OVERLAID:
         for i, values in enumerate(q):
-            ax.plot(times, values, color=COLOURS[i], label=rf"$q_{{{i + 1}}}$", lw=0.9)
+            ax.plot(times, values, color=COLOURS[i], label=f"$q_{{{i}}}$", lw=0.9)
         if run.structure.gaps and len(run.events):
             _mark_events(ax, run, begin, end, lambda values, _: values)
         ax.set_ylabel("coordinates $q_i$")
@@ -152,13 +152,13 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
         alone = {body[0] for body in bodies_of(run.structure) if len(body) == 1}
         for i, values in enumerate(q):
             colour = FREE if i in alone else PRIMARY
-            ax.plot(times, i + 1 + (values - middle[i]) / scale, color=colour, lw=0.6)
+            ax.plot(times, i + (values - middle[i]) / scale, color=colour, lw=0.6)
         if run.structure.gaps and len(run.events):
-            _mark_events(ax, run, begin, end, lambda v, i: i + 1 + (v - middle[i]) / scale)
+            _mark_events(ax, run, begin, end, lambda v, i: i + (v - middle[i]) / scale)
         ax.set_ylabel("number of the coordinate")
-        low = min(1 + i + float((values - middle[i]).min()) / scale for i, values in enumerate(q))
-        high = max(1 + i + float((values - middle[i]).max()) / scale for i, values in enumerate(q))
-        ax.set_ylim(min(0.2, low - 0.3), max(n + 0.8, high + 0.3))
+        low = min(i + float((values - middle[i]).min()) / scale for i, values in enumerate(q))
+        high = max(i + float((values - middle[i]).max()) / scale for i, values in enumerate(q))
+        ax.set_ylim(min(-0.8, low - 0.3), max(n - 0.2, high + 0.3))
         ax.plot([], [], color=PRIMARY, label="coupled")
         if alone:
             ax.plot([], [], color=FREE, label="free masses")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,20 +38,16 @@ def parameter_label(name: str) -> str:
 
 def draw_structure_branch(branch: StructureBranch, ax: Any = None, y: str = "q_max_0") -> Any:
     """Draw one column of a branch against its parameter."""
-    match = re.fullmatch(r"(\w+)_(\d+)", y) if isinstance(y, str) else None
-    names = {
-        name: f"{name}s" if name in ("speed", "impulse", "phase") else name for name in COLUMNS
-    }
-    if y == "largest":
-        column, label = np.abs(branch.multipliers).max(axis=0), r"$\max|\lambda|$"
-    elif match and match[1] in names and int(match[2]) < len(getattr(branch, names[match[1]])):
-        column = getattr(branch, names[match[1]])[int(match[2])]
-        label = COLUMNS[match[1]] % match[2]
-    else:
-        raise ParameterError(
-            f"y = {y!r}: must be 'largest', or one of {', '.join(COLUMNS)} with _ and the number of a coordinate "
-            "or impact, from 0"
-        )
+    columns = {
+        "largest": (np.abs(branch.multipliers).max(axis=0), r"$\max|\lambda|$"),
+        **{f"{name}_{i}": (values, COLUMNS[name] % i) for name in ("q_max", "q_min")
+           for i, values in enumerate(getattr(branch, name))},
+        **{f"{name}_{i}": (values, COLUMNS[name] % i) for name in ("speed", "impulse", "phase")
+           for i, values in enumerate(getattr(branch, f"{name}s"), start=1)},
+    }  # fmt: skip
+    if not isinstance(y, str) or y not in columns:
+        raise ParameterError(f"y = {y!r}: must be {', '.join(map(repr, columns))}")
+    column, label = columns[y]
     if ax is None:
         with style.pyplot().rc_context(style.SETTINGS):
             _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")

@@ -183,7 +183,7 @@ def _draw_row(
             for j in (i, *(inner for inner, _ in box.inner)):
                 steady = f" = {load.constant[j]:.3g}" if not changing[j] else "$(t)$"
                 if acting[j]:
-                    names.append(rf"$f_{{{j + 1}}}$" + steady)
+                    names.append(f"$f_{{{j}}}$" + steady)
             if names:
                 name = ", ".join(names)
                 half = -0.55 if "= -" in names[0] else 0.55
@@ -227,7 +227,7 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
     for i, box in boxes.items():
         ax.add_patch(Rectangle((box.left, 0), box.width, HEIGHT, fc=PRIMARY, ec="none", alpha=0.3))
         ax.add_patch(Rectangle((box.left, 0), box.width, HEIGHT, fc="none", ec="k", lw=0.9))
-        name = rf"$m_{{{i + 1}}}$"
+        name = f"$m_{{{i}}}$"
         if not small:
             name += f" = {structure.mass[i, i]:.3g}"
         ax.text(
@@ -243,9 +243,7 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
                     ax.plot([x, x], [0.55, 1.6], color=IMPACT, lw=2.4, solid_capstyle="butt")
             middle = 0.5 * (left + right)
             ax.add_patch(Rectangle((middle - 0.45, 0.58), 0.9, 0.76, fc=FREE, ec="k", lw=0.7))
-            ax.text(
-                middle, 0.96, rf"$m_{{{j + 1}}}$", ha="center", va="center", color="w", fontsize=7
-            )
+            ax.text(middle, 0.96, f"$m_{{{j}}}$", ha="center", va="center", color="w", fontsize=7)
             if small:
                 continue
             for gap in structure.gaps:
