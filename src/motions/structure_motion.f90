@@ -162,7 +162,7 @@ contains
       real(wp), intent(out) :: scale(:)
       !> (2N + p, 2N + p) Derivatives by the times, the speeds, the offsets.
       real(wp), intent(out), optional :: jacobian(:, :)
-      real(wp), dimension(size(speeds)) :: impulses, slopes
+      real(wp), dimension(size(speeds)) :: impulses, slopes, usual
       integer :: i, j, n
 
       n = size(speeds)
@@ -177,11 +177,12 @@ contains
             + matmul(abs(equations%by_offset), abs(offsets)) + abs(forced(:, 0)) + abs(openings)
          value(n + 1:2*n) = speeds - matmul(response(:, :, 1), impulses) - forced(:, 1)
          ! where all speeds vanish, displacements over the time of a radian remain
+         usual = 2*acos(-1.0_wp)/equations%period*(abs(forced(:, 0)) + abs(openings))
          scale(n + 1:2*n) = abs(speeds) + matmul(abs(response(:, :, 1)), abs(impulses)) &
-            + abs(forced(:, 1)) + 2*acos(-1.0_wp)/equations%period*(abs(forced(:, 0)) &
-            + abs(openings))
+            + abs(forced(:, 1)) + usual
          value(2*n + 1:) = matmul(equations%balance, impulses) + equations%supplied
-         scale(2*n + 1:) = matmul(abs(equations%balance), abs(impulses)) + abs(equations%supplied)
+         scale(2*n + 1:) = matmul(abs(equations%balance), abs(impulses) &
+            + structure%effective(equations%gaps)*usual) + abs(equations%supplied)
          do i = 1, size(offsets)
             if (equations%apart(i)) value(2*n + i) = offsets(i)
             if (equations%apart(i)) scale(2*n + i) = 1

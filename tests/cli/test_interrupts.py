@@ -121,7 +121,7 @@ def masks_of_workers(parent):
     (["bench"], ""),
     (["find", "--xi", ".1", "--mu", ".1", "--restitution", ".5", "--r", ".9", "--clearance", "9"],
      "; nothing was finished"),
-    (["find", "case.nml", "--max-impacts", "2"], "; what was finished is told"),
+    (["find", "case.nml", "--max-impacts", "2"], "; what was finished was printed"),
 ])  # fmt: skip
 def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
     """The message of an interrupted command says whether results were printed; `bench` has none."""

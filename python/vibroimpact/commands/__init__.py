@@ -75,7 +75,7 @@ class Record:
         elif self.halted:
             pass
         elif self.results:
-            left = "; what was finished is told"
+            left = "; what was finished was printed"
         elif writes:
             left = "; nothing was finished"
         self.fault(f"vibroimpact {self.command}: interrupted{left}")
