@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +50,41 @@ class StructureSpecialPoint:
         return f"<{self.type} at {self.parameter} = {self.value:.10g}>"
 
 
-class StructureBranch(Noun, study="branch_structure"):
+class Followed(Noun, part=True):
+    """What branches and zones of structures have in common: the motion from which they start."""
+
+    __slots__ = ("__dict__",)
+    #: The table of that motion.
+    _of_start: ClassVar[str]
+
+    def _one(self, name: str, table: str = "") -> Any:
+        """A value that describes the whole result."""
+        return self._result.column(table or self._of_start, name).decoded()[0]
+
+    @property
+    def gaps(self) -> NDArray[np.int32]:
+        return np.asarray(self._one("gaps")).astype(np.int32)
+
+    @property
+    def cycles(self) -> int:
+        return int(self._one("cycles"))
+
+    @cached_property
+    def _start(self) -> tuple[Structure, Load]:
+        structure, load = structure_of(self._result, float(self._one("frequency")), True)
+        assert load is not None
+        return structure, load
+
+    @property
+    def structure(self) -> Structure:
+        return self._start[0]
+
+    @property
+    def load(self) -> Load:
+        return self._start[1]
+
+
+class StructureBranch(Followed, study="branch_structure"):
     """A family of exact motions of a structure along one parameter, as columns; points on the last axis.
 
     An index gives the `StructureMotion` of a point. The branch is in order along its curve: the parameter turns
@@ -85,7 +119,8 @@ class StructureBranch(Noun, study="branch_structure"):
         What was asked for as a namelist.
     """
 
-    __slots__ = ("__dict__",)
+    __slots__ = ()
+    _of_start = "branch"
     values = column("points", "value")
     phases = column("points", first=True)
     speeds = column("points", first=True)
@@ -98,39 +133,13 @@ class StructureBranch(Noun, study="branch_structure"):
     admissible = column("points")
     stable = column("points")
 
-    def _one(self, name: str) -> Any:
-        """A value that describes the whole branch."""
-        return self._result.column("branch", name).decoded()[0]
-
     @property
     def parameter(self) -> str:
         return str(self.keys["parameter"])
 
     @property
-    def gaps(self) -> NDArray[np.int32]:
-        return np.asarray(self._one("gaps")).astype(np.int32)
-
-    @property
-    def cycles(self) -> int:
-        return int(self._one("cycles"))
-
-    @property
     def ends(self) -> tuple[str, str]:
         return str(self._one("first_end")), str(self._one("last_end"))
-
-    @cached_property
-    def _start(self) -> tuple[Structure, Load]:
-        structure, load = structure_of(self._result, float(self._one("frequency")), True)
-        assert load is not None
-        return structure, load
-
-    @property
-    def structure(self) -> Structure:
-        return self._start[0]
-
-    @property
-    def load(self) -> Load:
-        return self._start[1]
 
     @cached_property
     def special_points(self) -> list[StructureSpecialPoint]:

@@ -11,12 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import checks, door
 from .errors import ParameterError, SingularError
-from .noun import Noun
 from .structure import Load, Structure
-from .structure_branch import case_from
+from .structure_branch import Followed, case_from
 from .structure_motion import StructureMotion, exact_structure
 from .structure_path import Parameter, Path, keys_of_parameter
-from .structure_trajectory import structure_of
 from .studies.geometry import signed_area, winding
 from .tables import runs
 
@@ -66,7 +64,7 @@ class StructurePiece:
         )
 
 
-class StructureZone(Noun, study="zone_structure"):
+class StructureZone(Followed, study="zone_structure"):
     """The region of the plane of two parameters where motions of a structure are stable and admissible.
 
     Attributes
@@ -91,7 +89,8 @@ class StructureZone(Noun, study="zone_structure"):
         What was asked for as a namelist.
     """
 
-    __slots__ = ("__dict__",)
+    __slots__ = ()
+    _of_start = "motion"
 
     @property
     def x_parameter(self) -> str:
@@ -108,32 +107,6 @@ class StructureZone(Noun, study="zone_structure"):
     @property
     def y(self) -> tuple[float, float]:
         return self.keys["y_low"], self.keys["y_high"]
-
-    def _one(self, name: str, table: str = "motion") -> Any:
-        """A value that describes the whole zone."""
-        return self._result.column(table, name).decoded()[0]
-
-    @property
-    def gaps(self) -> NDArray[np.int32]:
-        return np.asarray(self._one("gaps")).astype(np.int32)
-
-    @property
-    def cycles(self) -> int:
-        return int(self._one("cycles"))
-
-    @cached_property
-    def _start(self) -> tuple[Structure, Load]:
-        structure, load = structure_of(self._result, float(self._one("frequency")), True)
-        assert load is not None
-        return structure, load
-
-    @property
-    def structure(self) -> Structure:
-        return self._start[0]
-
-    @property
-    def load(self) -> Load:
-        return self._start[1]
 
     @property
     def closed(self) -> bool:
