@@ -290,6 +290,7 @@ contains
       !> Columns of both parameters, and of both unknowns of an impact; by default those of the
       !! oscillator.
       character(*), intent(in), optional :: names(4)
+      character(*), parameter :: of_oscillator(4) = ['r        ', 'clearance', 'x        ', 'theta    ']
       character(24) :: columns(4)
       type(line_type), allocatable :: types(:), details(:)
       integer, allocatable :: owners(:), numbers(:), loops(:), symmetric(:), vertex_owners(:), &
@@ -297,7 +298,7 @@ contains
       real(wp), allocatable :: vertices(:, :), x(:, :), theta(:, :)
       integer :: i, j, k, m, n, most
 
-      columns = [character(24) :: 'r', 'clearance', 'x', 'theta']
+      columns = of_oscillator
       if (present(names)) columns = names
       k = sum(found%n)
       n = 0

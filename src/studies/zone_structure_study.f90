@@ -161,7 +161,8 @@ contains
       type(curve_type) :: surface
       type(zone_request_type) :: request
       type(zone_type) :: zone
-      type(pieces_type) :: found
+      type(pieces_type) :: found, families(1)
+      character(*), parameter :: columns_of_vertices(4) = ['x     ', 'y     ', 'speeds', 'phases']
       real(wp), allocatable :: start(:)
       character(:), allocatable :: message, types
       logical :: mirrored
@@ -195,7 +196,8 @@ contains
       call add_pieces(zone, request, mirrored, found)
       call in_parameters(case, surface, changes, found)
       call result%open('families', 'family', [1])
-      call put_pieces([found], result, [character(6) :: 'x', 'y', 'speeds', 'phases'])
+      families(1) = found
+      call put_pieces(families, result, columns_of_vertices)
       call result%open('motion', 'one', [1])
       call result%put('motion', 'gaps', motion%gaps - 1)
       call result%put('motion', 'cycles', [motion%cycles])

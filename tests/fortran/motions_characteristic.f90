@@ -111,6 +111,8 @@ contains
       spectrum%e(1:4) = e
       spectrum%product = e(4)
       spectrum%regular = .true.
+      ! or gfortran 12 at -O3 holds the descriptor of the result for uninitialized
+      allocate (spectrum%multipliers(0))
    end function spectrum_of
 
    !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
