@@ -23,6 +23,7 @@ from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
 from .newton import exact
 from .period import Period
+from .quantities import Quantities, Signal
 from .record import Record, base_motion, base_record
 from .restitution import PowerLaw, TabulatedRestitution
 from .run import RunLog, run_namelists
@@ -87,11 +88,13 @@ __all__ = [
     "PeriodicWindow",
     "Piece",
     "PowerLaw",
+    "Quantities",
     "Record",
     "Response",
     "RunLog",
     "Sample",
     "Search",
+    "Signal",
     "SingularError",
     "SpecialPoint",
     "StabilityFlags",

@@ -29,7 +29,12 @@ WORDS = np.asfortranarray(_NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)
 
 
 class Sample(NamedTuple):
-    """Time history of a motion; each array has the shape of the times asked for."""
+    """Time history of a motion; each array has the shape of the times asked for.
+
+    Positions of the primary and the free mass, their velocities and accelerations, and the load. An impact
+    changes velocities at once: the accelerations are those between impacts, without the spikes. That of the
+    primary mass jumps by ``-2 xi (X_dot_after - X_dot_before)`` at an impact.
+    """
 
     X: NDArray[np.float64]
     X_dot: NDArray[np.float64]
@@ -37,6 +42,8 @@ class Sample(NamedTuple):
     Z_dot: NDArray[np.float64]
     Y: NDArray[np.float64]
     load: NDArray[np.float64]
+    X_ddot: NDArray[np.float64]
+    Z_ddot: NDArray[np.float64]
 
 
 def event_table(numbers: NDArray[np.float64], labels: NDArray[np.int32]) -> NDArray[Any]:
@@ -96,8 +103,18 @@ def sample(
     osc: Oscillator, r: float, load: float, clearance: float, starts: NDArray[np.float64],
     resting: NDArray[np.int32], times: NDArray[np.float64],
 ) -> Sample:  # fmt: skip
-    """Positions, velocities and load at times of any shape, within some segments."""
+    """Positions, velocities, load and accelerations at times of any shape, within some segments."""
     values = _core.sample_trajectory(
         osc.xi, osc.mu, r, load, clearance, starts, resting, times.ravel()
     )
-    return Sample(*values.reshape((6, *times.shape)))
+    places = np.searchsorted(starts[0], times, side="right") - 1
+    return with_accelerations(osc, values.reshape((6, *times.shape)), resting[places] != 0)
+
+
+def with_accelerations(
+    osc: Oscillator, values: NDArray[np.float64], resting: NDArray[np.bool_] | bool = False
+) -> Sample:
+    """A sample with the accelerations that follow from it; in a rest both masses move as one."""
+    x, x_dot, _, _, _, load = values
+    acceleration = (load - 2 * osc.xi * x_dot - x) / np.where(resting, 1 + osc.mu, 1.0)
+    return Sample(*(*values, acceleration, np.where(resting, acceleration, 0.0)))

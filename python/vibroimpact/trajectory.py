@@ -17,6 +17,7 @@ from .model import Oscillator
 from .motion import osc_of
 from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
+from .quantities import Quantities, quantities_of
 from .states import NEEDED, Moment, State, System, as_numbers, later, moments_of, start_of, state_of
 from .status import MORE_EVENTS, raise_status
 from .structure import or_structure
@@ -32,6 +33,8 @@ REQUEST = ("clearance", "cycles", "discard", "load", *NEEDED, "max_events")
 FULL = "max_events was reached"
 #: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000
+#: Load phase of a load cycle.
+TURN = 2 * np.pi
 #: Largest number of events of a trajectory, as in the core: 88 bytes each.
 MOST_KEPT = 50_000_000
 
@@ -71,13 +74,18 @@ class Trajectory(Savable, study="simulate"):
     cut: str = ""
 
     def sample(self, t: ArrayLike) -> Sample:
-        """Positions, velocities and load at times within the trajectory, from the closed form.
+        """Positions, velocities, accelerations and load at times within the trajectory, from the closed form.
 
         Parameters
         ----------
         t : array_like
-            Times between those of `initial_state` and `final_state`, in any order. At an event the
-            velocities are those just after it.
+            Times between those of `initial_state` and `final_state`, in any order. At an event velocities and
+            accelerations are those just after it.
+
+        Returns
+        -------
+        Sample
+            As of `Motion.sample`.
 
         Examples
         --------
@@ -97,6 +105,53 @@ class Trajectory(Savable, study="simulate"):
             )
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
+
+    def quantities(self, cycles: float | None = None, harmonics: int = 10) -> Quantities:
+        """Response quantities over the last load cycles, as of `Motion.quantities`.
+
+        Parameters
+        ----------
+        cycles : float, optional
+            Load cycles of the window, which ends with the trajectory; all of it by default. Harmonics are those of
+            a periodic response only if the response is periodic and the window a whole number of periods.
+        harmonics : int
+            Harmonics of the load, 1 to 10000.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+        >>> run = vi.simulate(osc, r=0.9, clearance=6.0, cycles=4, discard=300)
+        >>> found = run.quantities(cycles=2)
+        >>> balance = found.work - found.damping_loss - found.impact_loss - found.energy_change
+        >>> abs(balance) < 1e-10 * found.work
+        True
+        """
+        first, end = self.initial_state["t"], self.final_state["t"]
+        if cycles is not None:
+            wanted = f"load cycles of the trajectory, > 0 and at most {(end - first) * self.r / TURN:.10g}"
+            cycles = checks.to_float(cycles, "cycles", wanted)
+            begin = end - cycles * TURN / self.r
+            if not (cycles > 0 and begin >= first - 1e-9 * TURN / self.r):
+                raise ParameterError(f"cycles = {cycles!r}: must be {wanted}")
+            first = max(first, begin)
+        starts, resting = self._segments()
+        here = int(np.searchsorted(starts[0], first, side="right")) - 1
+        starts, resting = starts[:, here:], resting[here:]
+        at, last = self.sample(first), self.sample(end)
+        starts[:, 0] = [
+            first, starts[1, 0] + self.r * (first - starts[0, 0]), at.X, at.X_dot, at.Z, at.Z_dot,
+        ]  # fmt: skip
+        return quantities_of(
+            self.osc, self.r, self.load, starts, resting, end,
+            (float(last.X), float(last.X_dot), float(last.Z_dot)),
+            self.events[self.events["time"] > first], harmonics,
+        )  # fmt: skip
 
     def period(self, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE) -> Period:
         """The shortest period with which the trajectory ends.

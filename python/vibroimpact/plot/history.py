@@ -132,14 +132,9 @@ def history(thing: Motion | Trajectory, cycles: float) -> History:
     times = np.unique(np.concatenate([even, events["time"], before]))
     times = np.clip(times, first, last)
     sample = thing.sample(times)
-    free = sample.load - 2 * thing.osc.xi * sample.X_dot - sample.X
-    half = 0.5 * thing.clearance
-    # at rest both masses have exactly the same velocity, and the gap is closed
-    together = (sample.X_dot == sample.Z_dot) & (np.abs(np.abs(sample.Y) - half) <= 1e-9 * half)
-    acceleration = np.where(together, free / (1 + thing.osc.mu), free)
     return History(
-        (times - first) / cycle, sample, acceleration, events, (events["time"] - first) / cycle,
-        half, first, last, phase, resting,
+        (times - first) / cycle, sample, sample.X_ddot, events, (events["time"] - first) / cycle,
+        0.5 * thing.clearance, first, last, phase, resting,
     )  # fmt: skip
 
 
