@@ -290,7 +290,8 @@ contains
       !> Columns of both parameters, and of both unknowns of an impact; by default those of the
       !! oscillator.
       character(*), intent(in), optional :: names(4)
-      character(*), parameter :: of_oscillator(4) = ['r        ', 'clearance', 'x        ', 'theta    ']
+      character(*), parameter :: of_oscillator(4) = ['r        ', 'clearance', &
+         'x        ', 'theta    ']
       character(24) :: columns(4)
       type(line_type), allocatable :: types(:), details(:)
       integer, allocatable :: owners(:), numbers(:), loops(:), symmetric(:), vertex_owners(:), &

@@ -19,6 +19,7 @@ contains
    subroutine test_characteristic()
       real(wp) :: p(4, 4), copy(4, 4), e(4), column(4), size_p, largest
       complex(wp) :: z(4), sums(0:4), products
+      type(spectrum_type) :: spectrum
       integer :: i, j, k, status, inside
 
       inside = 0
@@ -32,6 +33,7 @@ contains
          call eigenvalues(copy, z, status)
          call check(status == stat%ok, 'characteristic: eigenvalues')
          e = characteristic(p)
+         call take_sums(e, spectrum)
          ! prod (1 + z_j t) by powers of t
          sums = 0
          sums(0) = 1
@@ -47,12 +49,12 @@ contains
                products = products*(1 - z(j)*z(k))
             end do
          end do
-         call check_close(abs(products - pair_product(spectrum_of(e))), 0.0_wp, &
+         call check_close(abs(products - pair_product(spectrum)), 0.0_wp, &
             1.0e-11_wp*size_p**3, &
             'characteristic: the product over pairs')
          largest = maxval(abs(z))
          if (minval(abs(abs(z) - 1)) < 1.0e-9_wp) cycle
-         call check(outside_circle(spectrum_of(e), 0) == count(abs(z) > 1), &
+         call check(outside_circle(spectrum, 0) == count(abs(z) > 1), &
             'characteristic: how many are outside')
          call check(is_contraction(e) .eqv. largest < 1, 'characteristic: a contraction')
          if (largest < 1) inside = inside + 1
@@ -67,6 +69,7 @@ contains
    subroutine check_critical()
       complex(wp) :: z(4), sums(0:4)
       real(wp) :: e(4), t
+      type(spectrum_type) :: spectrum
       integer :: j, kind, critical
       logical :: saddle
 
@@ -95,33 +98,37 @@ contains
       e = real(sums(1:), wp)
       if (minval(abs(abs(z(critical + 1:)) - 1)) < 1.0e-6_wp .or. abs(e(4) - 1) < 1.0e-3_wp) return
       if (abs(abs(t) - 2) < 1.0e-3_wp .and. kind == 3) return
-      if (kind == 3) call check(is_neutral_saddle(spectrum_of(e)) .eqv. saddle, &
+      call take_sums(e, spectrum)
+      if (kind == 3) call check(is_neutral_saddle(spectrum) .eqv. saddle, &
          'characteristic: a pair of real ones with product 1')
-      if (.not. saddle) call check(outside_circle(spectrum_of(e), kind) == &
+      if (.not. saddle) call check(outside_circle(spectrum, kind) == &
          count(abs(z(critical + 1:)) > 1), 'characteristic: how many others are outside')
    end subroutine check_critical
 
-   pure function spectrum_of(e) result(spectrum)
+   !> A spectrum from its sums. A function of this type would have a result that gfortran 12 at -O3
+   !! holds for uninitialized.
+   pure subroutine take_sums(e, spectrum)
       !> As `characteristic` gives them.
       real(wp), intent(in) :: e(4)
-      type(spectrum_type) :: spectrum
+      !> The spectrum.
+      type(spectrum_type), intent(out) :: spectrum
 
       ! by name: flang 19 shifts an array that starts at 0 when a structure constructor fills it
       spectrum%e(0) = 1
       spectrum%e(1:4) = e
       spectrum%product = e(4)
       spectrum%regular = .true.
-      ! or gfortran 12 at -O3 holds the descriptor of the result for uninitialized
-      allocate (spectrum%multipliers(0))
-   end function spectrum_of
+   end subroutine take_sums
 
    !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
    pure logical function is_contraction(e)
       !> As `characteristic` gives them.
       real(wp), intent(in) :: e(4)
+      type(spectrum_type) :: spectrum
 
+      call take_sums(e, spectrum)
       is_contraction = abs(e(4)) < 1 .and. 1 + e(2) + e(4) > abs(e(1) + e(3)) .and. &
-         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. pair_product(spectrum_of(e)) > 0
+         abs(e(3) - e(1)*e(4)) < 1 - e(4)**2 .and. pair_product(spectrum) > 0
    end function is_contraction
 
 end module motions_characteristic
