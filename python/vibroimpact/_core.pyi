@@ -256,6 +256,21 @@ class _OpenTable(Protocol):
     ) -> None: ...
 
 @type_check_only
+class _Perform(Protocol):
+    # found, ends, counts, status
+    def __call__(
+        self,
+        parameters: ArrayLike,
+        places: ArrayLike,
+        settling: int,
+        keep: int,
+        max_events: int,
+        threads: int,
+        progress: _Integer,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Integer, _Integer]: ...
+
+@type_check_only
 class _Periodic(Protocol):
     # impacts, scalars, multipliers, verdicts, status
     def __call__(
@@ -669,6 +684,7 @@ impact_maps: _ImpactMaps
 linear_system: _LinearSystem
 new_result: _NewResult
 open_table: _OpenTable
+perform: _Perform
 periodic: _Periodic
 periodic_structure: _PeriodicStructure
 read_namelist: _ReadNamelist

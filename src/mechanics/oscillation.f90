@@ -7,7 +7,8 @@ module vi_oscillation
    implicit none (type, external)
    private
 
-   public :: new_oscillation, derivatives, derivative_bound, derivative_bounds
+   public :: combination, derivatives, derivative_bound, derivative_bounds, new_oscillation, &
+      square_integral
 
    !> The constants of one oscillation.
    type, public :: oscillation_type
@@ -98,5 +99,69 @@ contains
 
       bounds = [hypot(o%a, o%b)*sqrt(o%decay**2 + o%frequency**2)**n, abs(o%amplitude)*o%r**n]
    end function derivative_bounds
+
+   !> The oscillation w(0) x + w(1) x' + w(2) x''.
+   !!
+   !! With x = Re(c exp(lambda t)) + Re(d exp(i r t)) it multiplies c by w(lambda) and d by w(i r).
+   pure function combination(o, w) result(combined)
+      !> Constants of x.
+      type(oscillation_type), intent(in) :: o
+      !> Coefficients of x, x' and x''.
+      real(wp), intent(in) :: w(0:2)
+      type(oscillation_type) :: combined
+      complex(wp) :: lambda, c, d
+
+      lambda = cmplx(-o%decay, o%frequency, wp)
+      c = cmplx(o%b, -o%a, wp)*(w(0) + lambda*(w(1) + lambda*w(2)))
+      d = cmplx(w(0) - o%r**2*w(2), o%r*w(1), wp)
+      combined = o
+      combined%a = -aimag(c)
+      combined%b = real(c)
+      combined%amplitude = o%amplitude*abs(d)
+      combined%phase = o%phase
+      if (abs(d) > 0) combined%phase = o%phase + atan2(aimag(d), real(d))
+   end function combination
+
+   !> The integral of x^2 from time 0 to t.
+   pure real(wp) function square_integral(o, t) result(integral)
+      !> Constants of x.
+      type(oscillation_type), intent(in) :: o
+      !> Time (1/omega).
+      real(wp), intent(in) :: t
+      complex(wp) :: lambda, c, d, turn
+
+      ! x = Re(c exp(lambda t)) + Re(d exp(i r t)); Re(u) Re(v) = (Re(u v) + Re(u conjg(v)))/2
+      lambda = cmplx(-o%decay, o%frequency, wp)
+      turn = cmplx(0, o%r, wp)
+      c = cmplx(o%b, -o%a, wp)
+      d = o%amplitude*cmplx(sin(o%phase), -cos(o%phase), wp)
+      integral = 0.5_wp*real(c**2*growth(2*lambda, t) + abs(c)**2*growth(lambda + conjg(lambda), &
+         t) + d**2*growth(2*turn, t) + abs(d)**2*t) + real(c*d*growth(lambda + turn, t) + &
+         c*conjg(d)*growth(lambda - turn, t))
+   end function square_integral
+
+   !> The integral of exp(k t) from time 0 to t.
+   pure complex(wp) function growth(k, t)
+      !> Exponent per unit of time, and time.
+      complex(wp), intent(in) :: k
+      !> As in `k`.
+      real(wp), intent(in) :: t
+      complex(wp) :: z, term
+      integer :: i
+
+      z = k*t
+      if (abs(z) > 0.5_wp) then
+         growth = t*(exp(z) - 1)/z
+      else
+         ! the difference would lose digits
+         term = 1
+         growth = 1
+         do i = 2, 16
+            term = term*z/i
+            growth = growth + term
+         end do
+         growth = t*growth
+      end if
+   end function growth
 
 end module vi_oscillation

@@ -17,7 +17,7 @@ module vi_attractor_settled
    implicit none (type, external)
    private
 
-   public :: settle_chains
+   public :: advance, segments_between, settle_chains
 
    !> Events kept of a simulation.
    integer, parameter :: capacity = 4096
@@ -245,8 +245,28 @@ contains
       !> Out: x_min and x_max; status `stat%budget` if a search ran out of steps.
       type(settled_type), intent(inout) :: settled
       real(wp) :: starts(6, 0:size(events))
-      integer :: resting(0:size(events)), i
+      integer :: resting(0:size(events))
       logical :: complete
+
+      call segments_between(system, begin, events, starts, resting)
+      call extreme_positions(system, starts, resting, &
+         state_time(finish%cycle, finish%phase, system%r), settled%x_min, settled%x_max, complete)
+      if (.not. complete) settled%status = stat%budget
+   end subroutine find_extremes
+
+   !> Where the segments between events begin.
+   pure subroutine segments_between(system, begin, events, starts, resting)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The state before the events.
+      type(state_type), intent(in) :: begin
+      !> (n) The events.
+      type(event_type), intent(in) :: events(:)
+      !> (6, 0:n) As in `sample_segments`, but z is 0 after an event.
+      real(wp), intent(out) :: starts(:, 0:)
+      !> (0:n) As in `sample_segments`.
+      integer, intent(out) :: resting(0:)
+      integer :: i
 
       starts(:, 0) = [state_time(begin%cycle, begin%phase, system%r), begin%phase, begin%x, &
          begin%x_dot, begin%z, begin%z_dot]
@@ -258,10 +278,7 @@ contains
             resting(i) = merge(e%side, 0, e%kind == stick_event)
          end associate
       end do
-      call extreme_positions(system, starts, resting, &
-         state_time(finish%cycle, finish%phase, system%r), settled%x_min, settled%x_max, complete)
-      if (.not. complete) settled%status = stat%budget
-   end subroutine find_extremes
+   end subroutine segments_between
 
    !> Stores the kept impacts as columns, as many as there is room for.
    pure subroutine store(settled, values, labels, r, n)

@@ -8,7 +8,7 @@ module vi_attractor_spread
    implicit none (type, external)
    private
 
-   public :: random_states, spread_states
+   public :: placed_state, random_states, spread_states
 
 contains
 
@@ -20,6 +20,19 @@ contains
 
       scale = min(max(load*gain(xi, r), 0.5_wp*clearance), 3*clearance)
    end function spread_scale
+
+   !> The state at t = 0 at a place in the box of `random_states`.
+   pure function placed_state(xi, r, load, clearance, place) result(state)
+      !> Damping ratio, frequency ratio, load amplitude f, clearance.
+      real(wp), intent(in) :: xi, r, load, clearance
+      !> x, x', z - x and z' from -1 to 1.
+      real(wp), intent(in) :: place(4)
+      real(wp) :: state(5), scale
+
+      scale = spread_scale(xi, r, load, clearance)
+      state = [0.0_wp, scale*place(1), scale*place(2), scale*place(1) + 0.5_wp*clearance*place(3), &
+         scale*place(4)]
+   end function placed_state
 
    !> States (5, n) at t = 0, spread in x, x', z - x and z' by an additive recurrence.
    pure function spread_states(osc, r, load, clearance, n) result(states)
@@ -53,16 +66,12 @@ contains
       !> Number of states, and the seed.
       integer, intent(in) :: n, seed
       real(wp) :: states(5, n)
-      real(wp) :: scale, u(4)
       integer :: i
 
-      scale = spread_scale(xi, r, load, clearance)
       do i = 1, n
          ! odd multiples of 2**-32 from -1 to 1, exactly: as many on either side of 0
-         u = (2*philox([int(i - 1, int64), 0_int64, 0_int64, 0_int64], [int(seed, int64), &
-            0_int64]) + 1)*2.0_wp**(-32) - 1
-         states(:, i) = [0.0_wp, scale*u(1), scale*u(2), scale*u(1) + 0.5_wp*clearance*u(3), &
-            scale*u(4)]
+         states(:, i) = placed_state(xi, r, load, clearance, (2*philox([int(i - 1, int64), &
+            0_int64, 0_int64, 0_int64], [int(seed, int64), 0_int64]) + 1)*2.0_wp**(-32) - 1)
       end do
    end function random_states
 

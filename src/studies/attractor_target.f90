@@ -9,7 +9,7 @@ module vi_attractor_target
    implicit none (type, external)
    private
 
-   public :: difference, over_period
+   public :: difference, over_period, target_state
 
    !> A stable periodic motion, and a neighbourhood from which states converge to it.
    type, public :: target_type
@@ -50,6 +50,31 @@ contains
       end if
    end function difference
 
+   !> The state after the event of the motion plus a difference.
+   pure function target_state(system, target, d) result(state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The motion.
+      type(target_type), intent(in) :: target
+      !> The difference of states, as from `difference`.
+      real(wp), intent(in) :: d(4)
+      type(state_type) :: state
+      real(wp) :: start(4)
+
+      start = target%middle + d
+      if (target%release) then
+         state = release_state(system, target%side, [start(2), start(1)])
+      else
+         state%phase = start(4)
+         state%x = start(1)
+         state%x_dot = start(2)
+         state%z_dot = start(3)
+         state%z = start(1) + 0.5_wp*target%side*system%clearance
+         state%side = target%side
+         state%speed = target%side*(start(2) - start(3))
+      end if
+   end function target_state
+
    !> The events of a period that starts from the event of the motion plus a difference.
    pure subroutine over_period(system, target, d, events, n, good)
       !> The forced system.
@@ -66,25 +91,14 @@ contains
       !! events have no room), or no event ends the period.
       logical, intent(out) :: good
       type(state_type) :: state, final
-      real(wp) :: phase, nearest, off, start(4)
+      real(wp) :: phase, nearest, off
       integer :: found, i, status
 
-      start = target%middle + d
       n = 0
-      phase = start(target%n)
-      if (target%release) then
-         state = release_state(system, target%side, [phase, start(1)])
-      else
-         state%phase = phase
-         state%x = start(1)
-         state%x_dot = start(2)
-         state%z_dot = start(3)
-         state%z = start(1) + 0.5_wp*target%side*system%clearance
-         state%side = target%side
-         state%speed = target%side*(start(2) - start(3))
-         good = state%speed > 0
-         if (.not. good) return
-      end if
+      state = target_state(system, target, d)
+      phase = state%phase
+      good = target%release .or. state%speed > 0
+      if (.not. good) return
       call simulate(system, state, int(target%cycles, int64), phase + 0.5_wp*two_pi, events, &
          found, final, status)
       good = status == stat%ok

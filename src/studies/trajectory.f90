@@ -15,8 +15,8 @@ module vi_trajectory
    implicit none (type, external)
    private
 
-   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, read_events, &
-      store_events, pack_state, unpack_state, initial_state, later
+   public :: simulate_case, simulate_arrays, sample_segments, extreme_positions, primary_segment, &
+      read_events, store_events, pack_state, unpack_state, initial_state, later
 
    !> Units of work of a whole simulation in the progress counters.
    integer, parameter :: simulation_work = 1000
@@ -292,7 +292,6 @@ contains
       real(wp), intent(out) :: x_min, x_max
       !> False if a search ran out of steps.
       logical, intent(out) :: complete
-      type(flight_type) :: flight
       real(wp) :: lowest, highest, duration
       logical :: whole
       integer :: i
@@ -303,24 +302,37 @@ contains
       do i = 1, size(resting)
          duration = last - starts(1, i)
          if (i < size(resting)) duration = starts(1, i + 1) - starts(1, i)
-         associate (s => starts(:, i))
-            if (resting(i) /= 0) then
-               flight%oscillation_type = new_rest(system%osc%xi, system%osc%mu, system%r, &
-                  system%load, s(2), s(3), s(4))
-            else
-               flight = new_flight(system%osc%xi, system%r, system%amplitude, s(2) - system%lag, &
-                  s(3), s(4), 0.0_wp, 0.0_wp, duration)
-            end if
-         end associate
-         flight%z = 0
-         flight%z_dot = 0
-         flight%duration = duration
-         call relative_extrema(flight, lowest, highest, whole)
+         call relative_extrema(primary_segment(system, starts(:, i), resting(i), duration), &
+            lowest, highest, whole)
          complete = complete .and. whole
          x_min = min(x_min, -highest)
          x_max = max(x_max, -lowest)
       end do
    end subroutine extreme_positions
+
+   !> The primary mass in a segment, as a flight whose free mass stays at 0.
+   pure function primary_segment(system, start, resting, duration) result(segment)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Start of the segment, as in `sample_segments`.
+      real(wp), intent(in) :: start(:)
+      !> The wall of a rest, as in `sample_segments`.
+      integer, intent(in) :: resting
+      !> Its duration (1/omega).
+      real(wp), intent(in) :: duration
+      type(flight_type) :: segment
+
+      if (resting /= 0) then
+         segment%oscillation_type = new_rest(system%osc%xi, system%osc%mu, system%r, system%load, &
+            start(2), start(3), start(4))
+         segment%z = 0
+         segment%z_dot = 0
+         segment%duration = duration
+      else
+         segment = new_flight(system%osc%xi, system%r, system%amplitude, start(2) - system%lag, &
+            start(3), start(4), 0.0_wp, 0.0_wp, duration)
+      end if
+   end function primary_segment
 
    !> x, x', z, z', y and load at given times, each from the closed form of its segment.
    !!

@@ -1,0 +1,318 @@
+!> How well many systems perform: what a design limits, on the attractor of each initial state.
+!!
+!! A simulation that almost repeats itself is refined to the periodic motion beside it; the figures
+!! are those of the closed form over its period. Where no period is found they are those over the
+!! last load cycles.
+module vi_attractor_performance
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_attractor_known, only: exact_period, known_type
+   use vi_attractor_settled, only: advance, segments_between
+   use vi_attractor_spread, only: placed_state
+   use vi_attractor_target, only: over_period, target_state
+   use vi_extrema, only: relative_extrema
+   use vi_flight, only: flight_type
+   use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
+      new_forced_system, state_time, state_type, two_pi
+   use vi_kinds, only: wp
+   use vi_oscillation, only: combination, derivatives, square_integral
+   use vi_oscillator, only: oscillator_type
+   use vi_progress, only: add_done_work, add_expected_work, is_stopped
+   use vi_status, only: stat
+   use vi_trajectory, only: primary_segment
+   implicit none (type, external)
+   private
+
+   public :: perform
+
+   !> Rows of the figures: greatest |x|, root mean square of x, greatest |x''| and |x + 2 xi x'|
+   !! (acceleration and transmitted force, except the impulses), greatest approach speed, greatest
+   !! modulus of the multipliers (NaN without a period or without impacts), amplitude A.
+   integer, parameter, public :: displacement = 1, rms = 2, acceleration = 3, force = 4, &
+      speed = 5, multiplier = 6, amplitude = 7, figures = 7
+
+   !> Events kept of a simulation.
+   integer, parameter :: capacity = 2048
+   !> Load cycles between two looks at the state, and the longest period that is looked for.
+   integer, parameter :: chunk = 8, longest = 8
+   !> States one period apart are refined to a periodic motion within this share of the clearance.
+   real(wp), parameter :: near = 2.0e-3_wp
+
+contains
+
+   !> The figures of many systems, each from one initial state.
+   subroutine perform(parameters, places, settling, keep, max_events, threads, found, ends, &
+      counts, status, progress)
+      !> (6, n): r, D, xi, mu, R1, R2
+      real(wp), intent(in) :: parameters(:, :)
+      !> (4, n): initial state, as in `placed_state`
+      real(wp), intent(in) :: places(:, :)
+      !> Load cycles after which a simulation counts as settled, and those examined then, at least
+      !! one.
+      integer, intent(in) :: settling, keep
+      !> Largest number of events of a simulation, and number of OpenMP threads.
+      integer, intent(in) :: max_events, threads
+      !> (figures, n): rows as above, with the unit of length F0/K; NaN where it failed.
+      real(wp), intent(out) :: found(:, :)
+      !> (5, n): t, x, x', z, z' of a state on the attractor; NaN where it failed.
+      real(wp), intent(out) :: ends(:, :)
+      !> (2, n): load cycles of the period (0 if there is none), and impacts in it or in the cycles
+      !! examined.
+      integer, intent(out) :: counts(:, :)
+      !> (n): codes of vi_status; `stat%not_computed` if it was stopped before.
+      integer, intent(out) :: status(:)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(event_type), allocatable :: events(:)
+      type(forced_system_type) :: system
+      integer :: j
+
+      call add_expected_work(size(status), progress)
+      status = stat%not_computed
+      counts = 0
+      found = ieee_value(1.0_wp, ieee_quiet_nan)
+      ends = found(1, 1)
+      !$omp parallel num_threads(threads) private(events, system)
+      allocate (events(capacity))
+      !$omp do schedule(dynamic, 16)
+      do j = 1, size(status)
+         if (is_stopped(progress)) cycle
+         associate (c => parameters(:, j))
+            system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), 1.0_wp, c(2))
+         end associate
+         call perform_one(system, placed_state(system%osc%xi, system%r, system%load, &
+            system%clearance, places(:, j)), settling, keep, max_events, events, found(:, j), &
+            ends(:, j), counts(:, j), status(j), progress)
+         call add_done_work(1, progress)
+      end do
+      !$omp end do
+      !$omp end parallel
+   end subroutine perform
+
+   !> The figures of one system from one initial state.
+   subroutine perform_one(system, start, settling, keep, max_events, events, found, end, counts, &
+      status, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: start(5)
+      !> As in `perform`.
+      integer, intent(in) :: settling, keep, max_events
+      !> Room for events.
+      type(event_type), intent(inout) :: events(:)
+      !> Out: as in `perform`.
+      real(wp), intent(inout) :: found(:), end(:)
+      !> Out: as in `perform`.
+      integer, intent(inout) :: counts(:)
+      !> Status.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(state_type) :: state, mark, marks(0:2*longest)
+      integer :: i, k, n, left, done, filled
+      logical :: good
+
+      state = initial_state(system, start)
+      state%cycle = 0
+      mark = state
+      left = max_events
+      ! states are compared at a phase unrelated to that of the start, which may be an impact
+      call advance(system, state, mark, 0.6180339887_wp, events, n, left, status, progress)
+      if (status /= stat%ok) return
+      filled = 0
+      marks(0) = mark
+      done = 0
+      do while (done < settling)
+         do i = 1, chunk
+            call advance(system, state, mark, 1.0_wp, events, n, left, status, progress)
+            if (status /= stat%ok) return
+            marks(1:) = marks(:2*longest - 1)
+            marks(0) = mark
+         end do
+         done = done + chunk
+         filled = min(filled + chunk, 2*longest)
+         do k = 1, filled/2
+            if (.not. (distance(marks(0), marks(k), system%clearance) < near .and. &
+               distance(marks(k), marks(2*k), system%clearance) < near)) cycle
+            call refine(system, mark, k, events, found, end, counts, good)
+            if (good) return
+            exit
+         end do
+      end do
+      call examine_cycles(system, state, mark, keep, left, events, found, counts, status, progress)
+      if (status == stat%ok) end = numbers_of(system, mark)
+   end subroutine perform_one
+
+   !> The figures of the stable periodic motion near a state.
+   pure subroutine refine(system, mark, cycles, events, found, end, counts, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The state.
+      type(state_type), intent(in) :: mark
+      !> Load cycles of the period.
+      integer, intent(in) :: cycles
+      !> Room for events.
+      type(event_type), intent(inout) :: events(:)
+      !> Out: as in `perform`.
+      real(wp), intent(inout) :: found(:), end(:)
+      !> Out: as in `perform`.
+      integer, intent(inout) :: counts(:)
+      !> False if there is none.
+      logical, intent(out) :: good
+      type(known_type) :: known
+      type(state_type) :: begin
+      real(wp), parameter :: none(4) = 0
+      integer :: n
+
+      call exact_period(system, numbers_of(system, mark), cycles, known, good)
+      if (.not. good) return
+      call over_period(system, known%targets(1), none, events, n, good)
+      if (.not. good) return
+      begin = target_state(system, known%targets(1), none)
+      call measure(system, begin, two_pi*cycles/system%r, events(:n), found, good)
+      end = numbers_of(system, begin)
+      found(multiplier) = known%largest
+      counts = [cycles, count(events(:n)%kind == impact_event)]
+   end subroutine refine
+
+   !> The figures over the next load cycles.
+   subroutine examine_cycles(system, state, mark, keep, left, events, found, counts, status, &
+      progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In: state at the start of the last flight or rest before the mark. Out: at the end.
+      type(state_type), intent(inout) :: state
+      !> The state from which the cycles are counted.
+      type(state_type), intent(in) :: mark
+      !> Load cycles.
+      integer, intent(in) :: keep
+      !> Events that are left.
+      integer, intent(inout) :: left
+      !> Room for events.
+      type(event_type), intent(inout) :: events(:)
+      !> Out: as in `perform`.
+      real(wp), intent(inout) :: found(:)
+      !> Out: as in `perform`.
+      integer, intent(inout) :: counts(:)
+      !> Status.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      real(wp) :: part(figures), squares
+      type(state_type) :: begin, final
+      integer :: i, n
+      logical :: good
+
+      counts = 0
+      found(:force) = 0
+      found(speed) = 0
+      squares = 0
+      final = mark
+      do i = 1, keep
+         begin = final
+         call advance(system, state, final, 1.0_wp, events, n, left, status, progress)
+         if (status /= stat%ok) exit
+         call measure(system, begin, two_pi/system%r, events(:n), part, good)
+         if (.not. good) status = stat%budget
+         if (.not. good) exit
+         found(:force) = max(found(:force), part(:force))
+         found(speed) = max(found(speed), part(speed))
+         squares = squares + part(rms)**2
+         counts(2) = counts(2) + count(events(:n)%kind == impact_event)
+      end do
+      found(rms) = sqrt(squares/keep)
+      found(amplitude) = system%amplitude
+      if (status /= stat%ok) found = ieee_value(1.0_wp, ieee_quiet_nan)
+   end subroutine examine_cycles
+
+   !> The figures between a state and a later time.
+   pure subroutine measure(system, begin, lapse, events, found, complete)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The state.
+      type(state_type), intent(in) :: begin
+      !> Time from there to the end (1/omega).
+      real(wp), intent(in) :: lapse
+      !> Events in between.
+      type(event_type), intent(in) :: events(:)
+      !> As in `perform`, except the multiplier.
+      real(wp), intent(inout) :: found(:)
+      !> False if a search ran out of steps.
+      logical, intent(out) :: complete
+      type(flight_type) :: x, other
+      real(wp) :: starts(6, 0:size(events)), times(0:size(events) + 1), square, w(0:2, 3)
+      integer, parameter :: rows(3) = [displacement, acceleration, force]
+      integer :: resting(0:size(events)), i, j
+
+      ! x, x'' and x + 2 xi x'
+      w(:, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
+      w(:, 2) = [0.0_wp, 0.0_wp, 1.0_wp]
+      w(:, 3) = [1.0_wp, 2*system%osc%xi, 0.0_wp]
+      call segments_between(system, begin, events, starts, resting)
+      times(:size(events)) = starts(1, :)
+      times(size(events) + 1) = starts(1, 0) + lapse
+      complete = .true.
+      found(rows) = 0
+      square = 0
+      do i = 0, size(events)
+         x = primary_segment(system, starts(:, i), resting(i), max(0.0_wp, times(i + 1) - times(i)))
+         square = square + square_integral(x%oscillation_type, x%duration)
+         other = x
+         do j = 1, 3
+            other%oscillation_type = combination(x%oscillation_type, w(:, j))
+            call raise(other, found(rows(j)), complete)
+         end do
+      end do
+      found(rms) = sqrt(max(0.0_wp, square)/lapse)
+      found(speed) = 0
+      do i = 1, size(events)
+         associate (e => events(i))
+            if (e%kind == impact_event) found(speed) = max(found(speed), &
+               abs(e%z_dot_before - e%x_dot_before))
+         end associate
+      end do
+      found(amplitude) = system%amplitude
+
+   end subroutine measure
+
+   !> Raises a figure to the greatest absolute value in a segment, its ends included.
+   pure subroutine raise(segment, figure, complete)
+      !> The segment.
+      type(flight_type), intent(in) :: segment
+      !> In and out: the figure.
+      real(wp), intent(inout) :: figure
+      !> In and out: set to false if the search ran out of steps.
+      logical, intent(inout) :: complete
+      real(wp) :: lowest, highest, first(0:5), last(0:5)
+      logical :: whole
+
+      call relative_extrema(segment, lowest, highest, whole)
+      complete = complete .and. whole
+      first = derivatives(segment, 0.0_wp)
+      last = derivatives(segment, segment%duration)
+      figure = max(figure, abs(first(0)), abs(last(0)))
+      if (highest > -huge(1.0_wp)) figure = max(figure, abs(lowest), abs(highest))
+   end subroutine raise
+
+   !> t, x, x', z, z' of a state.
+   pure function numbers_of(system, state) result(numbers)
+      !> The forced system, and the state.
+      type(forced_system_type), intent(in) :: system
+      !> As in `system`.
+      type(state_type), intent(in) :: state
+      real(wp) :: numbers(5)
+
+      numbers = [state_time(state%cycle, state%phase, system%r), state%x, state%x_dot, state%z, &
+         state%z_dot]
+   end function numbers_of
+
+   !> The distance of two states at one phase over the clearance.
+   pure real(wp) function distance(a, b, clearance)
+      !> The states, and the clearance.
+      type(state_type), intent(in) :: a, b
+      !> As in `a`.
+      real(wp), intent(in) :: clearance
+
+      distance = maxval(abs([a%x - b%x, a%x_dot - b%x_dot, a%z - b%z, a%z_dot - b%z_dot]))/clearance
+   end function distance
+
+end module vi_attractor_performance
