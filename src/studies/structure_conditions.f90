@@ -3,7 +3,8 @@
 !!
 !! With multipliers lambda_i, the numbers of fold, flip and Neimark-Sacker have the signs of the
 !! products of all 1 - lambda_i, of all 1 + lambda_i, and of all 1 - lambda_i lambda_j with i < j.
-!! Their magnitude is that of the least factor, which does not underflow for large structures.
+!! Their magnitude is that of the two least factors, which does not underflow for large structures;
+!! of two, since two multipliers that meet are not smooth, unlike their symmetric functions.
 module vi_structure_conditions
    use vi_family, only: add_distance_slope, repetition_distance
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
@@ -197,27 +198,30 @@ contains
       real(wp), intent(out) :: values(3)
       !> The multipliers.
       type(spectrum_type), intent(out) :: spectrum
-      real(wp) :: continued
+      real(wp) :: continued, least(2, 3)
       logical :: one, two
       integer :: i, j
 
       values = 0
       call member_multipliers(frame%family, member, spectrum%multipliers, spectrum%regular)
       if (.not. spectrum%regular) return
-      values = huge(1.0_wp)
+      values = 1
+      least = huge(1.0_wp)
       associate (lambda => spectrum%multipliers)
          do i = 1, size(lambda)
             one = .not. abs(lambda(i)%im) > 0
-            values(fold) = lesser(values(fold), lambda(i), one)
-            values(flip) = lesser(values(flip), -lambda(i), one)
+            call include(lambda(i), one, values(fold), least(:, fold))
+            call include(-lambda(i), one, values(flip), least(:, flip))
             do j = i + 1, size(lambda)
                two = one .and. .not. abs(lambda(j)%im) > 0
                ! DGEEV gives conjugate pairs in succession
                if (j == i + 1 .and. lambda(i)%im > 0) two = .true.
-               values(neimark_sacker) = lesser(values(neimark_sacker), lambda(i)*lambda(j), two)
+               call include(lambda(i)*lambda(j), two, values(neimark_sacker), &
+                  least(:, neimark_sacker))
             end do
          end do
       end associate
+      values = values*product(least, 1, least < huge(1.0_wp))
       ! where an approach speed passes zero, a multiplier passes infinity and another one zero
       continued = product(sign(1.0_wp, member%speeds(:size(frame%family%sides))))
       values([fold, flip]) = continued*values([fold, flip])
@@ -228,23 +232,27 @@ contains
       end do
    end subroutine stability_values
 
-   !> A number whose sign is that of a product and whose magnitude is that of its least factor, with
-   !! a further factor 1 - z.
-   pure real(wp) function lesser(value, z, alone)
-      !> The number so far.
-      real(wp), intent(in) :: value
+   !> Includes a factor 1 - z in the sign of a product and among its two least factors.
+   pure subroutine include(z, alone, sign_of, least)
       !> z.
       complex(wp), intent(in) :: z
       !> Whether z is real; otherwise the conjugate factor follows, and their product is positive.
       logical, intent(in) :: alone
+      !> In and out: the sign, and the two least |1 - z|/(1 + |z|) in ascending order.
+      real(wp), intent(inout) :: sign_of, least(2)
+      real(wp) :: factor
 
+      factor = abs(1 - z)/(1 + abs(z))
       if (alone) then
-         lesser = sign(min(abs(value), abs(1 - z%re)/(1 + abs(z%re))), value)
-         if (z%re > 1) lesser = -lesser
-      else
-         lesser = sign(min(abs(value), abs(1 - z)/(1 + abs(z))), value)
+         factor = abs(1 - z%re)/(1 + abs(z%re))
+         if (z%re > 1) sign_of = -sign_of
       end if
-   end function lesser
+      if (factor < least(1)) then
+         least = [factor, least(1)]
+      else
+         least(2) = min(least(2), factor)
+      end if
+   end subroutine include
 
    !> The least gap within a flight: at stationary points, and at its end of channels that are not
    !! in contact there.

@@ -373,6 +373,28 @@ def test_the_symmetric_zone_of_figure_6():
     assert (ours.contains(r, clearance / 2) == inside).all()
 
 
+def test_a_corner_where_two_multipliers_are_1():
+    """A fold ends on a Neimark-Sacker curve where two multipliers are 1; the loop is that of the oscillator."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    load = vi.Load(1.05, sine=[1, 0])
+    motion = vi.exact(osc.structure(12.0), load, ([5.04, 6.94, 8.45], [0, 1, 1]))
+    ours = vi.zone(motion, x=("frequency", 0.8, 1.2), y=("opening", 1.0, 40.0))
+    theirs = vi.zone(osc, "RLL", (0.8, 1.2), (2.0, 80.0))
+    assert ours.closed
+    assert {piece.type for piece in ours.boundary} == {"fold", "neimark_sacker", "flip", "window"}
+    highest = ours.loops[0].max(axis=0) * (1, 2)
+    ring = min(theirs.loops, key=lambda loop: float(np.abs(loop.max(axis=0) - highest).max()))
+    assert highest == pytest.approx(ring.max(axis=0), rel=1e-6)
+    assert ours.loops[0].min(axis=0) * (1, 2) == pytest.approx(ring.min(axis=0), rel=1e-6)
+    (fold,) = [piece for piece in ours.boundary if piece.type == "fold"]
+    ends = [ours.at(fold.x[j], fold.y[j]) for j in (0, -1)]
+    multipliers = [
+        vi.periodic(*place, np.sort(fold.phases[:, j]), [0, 1, 1]).multipliers
+        for place, j in zip(ends, (0, -1), strict=True)
+    ]
+    assert min(np.sort(np.abs(m - 1))[1] for m in multipliers) < 1e-3
+
+
 def test_zones_hold_what_simulation_finds():
     """In a zone of a structure simulations stay on its stable motion; outside there is no such motion."""
     gaps = [vi.Gap([0, -1, 1], 6.0, 0.7), vi.Gap([0, 1, -1], 6.0, 0.7)]
