@@ -106,6 +106,28 @@ subroutine impact_maps(n, xi, mu, r, cycles, sides, restitution, phases, impacts
    regular = merge(1, 0, good)
 end subroutine impact_maps
 
+!> The quantities of an exact motion with n impacts and their derivatives; see vi_gradient.
+subroutine motion_gradient(n, m, xi, mu, walls, r, load, clearance, cycles, sides, restitution, x, &
+   theta, multipliers, values, slopes, codes, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_exact, only: setting_type
+   use vi_gradient, only: gradient => motion_gradient
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, cycles, sides(n)
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, restitution(n), x(n), &
+      theta(n)
+   complex(c_double_complex), intent(in) :: multipliers(4)
+   real(c_double), intent(out) :: values(m), slopes(8, m)
+   integer(c_int), intent(out) :: codes(m), status
+
+   call gradient(setting_type(oscillator_type(xi, mu, walls), r, load, clearance, &
+      pattern_type(sides, cycles), restitution), x, theta, multipliers, values, slopes, codes, &
+      status)
+end subroutine motion_gradient
+
 !> The time history of a motion: x, x', z, z', y and load at the given times.
 subroutine sample(n, m, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
    times, values)

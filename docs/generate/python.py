@@ -8,7 +8,8 @@ import vibroimpact.plot
 #: Modules by subject; public names of modules not listed here come last.
 SUBJECTS = {
     "System, pattern, units": ("model",),
-    "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "status"),
+    "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "gradient",
+                "status"),
     "Simulation": ("trajectory", "period", "bundle"),
     "Structures": ("structure", "structure_trajectory", "structure_motion", "structure_find", "restitution",
                    "record"),

@@ -18,6 +18,7 @@ from .errors import (
 from .events import Sample
 from .flags import StabilityFlags, stability_flags
 from .formats.load import load
+from .gradient import Gradient
 from .likeness import is_symmetric, motion_images, same_motion, standard_motion
 from .model import Oscillator, Pattern, Units
 from .motion import Motion, Motions
@@ -73,6 +74,7 @@ __all__ = [
     "Findings",
     "FoundMotions",
     "Gap",
+    "Gradient",
     "Load",
     "Lyapunov",
     "MissingExtraError",

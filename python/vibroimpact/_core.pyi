@@ -234,6 +234,27 @@ class _LinearSystem(Protocol):
     ) -> tuple[_Real, _Real]: ...
 
 @type_check_only
+class _MotionGradient(Protocol):
+    # values, slopes, codes, status
+    def __call__(
+        self,
+        m: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        cycles: int,
+        sides: ArrayLike,
+        restitution: ArrayLike,
+        x: ArrayLike,
+        theta: ArrayLike,
+        multipliers: ArrayLike,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, _Integer, int]: ...
+
+@type_check_only
 class _NewResult(Protocol):
     # handle, status
     def __call__(
@@ -682,6 +703,7 @@ find_motion: _FindMotion
 free_result: _FreeResult
 impact_maps: _ImpactMaps
 linear_system: _LinearSystem
+motion_gradient: _MotionGradient
 new_result: _NewResult
 open_table: _OpenTable
 perform: _Perform

@@ -21,6 +21,7 @@ from .events import (
     segments,
     with_accelerations,
 )
+from .gradient import Gradient, motion_gradient
 from .model import Oscillator, Pattern
 from .noun import Noun, Savable
 from .quantities import Quantities, quantities_of
@@ -308,6 +309,44 @@ class Motion(Savable, study="motion"):
         for matrix in self.impact_maps():
             product = matrix @ product
         return product
+
+    def gradient(self) -> Gradient:
+        """The derivatives of all quantities with respect to r, clearance, xi, mu, R1, R2, R and load.
+
+        They are those of the exact motion, with the phases as functions of the parameters, from the
+        implicit-function theorem and the derivatives of [P_i]; no difference quotients are taken. R1 and R2 change
+        the restitution of all impacts on their wall, R that of all impacts.
+
+        Beside attributes of the motion the quantities are `load_phase` and `attenuation`, and the distances to the
+        boundaries of its zone: `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance
+        to each wall where the relative position is stationary in the flight after each impact (NaN if it is so
+        nowhere); and `stability_margin`, which is 1 - max|lambda|.
+
+        Returns
+        -------
+        Gradient
+            NaN with a `status` where a single quantity has no derivatives: multipliers that coincide, or a
+            greatest value that is reached twice, as by symmetric motions if R1 alone changes.
+
+        Raises
+        ------
+        ParameterError
+            If the motion has rest, more than 24 impacts, or no load.
+        SingularError
+            If the motion is at a fold, a pitchfork or a graze, or if its phases are not exact (`exact` finds the
+            exact motion nearby).
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> gradient = vi.equispaced(osc, 0.94, 37.0)[0].gradient()
+        >>> round(float(gradient["attenuation", "clearance"]), 6)
+        0.015041
+        >>> gradient["X", "mu"].shape
+        (2,)
+        """
+        return motion_gradient(self)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.

@@ -37,8 +37,10 @@ module vi_member
       !> -1 if the impacts repeat mirrored, else 1; and the phase after which they repeat.
       real(wp) :: sign = 1, span = 0
       real(wp) :: xi = 0, mu = 0, r = 1, amplitude = 0
-      !> Derivative of log(A) with respect to r, and 1/r.
-      real(wp) :: growth = 0, per_r = 1
+      !> Derivatives of log(A) with respect to r and xi, and 1/r.
+      real(wp) :: growth = 0, fading = 0, per_r = 1
+      !> Number of parameters in gradients: r and log(D), or all six.
+      integer :: varied = 2
       real(wp), dimension(0:most_impacts + 1) :: u, theta, z, restitution
       !> Forced motion A sin(theta) and its velocity A r cos(theta).
       real(wp), dimension(0:most_impacts + 1) :: forced, forced_dot
@@ -65,7 +67,7 @@ contains
    end function span_of
 
    !> Everything at the impacts and flights of unknowns (u_i, theta_i) at parameters c.
-   pure subroutine set_orbit(family, unknowns, c, o)
+   pure subroutine set_orbit(family, unknowns, c, o, restitution)
       !> Sides of the impacts, load cycles, and whether only the first half is given.
       type(family_type), intent(in) :: family
       !> (2n) u_i = x_i/d, theta_i = alpha_i + tau (rad).
@@ -74,6 +76,8 @@ contains
       real(wp), intent(in) :: c(:)
       !> Out: everything at impacts and flights; lengths in units of the clearance d.
       type(orbit_type), intent(inout) :: o
+      !> (n) Coefficient of restitution of each impact, if it is not that of its wall.
+      real(wp), intent(in), optional :: restitution(:)
       real(wp) :: shrink, h, c1, c2
       integer :: n, i
 
@@ -88,6 +92,7 @@ contains
       h = gain(o%xi, o%r)
       o%amplitude = h*exp(-c(by_clearance))
       o%growth = 2*o%r*((1 - o%r)*(1 + o%r) - 2*o%xi**2)*h**2
+      o%fading = -4*o%xi*(o%r*h)**2
       h = eta(o%xi)
       do i = 1, n
          o%u(i) = unknowns(i)
@@ -105,6 +110,7 @@ contains
          o%restitution(i) = merge(c(by_right), c(by_left), o%side(i) > 0)
          o%z(i) = o%u(i) + 0.5_wp*o%side(i)
       end do
+      if (present(restitution)) o%restitution(1:n + 1) = [restitution, restitution(1)]
       do i = 1, n
          o%time(i) = (o%theta(i + 1) - o%theta(i))/o%r
          o%rate(i) = 1/o%time(i)

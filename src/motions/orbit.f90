@@ -9,11 +9,13 @@ module vi_orbit
    use vi_kinds, only: wp
    use vi_member, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
       most_impacts, n_parameters, orbit_type, set_orbit, span_of
+   use vi_oscillator, only: eta
    implicit none (type, external)
    private
 
    public :: set_orbit, orbit_residual, orbit_slopes, orbit_by_parameter
-   public :: by_forced, by_speed, by_time, period_parts, span_of, split_part
+   public :: by_after, by_before, by_forced, by_law, by_speed, by_time, by_position, period_parts, &
+      span_of, split_part, transfer_by_xi
    public :: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, most_impacts
    public :: family_type, orbit_type
 
@@ -47,15 +49,16 @@ contains
       end associate
    end function free_end
 
-   !> The residuals, and the gradient of each with respect to u_i, theta_i, r and log(D).
+   !> The residuals, and the gradient of each with respect to u_i, theta_i and the parameters that
+   !! are varied.
    pure subroutine orbit_slopes(o, slopes, residual)
       !> The orbit.
       type(orbit_type), intent(in) :: o
-      !> (at least 2n + 2, 2n) slopes(:, j): gradient of residual j.
+      !> (at least 2n + o%varied, 2n) slopes(:, j): gradient of residual j.
       real(wp), contiguous, intent(out) :: slopes(:, :)
       !> (2n) As `orbit_residual`.
       real(wp), intent(out) :: residual(:)
-      real(wp) :: free(2)
+      real(wp) :: free(2), d(4)
       integer :: n, i, next
 
       n = o%n
@@ -64,8 +67,8 @@ contains
          free = free_end(o, i)
          residual(i) = free(1) + o%forced(i + 1) - o%u(i + 1)
          residual(n + i) = free(2) + o%forced_dot(i + 1) - o%before(i + 1)
-         slopes(:2*n + 2, i) = 0
-         slopes(:2*n + 2, n + i) = 0
+         slopes(:2*n + o%varied, i) = 0
+         slopes(:2*n + o%varied, n + i) = 0
          associate (s => o%s(:, i), x => slopes(:, i), v => slopes(:, n + i), &
             after => o%of_after(:, i), before => o%of_before(:, next))
             x(i) = s(1)
@@ -82,9 +85,135 @@ contains
             call by_forced(o, i, -s(3), -s(4), v)
             call by_forced(o, i + 1, 1.0_wp, 0.0_wp, x)
             call by_forced(o, i + 1, 0.0_wp, 1.0_wp, v)
+            if (o%varied <= by_clearance) cycle
+            d = transfer_by_xi(o, i, o%time(i))
+            free = [o%u(i) - o%forced(i), o%after(i) - o%forced_dot(i)]
+            x(2*n + by_xi) = x(2*n + by_xi) + dot_product(d(:2), free)
+            v(2*n + by_xi) = v(2*n + by_xi) + dot_product(d(3:), free)
+            call by_law(o, i, s(2), 0.0_wp, x)
+            call by_law(o, i, s(4), 0.0_wp, v)
+            call by_law(o, i + 1, 0.0_wp, -1.0_wp, v)
          end associate
       end do
    end subroutine orbit_slopes
+
+   !> Derivatives of S_1 .. S_4 of (A6) with respect to xi.
+   pure function transfer_by_xi(o, i, t) result(d)
+      !> The orbit.
+      type(orbit_type), intent(in) :: o
+      !> Number of the flight, 1 to n.
+      integer, intent(in) :: i
+      !> Time after its start (1/omega).
+      real(wp), intent(in) :: t
+      real(wp) :: d(4)
+      real(wp) :: h, s2, c2, by(2)
+
+      h = eta(o%xi)
+      if (t < o%time(i)) then
+         s2 = exp(-o%xi*t)*sin(h*t)/h
+         c2 = exp(-o%xi*t)*cos(h*t)
+      else
+         s2 = o%s(2, i)
+         c2 = o%c2(i)
+      end if
+      ! of S_2 and C_2, the frequency being sqrt(1 - xi^2)
+      by = [-t*s2 - o%xi*(t*c2 - s2)/h**2, -t*c2 + t*o%xi*s2]
+      d = [by(2) + s2 + o%xi*by(1), by(1), -by(1), by(2) - s2 - o%xi*by(1)]
+   end function transfer_by_xi
+
+   !> Adds the effect of mu and R on the velocity of the primary mass around an impact, times
+   !! weights, to a gradient; the velocities of the free mass are fixed.
+   pure subroutine by_law(o, i, after, before, slope)
+      !> The orbit.
+      type(orbit_type), intent(in) :: o
+      !> Number of the impact, 1 to n + 1.
+      integer, intent(in) :: i
+      !> Derivatives of the quantity with respect to the velocities just after and just before it.
+      real(wp), intent(in) :: after, before
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
+      real(wp), contiguous, intent(inout) :: slope(:)
+      real(wp) :: change
+      integer :: j, at
+
+      if (o%varied <= by_clearance) return
+      j = merge(1, i, i > o%n)
+      change = merge(o%sign, 1.0_wp, i > o%n)*(o%speed(j - 1) - o%speed(j))
+      associate (rest => o%restitution(j), mu => o%mu)
+         at = 2*o%n + by_mu
+         slope(at) = slope(at) + (after*rest - before)*change/(1 + rest)
+         at = 2*o%n + merge(by_right, by_left, o%side(j) > 0)
+         slope(at) = slope(at) + (1 + mu)*(after + before)*change/(1 + rest)**2
+      end associate
+   end subroutine by_law
+
+   !> Adds the effect of the velocity of the primary mass just after an impact, times a weight, to a
+   !! gradient.
+   pure subroutine by_after(o, i, weight, slope)
+      !> The orbit.
+      type(orbit_type), intent(in) :: o
+      !> Number of the impact, 1 to n.
+      integer, intent(in) :: i
+      !> Derivative of the quantity with respect to that velocity.
+      real(wp), intent(in) :: weight
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
+      real(wp), contiguous, intent(inout) :: slope(:)
+
+      call by_speed(o, i - 1, weight*o%of_after(1, i), slope)
+      call by_speed(o, i, weight*o%of_after(2, i), slope)
+      call by_law(o, i, weight, 0.0_wp, slope)
+   end subroutine by_after
+
+   !> Adds the effect of the velocity of the primary mass just before an impact, times a weight, to
+   !! a gradient.
+   pure subroutine by_before(o, i, weight, slope)
+      !> The orbit.
+      type(orbit_type), intent(in) :: o
+      !> Number of the impact, 1 to n.
+      integer, intent(in) :: i
+      !> Derivative of the quantity with respect to that velocity.
+      real(wp), intent(in) :: weight
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
+      real(wp), contiguous, intent(inout) :: slope(:)
+
+      call by_speed(o, i - 1, weight*o%of_before(1, i), slope)
+      call by_speed(o, i, weight*o%of_before(2, i), slope)
+      call by_law(o, i, 0.0_wp, weight, slope)
+   end subroutine by_before
+
+   !> Adds the effect of the position of the primary mass a given time after an impact, times a
+   !! weight, to a gradient; the time is fixed.
+   pure subroutine by_position(o, i, t, weight, slope)
+      !> The orbit.
+      type(orbit_type), intent(in) :: o
+      !> Number of the impact, 1 to n.
+      integer, intent(in) :: i
+      !> Time after it (1/omega).
+      real(wp), intent(in) :: t
+      !> Derivative of the quantity with respect to that position.
+      real(wp), intent(in) :: weight
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
+      real(wp), contiguous, intent(inout) :: slope(:)
+      real(wp) :: h, c1, c2, free(2), sine, cosine, d(4)
+      integer :: n
+
+      n = o%n
+      h = eta(o%xi)
+      c1 = exp(-o%xi*t)*sin(h*t)/h
+      c2 = exp(-o%xi*t)*cos(h*t)
+      free = weight*[c2 + o%xi*c1, c1]
+      sine = weight*o%amplitude*sin(o%r*t + o%theta(i))
+      cosine = weight*o%amplitude*cos(o%r*t + o%theta(i))
+      slope(i) = slope(i) + free(1)
+      call by_after(o, i, free(2), slope)
+      call by_forced(o, i, -free(1), -free(2), slope)
+      slope(n + i) = slope(n + i) + cosine
+      slope(2*n + by_r) = slope(2*n + by_r) + cosine*t + o%growth*sine
+      slope(2*n + by_clearance) = slope(2*n + by_clearance) - sine
+      if (o%varied <= by_clearance) return
+      d = transfer_by_xi(o, i, t)
+      slope(2*n + by_xi) = slope(2*n + by_xi) + o%fading*sine + weight*(d(1)*(o%u(i) &
+         - o%forced(i)) + d(2)*(o%after(i) - o%forced_dot(i)))
+   end subroutine by_position
 
    !> Adds the effect of the duration of flight i, times a weight, to a gradient.
    pure subroutine by_time(o, i, weight, slope)
@@ -94,7 +223,7 @@ contains
       integer, intent(in) :: i
       !> Derivative of the quantity with respect to that duration.
       real(wp), intent(in) :: weight
-      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
       integer :: n, next
@@ -116,7 +245,7 @@ contains
       integer, intent(in) :: i
       !> Derivative of the quantity with respect to that velocity.
       real(wp), intent(in) :: weight
-      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w
       integer :: n, j, next
@@ -143,7 +272,7 @@ contains
       integer, intent(in) :: i
       !> Derivatives of the quantity with respect to the forced motion and its velocity.
       real(wp), intent(in) :: weight, weight_dot
-      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: cosine, grown
       integer :: n, j
@@ -155,36 +284,23 @@ contains
       slope(n + j) = slope(n + j) + weight*cosine - weight_dot*o%r*o%forced(i)
       slope(2*n + by_r) = slope(2*n + by_r) + o%growth*grown + weight_dot*cosine
       slope(2*n + by_clearance) = slope(2*n + by_clearance) - grown
+      if (o%varied > by_clearance) slope(2*n + by_xi) = slope(2*n + by_xi) + o%fading*grown
    end subroutine by_forced
 
    !> Derivative of the residual with respect to one parameter (2n).
-   pure function orbit_by_parameter(family, unknowns, c, o, which) result(slope)
-      !> Family of the orbit.
-      type(family_type), intent(in) :: family
-      !> u_i, theta_i (2n), and the parameters r, log(D), xi, mu, R1, R2 (6).
-      real(wp), intent(in) :: unknowns(:), c(:)
-      !> The orbit of these unknowns and parameters.
+   pure function orbit_by_parameter(o, which) result(slope)
+      !> The orbit.
       type(orbit_type), intent(in) :: o
       !> Place of the parameter: `by_r` .. `by_left`.
       integer, intent(in) :: which
-      real(wp) :: slope(size(unknowns))
-      real(wp), parameter :: h = 1.0e-5_wp
-      type(orbit_type) :: moved
-      real(wp) :: shifted(n_parameters), slopes(2*o%n + 2, 2*o%n), residual(2*o%n)
+      real(wp) :: slope(2*o%n)
+      type(orbit_type) :: all
+      real(wp) :: slopes(2*o%n + n_parameters, 2*o%n), residual(2*o%n)
 
-      select case (which)
-      case (by_r, by_clearance)
-         call orbit_slopes(o, slopes, residual)
-         slope = slopes(2*o%n + which, :)
-      case default
-         shifted = c
-         shifted(which) = c(which) + h
-         call set_orbit(family, unknowns, shifted, moved)
-         slope = orbit_residual(moved)
-         shifted(which) = c(which) - h
-         call set_orbit(family, unknowns, shifted, moved)
-         slope = (slope - orbit_residual(moved))/(2*h)
-      end select
+      all = o
+      all%varied = n_parameters
+      call orbit_slopes(all, slopes, residual)
+      slope = slopes(2*o%n + which, :)
    end function orbit_by_parameter
 
    !> All [P_i], and the derivative of the map of the period, [P] = P_n .. P_1, or of that of the

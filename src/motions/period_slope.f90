@@ -5,7 +5,8 @@
 !! of each [P_i], and from these through (A5)-(A7) to the unknowns and parameters.
 module vi_period_slope
    use vi_kinds, only: wp
-   use vi_orbit, only: by_forced, by_r, by_speed, by_time, most_impacts, orbit_type
+   use vi_orbit, only: by_after, by_clearance, by_forced, by_left, by_mu, by_r, by_right, &
+      by_speed, by_time, by_xi, most_impacts, orbit_type, transfer_by_xi
    implicit none (type, external)
    private
 
@@ -13,8 +14,8 @@ module vi_period_slope
 
 contains
 
-   !> Adds the effect of the map of the period to a gradient with respect to u_i, theta_i, r,
-   !! log(D).
+   !> Adds the effect of the map of the period to a gradient with respect to u_i, theta_i and the
+   !! parameters that are varied.
    pure subroutine add_period_slope(o, parts, weights, slope)
       !> The orbit.
       type(orbit_type), intent(in) :: o
@@ -22,7 +23,7 @@ contains
       real(wp), intent(in) :: parts(4, 4, most_impacts)
       !> Derivatives of the number with respect to the entries of the map of the period.
       real(wp), intent(in) :: weights(4, 4)
-      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
       real(wp), contiguous, intent(inout) :: slope(:)
       real(wp) :: w(4, 4), before(4, 4, most_impacts)
       integer :: i
@@ -54,11 +55,12 @@ contains
       integer, intent(in) :: i
       !> [P_i] and the weights of its entries.
       real(wp), intent(in) :: p(4, 4), w(4, 4)
-      !> (at least 2n + 2) In and out: gradient with respect to u_i, theta_i, r, log(D).
+      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
       real(wp), contiguous, intent(inout) :: slope(:)
-      real(wp), dimension(4) :: v, last, row, w_s
+      real(wp), dimension(4) :: v, last, row, w_s, w_k, d, arrival
       real(wp), dimension(2) :: f, g, m, w_f, w_g
       real(wp) :: x, v_free, s5, s6, s13, s15, r, w5, w6, w13, w15, w_r, w_speed, w_time
+      integer :: wall
 
       r = o%r
       f = [o%forced(i), o%forced(i + 1)]
@@ -99,12 +101,25 @@ contains
             + (w_s(4) - 2*o%xi*w15)*s15 - w15*s(4)
          ! the free part of x and x'
          m = [s(3)*w6 - s(4)*w13, s(4)*w6 + s15*w13]/r
+         if (o%varied > by_clearance) then
+            d = transfer_by_xi(o, i, o%time(i))
+            slope(2*o%n + by_xi) = slope(2*o%n + by_xi) + dot_product(w_s, d) &
+               - w15*(d(2) + 2*s(4) + 2*o%xi*d(4))
+            ! k_1 .. k_4 of (A5); row 3 less k_4 is k_3 times the change of x' before the impact
+            arrival = p(3, :)*(1 + mu)/(1 + rest)
+            arrival(3) = arrival(3) - (mu - rest)/(1 + rest)
+            w_k = [dot_product(w(2, :), arrival), w(2, 3), dot_product(w(3, :), arrival), w(3, 3)]
+            slope(2*o%n + by_mu) = slope(2*o%n + by_mu) + (1 + rest)/(1 + mu)**2 &
+               *(w_k(2) + w_k(4) - w_k(1) - w_k(3))
+            wall = 2*o%n + merge(by_right, by_left, o%side(i + 1) > 0)
+            slope(wall) = slope(wall) + (mu*(w_k(2) - w_k(1)) + w_k(3) - w_k(4))/(1 + mu)
+         end if
       end associate
       slope(i) = slope(i) + m(1)
       slope(2*o%n + by_r) = slope(2*o%n + by_r) + w_r
       call by_time(o, i, w_time, slope)
-      call by_speed(o, i, w_speed + m(2)*o%of_after(2, i), slope)
-      call by_speed(o, i - 1, m(2)*o%of_after(1, i), slope)
+      call by_speed(o, i, w_speed, slope)
+      call by_after(o, i, m(2), slope)
       call by_forced(o, i, w_f(1) - m(1), w_g(1)/r - m(2), slope)
       call by_forced(o, i + 1, w_f(2), w_g(2)/r, slope)
    end subroutine add_part_slope

@@ -59,6 +59,18 @@ module vi_status
       integer :: extreme_units = 23
       !> A simulation repeats near a motion that is not stable.
       integer :: not_stable = 24
+      !> A motion at a fold or a pitchfork has no derivatives.
+      integer :: fold = 25
+      !> A motion with an impact or a gap that only touches has no derivatives.
+      integer :: graze = 26
+      !> The equations of a motion do not hold.
+      integer :: not_exact = 27
+      !> Multipliers coincide: they are no smooth functions of the parameters.
+      integer :: coincident = 28
+      !> A greatest value is reached twice, and the two change differently.
+      integer :: not_smooth = 29
+      !> The relative position is not stationary in a flight.
+      integer :: no_extremum = 30
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -139,6 +151,19 @@ contains
       case (stat%not_stable)
          text = 'the simulation passes by a periodic motion that is not stable; simulate longer &
             &first'
+      case (stat%fold)
+         text = 'the motion is at a fold or a pitchfork, where it has no derivatives'
+      case (stat%graze)
+         text = 'an impact has no approach speed, or a gap closes without one: at such a graze the &
+            &motion has no derivatives'
+      case (stat%not_exact)
+         text = 'the equations of the motion do not hold to rounding: find the exact motion first'
+      case (stat%coincident)
+         text = 'multipliers coincide, so that they have no derivatives'
+      case (stat%not_smooth)
+         text = 'the greatest value is reached twice, and the two change differently'
+      case (stat%no_extremum)
+         text = 'the relative position is not stationary inside the flight'
       case default
          text = 'unknown status code'
       end select

@@ -183,9 +183,9 @@ contains
       end do
       do k = 1, size(curve%active)
          if (curve%active(k) <= by_clearance) cycle
-         slope(:n) = orbit_by_parameter(curve%frame%family, point(:n), c, o, curve%active(k))
+         slope(:n) = orbit_by_parameter(o, curve%active(k))
          if (curve%tied .and. curve%active(k) == by_right) slope(:n) = slope(:n) &
-            + orbit_by_parameter(curve%frame%family, point(:n), c, o, by_left)
+            + orbit_by_parameter(o, by_left)
          a(n + k, :n) = curve%scale(k)*slope(:n)
       end do
       do j = 1, size(conditions)

@@ -8,8 +8,7 @@ module vi_slopes
    use vi_frame, only: condition_type, edge, flip, fold, frame_type, grazing, neimark_sacker, &
       repetition, zero_approach
    use vi_kinds, only: wp
-   use vi_orbit, only: by_clearance, by_forced, by_r, by_speed, orbit_type
-   use vi_oscillator, only: eta
+   use vi_orbit, only: by_clearance, by_position, by_speed, orbit_type
    use vi_spectrum, only: spectrum_type, sums_with_slope
    implicit none (type, external)
    private
@@ -139,28 +138,18 @@ contains
       !> (2n + 2) In: 0. Out: the gradient.
       real(wp), contiguous, intent(inout) :: slope(:)
       type(condition_type) :: touch
-      real(wp) :: t, free(2), c1, c2, sine, cosine, side
-      integer :: n, i
+      real(wp) :: t, side
+      integer :: i
 
       touch = condition
       call polish_touch(o, touch, value)
-      n = o%n
       i = touch%index
       side = touch%side
       t = touch%share*o%time(i)
-      c1 = exp(-o%xi*t)*sin(eta(o%xi)*t)/eta(o%xi)
-      c2 = exp(-o%xi*t)*cos(eta(o%xi)*t)
-      free = side*[c2 + o%xi*c1, c1]
-      sine = side*o%amplitude*sin(o%r*t + o%theta(i))
-      cosine = side*o%amplitude*cos(o%r*t + o%theta(i))
-      ! gap = 1/2 - side (z_i + z' t - x), x by equation (2)
-      slope(i) = slope(i) - side + free(1)
-      call by_speed(o, i, free(2)*o%of_after(2, i) - side*t, slope)
-      call by_speed(o, i - 1, free(2)*o%of_after(1, i), slope)
-      call by_forced(o, i, -free(1), -free(2), slope)
-      slope(n + i) = slope(n + i) + cosine
-      slope(2*n + by_r) = slope(2*n + by_r) + cosine*t + o%growth*sine
-      slope(2*n + by_clearance) = slope(2*n + by_clearance) - sine
+      ! gap = 1/2 - side (z_i + z' t - x)
+      slope(i) = slope(i) - side
+      call by_speed(o, i, -side*t, slope)
+      call by_position(o, i, t, side, slope)
    end subroutine touch_slope
 
 end module vi_slopes

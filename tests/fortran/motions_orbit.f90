@@ -115,7 +115,7 @@ contains
             difference = difference + weights(k)*residual_at(family, moved(:n), moved(n + 1:))
          end do
          slope = slopes(min(j, n), :)
-         if (j > n) slope = orbit_by_parameter(family, unknowns, c, o, j - n)
+         if (j > n) slope = orbit_by_parameter(o, j - n)
          scale = max(1.0_wp, maxval(abs(slope)), maxval(abs(o%speed(1:o%n))), o%amplitude)
          call check_close(maxval(abs(difference - slope)), 0.0_wp, 1.0e-7_wp*scale, &
             'orbit: a column of the derivative')

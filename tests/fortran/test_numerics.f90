@@ -301,7 +301,8 @@ contains
          stat%event_limit, stat%no_memory, stat%mass_not_definite, stat%negative_stiffness, &
          stat%defective, stat%resonance, stat%coupled_impacts, stat%gap_closed, &
          stat%no_impacts, stat%no_period, stat%extreme_units, &
-         stat%not_stable]
+         stat%not_stable, stat%fold, stat%graze, stat%not_exact, stat%coincident, &
+         stat%not_smooth, stat%no_extremum]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

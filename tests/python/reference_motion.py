@@ -27,15 +27,19 @@ def flight(xi, r, amplitude, theta, x, v, t):
 class ReferenceMotion:
     """The exact motion near one of the package."""
 
-    def __init__(self, motion):
-        """Solve its equations."""
-        osc = motion.osc
-        self.xi, self.mu, self.r = mpf(osc.xi), mpf(osc.mu), mpf(motion.r)
-        self.rest = [mpf(float(value)) for value in motion.restitution]
-        self.half = [mpf(int(side)) * mpf(motion.clearance) / 2 for side in motion.pattern.signs]
+    def __init__(self, motion, **changes):
+        """Solve its equations, with changes of r, clearance, xi, mu, R1, R2 or load."""
+        osc, self.sides = motion.osc, [int(side) for side in motion.pattern.signs]
+        by = dict.fromkeys(("r", "clearance", "xi", "mu", "R1", "R2", "load"), mpf(0)) | changes
+        self.xi, self.mu, self.r = osc.xi + by["xi"], osc.mu + by["mu"], motion.r + by["r"]
+        self.rest = [
+            float(value) + by["R1" if side > 0 else "R2"]
+            for value, side in zip(motion.restitution, self.sides, strict=True)
+        ]
+        self.half = [side * (motion.clearance + by["clearance"]) / 2 for side in self.sides]
         self.turn = 2 * mp.pi * motion.pattern.cycles
         self.n = len(self.half)
-        self.amplitude = mpf(motion.load) / mp.sqrt(
+        self.amplitude = (motion.load + by["load"]) / mp.sqrt(
             (1 - self.r**2) ** 2 + (2 * self.xi * self.r) ** 2
         )
         start = [*motion.X, *(motion.phases + motion.tau)]
@@ -108,8 +112,61 @@ class ReferenceMotion:
             theta + self.r * time,
         ]
 
-    def largest_multiplier(self):
-        """Largest modulus of a multiplier."""
+    def turns(self, i, speed):
+        """Times after impact i at which M has a given velocity, before the next impact."""
+        time, _, after, _ = self.speeds(self.u)
+
+        def excess(t):
+            x, theta = self.u[i], self.u[self.n + i]
+            return flight(self.xi, self.r, self.amplitude, theta, x, after[i], t)[1] - speed
+
+        grid = [time[i] * k / 200 for k in range(201)]
+        sizes = [excess(t) for t in grid]
+        for k in range(200):
+            if sizes[k] * sizes[k + 1] < 0:
+                yield mp.findroot(excess, (grid[k], grid[k + 1]), solver="anderson")
+
+    def place(self, i, t):
+        """Position of M a time t after impact i."""
+        after, x, theta = self.speeds(self.u)[2], self.u[i], self.u[self.n + i]
+        return flight(self.xi, self.r, self.amplitude, theta, x, after[i], t)[0]
+
+    def quantities(self):
+        """What `Motion.gradient` differentiates, by name; the multipliers in any order."""
+        n, u = self.n, self.u
+        _, before, after, w = self.speeds(u)
+        arrivals = [w[i - 1] for i in range(n)]
+        lag = mp.atan2(2 * self.xi * self.r, 1 - self.r**2)
+        places = [[u[i], *(self.place(i, t) for t in self.turns(i, mpf(0)))] for i in range(n)]
+        places = [x for flight_places in places for x in flight_places]
+        gaps = {1: [], -1: []}
+        for i in range(n):
+            slot = [self.half[i] + u[i] + w[i] * t - self.place(i, t) for t in self.turns(i, w[i])]
+            for side in gaps:
+                inside = [abs(self.half[0]) - side * y for y in slot]
+                gaps[side].append(min(inside, default=mp.nan))
+        return {
+            "phases": [u[n + i] - u[n] for i in range(n)],
+            "X": u[:n],
+            "Z": [u[i] + self.half[i] for i in range(n)],
+            "X_dot_before": before,
+            "X_dot_after": after,
+            "Z_dot_before": arrivals,
+            "Z_dot_after": w,
+            "approach_speeds": [self.sides[i] * (arrivals[i] - before[i]) for i in range(n)],
+            "gaps_right": gaps[1],
+            "gaps_left": gaps[-1],
+            "A": self.amplitude,
+            "tau": u[n],
+            "load_phase": u[n] + lag,
+            "x_max": max(places),
+            "x_min": min(places),
+            "attenuation": max(max(places), -min(places)) / self.amplitude,
+            "multipliers": self.multipliers(),
+        }
+
+    def multipliers(self):
+        """The eigenvalues of the product of the derivatives of the maps between impacts."""
         time, _, after, w = self.speeds(self.u)
         product = mp.eye(4)
         for i in range(self.n):
@@ -121,10 +178,10 @@ class ReferenceMotion:
                 for k, value in enumerate(self.following(i, moved, time[i])):
                     part[k, j] = (value - base[k]) / STEP
             product = part * product
-        return max(abs(value) for value in mp.eig(product, left=False, right=False))
+        return mp.eig(product, left=False, right=False)
 
 
 def excess(motion):
     """Largest modulus of a multiplier of the motion near one of the package, less 1."""
     with mp.workdps(DIGITS):
-        return float(ReferenceMotion(motion).largest_multiplier() - 1)
+        return float(max(abs(value) for value in ReferenceMotion(motion).multipliers()) - 1)

@@ -1,0 +1,185 @@
+"""Derivatives of motions and trajectories with respect to parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .errors import ParameterError
+from .libraries import xarray
+from .status import raise_status, status_text
+
+if TYPE_CHECKING:
+    from .motion import Motion
+
+__all__ = ["Gradient"]
+
+#: The parameters of motions of the oscillator, and the core's groups of quantities, by impact and single.
+PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2", "R", "load")
+OF_IMPACTS = (
+    "phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after", "approach_speeds",
+    "gaps_right", "gaps_left",
+)  # fmt: skip
+OF_MOTION = ("A", "tau", "load_phase", "x_max", "x_min", "attenuation", "stability_margin")
+#: Most impacts in a period whose derivatives the core computes.
+MOST_IMPACTS = 24
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Gradient:
+    """Exact derivatives of all quantities of a motion or a trajectory, by name of quantity and parameter.
+
+    ``gradient["x_max"]`` is the array of derivatives by all `parameters`, ``gradient["X", "mu"]`` that by one
+    parameter: its shape is that of the quantity. Arrays are read-only. A derivative that does not exist is NaN,
+    and `status` says why.
+
+    Attributes
+    ----------
+    of : str
+        What the quantities belong to.
+    parameters : tuple of str
+        Names of the parameters, in the order of the last axis of the derivatives.
+    values : dict of str to ndarray
+        The quantities themselves.
+    derivatives : dict of str to ndarray
+        The derivatives of each quantity; the last axis is that of the parameters.
+    dimensions : dict of str to tuple of str
+        Names of the dimensions of each quantity.
+    status : dict of str to str
+        Why a quantity, or an entry of it as ``"multipliers[0]"``, has no derivatives.
+    """
+
+    of: str
+    parameters: tuple[str, ...]
+    values: Mapping[str, NDArray[Any]]
+    derivatives: Mapping[str, NDArray[Any]]
+    dimensions: Mapping[str, tuple[str, ...]]
+    status: Mapping[str, str]
+
+    def __getitem__(self, name: str | tuple[str, str]) -> NDArray[Any]:
+        """Derivatives of one quantity, by all parameters or by one."""
+        quantity, parameter = name if isinstance(name, tuple) and len(name) == 2 else (name, None)
+        if quantity not in self.derivatives:
+            raise ParameterError(f"quantity {quantity!r}: must be one of {', '.join(self.values)}")
+        table = self.derivatives[str(quantity)]
+        if parameter is None:
+            return table
+        if parameter not in self.parameters:
+            raise ParameterError(
+                f"parameter {parameter!r}: must be one of {', '.join(self.parameters)}"
+            )
+        column: NDArray[Any] = table[..., self.parameters.index(parameter)]
+        return column
+
+    def to_xarray(self) -> Any:
+        """The derivatives as a dataset with the dimension `parameter` (extra `data`).
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> table = vi.equispaced(osc, 0.94, 37.0)[0].gradient().to_xarray()
+        >>> table["X"].sel(parameter="clearance").dims
+        ('impact',)
+        """
+        data = {
+            name: ((*self.dimensions[name], "parameter"), table)
+            for name, table in self.derivatives.items()
+        }
+        return xarray("derivatives").Dataset(
+            data, {"parameter": list(self.parameters)}, {"title": f"Derivatives of {self.of}"}
+        )
+
+    def __repr__(self) -> str:
+        return f"<Gradient of {self.of}: {len(self.values)} quantities by {', '.join(self.parameters)}>"
+
+    def __str__(self) -> str:
+        head = "".join(f"{name:>12}" for name in self.parameters)
+        lines = [f"Derivatives of {self.of}", f"{'':20}{'value':>12}{head}"]
+        for name, table in self.derivatives.items():
+            values = np.atleast_1d(self.values[name]).ravel()
+            rows = table.reshape(len(values), -1)
+            for i, numbers in enumerate(np.column_stack([values, rows])):
+                if np.isnan(numbers[0]):
+                    continue
+                label = name if np.ndim(self.values[name]) == 0 else f"{name}[{i}]"
+                parts = {"": numbers.real}
+                if np.iscomplexobj(numbers):
+                    parts = {" real": numbers.real, " imag": numbers.imag}
+                for part, row in parts.items():
+                    lines.append(f"{label + part:20}" + "".join(f"{x:>12.5g}" for x in row))
+                if label in self.status:
+                    lines.append(f"{'':20}  {self.status[label]}")
+        return "\n".join(lines)
+
+
+def motion_gradient(motion: Motion) -> Gradient:
+    """The derivatives of a motion without rest."""
+    if motion.pattern.has_rest:
+        raise ParameterError(
+            f"pattern = {motion.pattern.sides!r}: must be without rest to have derivatives by parameters"
+        )
+    n = len(motion.pattern)
+    if n > MOST_IMPACTS:
+        raise ParameterError(
+            f"pattern of {n} impacts: must have at most {MOST_IMPACTS} to have derivatives"
+        )
+    if not motion.load > 0:
+        raise ParameterError(f"load = {motion.load!r}: must be above 0 to have derivatives")
+    values, slopes, codes, status = _core.motion_gradient(
+        10 * n + 15, motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
+        motion.clearance, motion.pattern.cycles, motion.pattern.signs, motion.restitution, motion.X,
+        motion.phases + motion.tau, motion.multipliers,
+    )  # fmt: skip
+    raise_status(int(status))
+    sizes = dict.fromkeys(OF_IMPACTS, n) | dict.fromkeys(OF_MOTION, 0)
+    found = split(values, slopes.T, codes, sizes)
+    dimensions: dict[str, tuple[str, ...]] = {
+        name: ("impact",) if size else () for name, size in sizes.items()
+    }
+    # real parts, then imaginary parts
+    rest = sum(max(1, size) for size in sizes.values())
+    parts = split(values[rest:], slopes.T[rest:], codes[rest:], {"multipliers": 4, "imaginary": 4})
+    for table, part in zip(found[:2], parts[:2], strict=True):
+        table["multipliers"] = frozen(part["multipliers"] + 1j * part["imaginary"])
+    status_of = found[2] | {name: text for name, text in parts[2].items() if name[0] == "m"}
+    dimensions["multipliers"] = ("multiplier",)
+    of = (
+        f"the motion {motion.pattern.sides}/{motion.pattern.cycles} at r = {motion.r:.6g}, "
+        f"d K/F0 = {motion.clearance:.6g}"
+    )
+    return Gradient(of, PARAMETERS, found[0], found[1], dimensions, status_of)
+
+
+def split(
+    values: NDArray[Any], slopes: NDArray[Any], codes: NDArray[Any], sizes: Mapping[str, int]
+) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]], dict[str, str]]:
+    """Values, derivatives and status by name, from the core's lists; size 0 is a single number."""
+    tables: tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]] = ({}, {})
+    status: dict[str, str] = {}
+    start = 0
+    for name, size in sizes.items():
+        places = slice(start, start + size) if size else start
+        tables[0][name] = frozen(np.asarray(values[places]))
+        tables[1][name] = frozen(np.asarray(slopes[places]))
+        for i, code in enumerate(codes[start : start + max(1, size)].tolist()):
+            if code:
+                status[f"{name}[{i}]" if size else name] = status_text(code)
+        start += max(1, size)
+    return *tables, status
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """The array, read-only."""
+    array.flags.writeable = False
+    return array

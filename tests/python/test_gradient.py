@@ -1,0 +1,212 @@
+"""Derivatives of motions by their parameters, against differences with 50 digits and laws."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+import vibroimpact as vi
+from reference_motion import DIGITS, ReferenceMotion
+from shared_motions import COLUMN, UNEVEN, motions
+from shared_systems import FIGURE6, RIG, TABLE
+
+STEP = "1e-12"
+
+
+def uneven():
+    """The motion of Table 1's third column at the clearance 37."""
+    return vi.exact(TABLE, 0.94, 37.0, COLUMN)
+
+
+def cases():
+    """Motions of several patterns, with unequal walls, another load, touches near a wall."""
+    yield uneven()
+    three = [motion for motion in motions(RIG, 0.9, 6.0, 3, 1) if len(motion.pattern) == 3]
+    yield three[0]
+    yield vi.exact(UNEVEN, 1.1, 3.0, motions(UNEVEN, 1.1, 2.0, 3, 2)[-1], load=1.5)
+
+
+def reference(motion, parameter):
+    """Derivatives by one parameter, central differences with 50 digits."""
+    h = mp.mpf(STEP)
+    ahead, behind = (ReferenceMotion(motion, **{parameter: step}).quantities() for step in (h, -h))
+    found = {}
+    for name, values in ahead.items():
+        old = behind[name]
+        if name == "multipliers":
+            # in the order of the motion
+            values, old = (
+                [min(numbers, key=lambda z, at=at: abs(z - at)) for at in motion.multipliers]
+                for numbers in (values, old)
+            )
+        if not isinstance(values, list):
+            values, old = [values], [old]
+        found[name] = np.array(
+            [complex((b - a) / (2 * h)) for a, b in zip(old, values, strict=True)]
+        )
+    return found
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_agrees_with_differences_of_50_digits(number):
+    """Every quantity by every parameter, to 1e-10 of the largest derivative of that quantity."""
+    motion = list(cases())[number]
+    gradient = motion.gradient()
+    assert "multipliers" in gradient.values
+    assert not [text for text in gradient.status.values() if "not stationary" not in text]
+    with mp.workdps(DIGITS):
+        for parameter in gradient.parameters:
+            if parameter == "R":
+                continue
+            for name, expected in reference(motion, parameter).items():
+                got = np.atleast_1d(gradient[name, parameter])
+                scale = np.nanmax(np.abs(gradient[name]), initial=1.0)
+                there = ~np.isnan(expected)
+                assert np.array_equal(there, ~np.isnan(got)), (name, parameter)
+                assert got[there] == pytest.approx(expected[there], abs=1e-10 * scale, rel=1e-10), (
+                    name,
+                    parameter,
+                )
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_laws(number):
+    """Both R together, the unit of length, and det [P] = exp(-4 pi xi k/r) prod R_i^2."""
+    motion = list(cases())[number]
+    gradient, system = motion.gradient(), motion.osc
+    for name, values in gradient.values.items():
+        both = gradient[name, "R1"] + gradient[name, "R2"]
+        assert np.allclose(gradient[name, "R"], both, rtol=1e-12, atol=0, equal_nan=True)
+        power = 0 if name in PURE else 1
+        scaled = (
+            motion.clearance * gradient[name, "clearance"] + motion.load * gradient[name, "load"]
+        )
+        size = np.nanmax(np.abs(gradient[name, "clearance"]), initial=0) * motion.clearance + 1
+        assert scaled == pytest.approx(power * values, abs=1e-12 * size, nan_ok=True), name
+    decay = 4 * math.pi * motion.pattern.cycles / motion.r
+    right = motion.pattern.signs > 0
+    expected = {
+        "r": decay * system.xi / motion.r,
+        "xi": -decay,
+        "R1": (2 / motion.restitution[right]).sum(),
+        "R2": (2 / motion.restitution[~right]).sum(),
+        "mu": 0.0,
+        "clearance": 0.0,
+    }
+    for name, law in expected.items():
+        terms = gradient["multipliers", name] / motion.multipliers
+        assert terms.sum() == pytest.approx(law, abs=1e-9 * np.abs(terms).max(initial=1)), name
+
+
+PURE = ("phases", "tau", "load_phase", "attenuation", "stability_margin", "multipliers")
+
+
+def test_values_are_those_of_the_motion():
+    """The quantities of the gradient that the motion has as well."""
+    motion = uneven()
+    gradient = motion.gradient()
+    for name in gradient.values:
+        if hasattr(motion, name):
+            assert gradient.values[name] == pytest.approx(getattr(motion, name), rel=1e-9), name
+    assert gradient.values["stability_margin"] == pytest.approx(1 - abs(motion.multipliers[0]))
+    assert gradient.values["approach_speeds"] == pytest.approx(
+        motion.pattern.signs * (motion.Z_dot_before - motion.X_dot_before)
+    )
+
+
+def test_symmetric_motion():
+    """Its mirror image changes alike; max|x| is reached on both sides, which R1 alone changes differently."""
+    motion = vi.equispaced(TABLE, 0.94, 37.0)[0]
+    gradient = motion.gradient()
+    for name in ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"):
+        first, second = gradient[name]
+        swapped = second[[0, 1, 2, 3, 5, 4, 6, 7]]
+        assert first == pytest.approx(-swapped, rel=1e-10, abs=1e-10 * abs(first).max())
+    missing = np.isnan(gradient["attenuation"])
+    assert [gradient.parameters[i] for i in np.flatnonzero(missing)] == ["R1", "R2"]
+    assert "reached twice" in gradient.status["attenuation"]
+
+
+def test_predicts_the_next_motion():
+    """A change of all parameters by h changes the motion by the gradient times h, to the order h^2."""
+    motion = uneven()
+    gradient = motion.gradient()
+    errors = []
+    for h in (1e-4, 1e-5):
+        step = h * np.array([1.0, 10.0, 0.1, 0.3, 1.0, -0.5, 0.0, 1.0])
+        osc = vi.Oscillator(
+            xi=TABLE.xi + step[2],
+            mu=TABLE.mu + step[3],
+            restitution=(0.75 + step[4], 0.75 + step[5]),
+        )
+        near = vi.exact(osc, 0.94 + step[0], 37.0 + step[1], motion, load=1 + step[7])
+        errors.append(
+            max(
+                np.abs(getattr(near, name) - getattr(motion, name) - gradient[name] @ step).max()
+                for name in ("X", "X_dot_after", "x_max", "attenuation", "multipliers")
+            )
+        )
+    assert errors[1] < 1.5e-2 * errors[0]
+
+
+def test_refuses_where_there_are_no_derivatives():
+    """At a fold, at a graze, and for phases that are not exact: by name."""
+    branch = vi.branch(uneven(), "r", (0.8, 1.1))
+    special = {point.type: point.motion for point in branch.special_points}
+    assert {"fold", "pitchfork", "grazing", "flip"} <= set(special)
+    for kind in ("fold", "pitchfork", "grazing"):
+        with pytest.raises(vi.SingularError, match="a graze" if kind == "grazing" else "a fold"):
+            special[kind].gradient()
+    # a flip is no obstacle: the motion goes on through it
+    gradient = special["flip"].gradient()
+    assert gradient.values["stability_margin"] == pytest.approx(0, abs=1e-9)
+    assert np.isfinite(gradient["stability_margin"]).all()
+    rough = vi.periodic(RIG, 0.9, np.array([0.0, 2.0, 3.0]), "RRL")
+    with pytest.raises(vi.SingularError, match="exact motion first"):
+        rough.gradient()
+
+
+def test_refuses_other_motions():
+    """Rest, no load, and quantities or parameters that are not there."""
+    resting = vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200))
+    with pytest.raises(vi.ParameterError, match="without rest"):
+        resting.gradient()
+    gradient = uneven().gradient()
+    with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of phases, X"):
+        gradient["x"]
+    with pytest.raises(vi.ParameterError, match="parameter 'k': must be one of r, clearance"):
+        gradient["X", "k"]
+
+
+def test_coincident_multipliers_have_a_status():
+    """Where a complex pair becomes two real multipliers, those have no derivatives; the others do."""
+    low, high = 34.97, 37.0
+    motion = uneven()
+    for _ in range(60):
+        middle = (low + high) / 2
+        motion = vi.exact(TABLE, 0.94, middle, motion)
+        if (motion.multipliers.imag != 0).all():
+            high = middle
+        else:
+            low = middle
+    gradient, multipliers = motion.gradient(), motion.multipliers
+    apart = np.abs(multipliers[:, None] - multipliers) + np.eye(4)
+    double = apart.min(axis=1) < 1e-6
+    assert double.sum() == 2
+    assert np.isnan(gradient["multipliers"][double]).all()
+    assert np.isfinite(gradient["multipliers"][~double]).all()
+    assert all("coincide" in gradient.status[f"multipliers[{i}]"] for i in np.flatnonzero(double))
+    assert np.isfinite(gradient["X"]).all()
+
+
+def test_shows_itself():
+    """The table for people, and the dataset."""
+    gradient = vi.equispaced(FIGURE6, 0.94, 20.0)[0].gradient()
+    assert "18 quantities by r, clearance, xi, mu, R1, R2, R, load" in repr(gradient)
+    assert "attenuation" in str(gradient)
+    assert "multipliers[3] imag" in str(gradient)
+    table = gradient.to_xarray()
+    assert table["X"].dims == ("impact", "parameter")
+    assert float(table["x_max"].sel(parameter="mu")) == gradient["x_max", "mu"]
+    with pytest.raises(ValueError, match="read-only"):
+        gradient["X"][0, 0] = 1.0
