@@ -1,4 +1,4 @@
-"""What is known of an uncertain parameter: its value, a range, or a distribution of SciPy."""
+"""What is known of an uncertain parameter: its value, a range, quantiles, or a normal distribution."""
 
 from __future__ import annotations
 
@@ -18,39 +18,65 @@ RANGE_OF = {
     "xi": "xi", "mu": "mu", "R1": "restitution", "R2": "restitution", "restitution": "restitution",
     "clearance": "clearance",
 }  # fmt: skip
+#: Standard deviations beyond which a normal distribution is cut off.
+CUT = 6.0
+#: Number of quantiles that stand for a distribution of SciPy that is neither normal nor uniform, and the shares that
+#: stand for 0 and 1.
+QUANTILES, TAIL = 1001, 1e-9
 
 
 @dataclass(frozen=True)
 class Uncertain:
-    """A random variable: uniform in a range, or any frozen distribution of scipy.stats.
+    """A random variable.
 
     Attributes
     ----------
-    low, high : float
-        Its range; of a distribution without bounds its quantiles 1e-9 and 1 - 1e-9, beyond which it is cut off.
-    distribution : object, optional
-        Has a method `ppf`; None where it is uniform.
+    numbers : tuple of float
+        Quantiles at even steps, linear in between: two are the range of a uniform distribution. If it is normal,
+        mean and standard deviation.
+    normal : bool
+        A normal distribution is cut off at 6 standard deviations.
     """
 
-    low: float
-    high: float
-    distribution: Any = None
+    numbers: tuple[float, ...]
+    normal: bool = False
+
+    @property
+    def low(self) -> float:
+        """Its least value."""
+        return self.numbers[0] - CUT * self.numbers[1] if self.normal else self.numbers[0]
+
+    @property
+    def high(self) -> float:
+        """Its greatest value."""
+        return self.numbers[0] + CUT * self.numbers[1] if self.normal else self.numbers[-1]
 
     @property
     def middle(self) -> float:
         """Its median."""
-        return float(self.at(np.array(0.5)))
+        return float(self.at(np.array([0.5]))[0])
 
     def at(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """The quantiles of shares between 0 and 1."""
-        if self.distribution is None:
-            return self.low + (self.high - self.low) * shares
-        found: NDArray[np.float64] = np.clip(self.distribution.ppf(shares), self.low, self.high)
-        return found
+        if not self.normal:
+            return np.interp(shares, np.linspace(0, 1, len(self.numbers)), self.numbers)
+        from scipy.special import ndtri
+
+        mean, deviation = self.numbers
+        return np.asarray(mean + deviation * np.clip(ndtri(shares), -CUT, CUT))
 
 
 def uncertain(value: Any, name: str) -> Uncertain:
-    """An uncertain parameter from what a caller gives: a number, a pair (low, high), or a distribution.
+    """An uncertain parameter from what a caller gives.
+
+    Parameters
+    ----------
+    value : float, sequence or distribution
+        A number, a range (low, high) in which all values are equally likely, three or more quantiles at even steps,
+        or a frozen distribution of scipy.stats. A distribution that is neither normal nor uniform is represented by
+        1001 quantiles, with those of 1e-9 and 1 - 1e-9 at its ends.
+    name : str
+        For messages.
 
     Raises
     ------
@@ -63,22 +89,32 @@ def uncertain(value: Any, name: str) -> Uncertain:
     >>> uncertain((0.6, 0.8), "restitution").middle
     0.7
     """
-    wanted = "a number, a pair (low, high), or a frozen distribution of scipy.stats"
+    wanted = (
+        "a number, a range (low, high), quantiles in order, or a frozen distribution of scipy.stats"
+    )
     if hasattr(value, "ppf"):
-        ends = [float(end) for end in value.ppf([0, 1e-9, 1 - 1e-9, 1])]
-        low, high = (
-            inner if math.isinf(outer) else outer
-            for outer, inner in ((ends[0], ends[1]), (ends[3], ends[2]))
-        )
-        found = Uncertain(low, high, value)
+        found = _of_scipy(value)
     else:
-        if isinstance(value, str) or np.ndim(value) > 1 or np.size(value) not in (1, 2):
+        if isinstance(value, str) or np.ndim(value) > 1 or np.size(value) == 0:
             raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}")
-        pair = np.atleast_1d(np.asarray(value, dtype=object))
-        found = Uncertain(*(checks.to_float(item, name, wanted) for item in (pair[0], pair[-1])))
-    if not (math.isfinite(found.low) and math.isfinite(found.high) and found.low <= found.high):
-        raise ParameterError(f"{name} = {value!r}: must be {wanted}, with finite low <= high")
+        items = np.atleast_1d(np.asarray(value, dtype=object)).tolist()
+        numbers = tuple(checks.to_float(item, name, wanted) for item in items)
+        found = Uncertain(numbers if len(numbers) > 1 else 2 * numbers)
+    steps = found.numbers[1:] if found.normal else np.diff(found.numbers)
+    if not (np.isfinite(found.numbers).all() and np.min(steps) >= 0):
+        raise ParameterError(f"{name} = {value!r}: must be {wanted}, finite and with low <= high")
     return found
+
+
+def _of_scipy(distribution: Any) -> Uncertain:
+    """A frozen distribution of scipy.stats."""
+    kind = getattr(getattr(distribution, "dist", None), "name", "")
+    if kind == "norm":
+        return Uncertain((float(distribution.mean()), float(distribution.std())), normal=True)
+    if kind == "uniform":
+        return Uncertain((float(distribution.ppf(0)), float(distribution.ppf(1))))
+    shares = np.clip(np.linspace(0, 1, QUANTILES), TAIL, 1 - TAIL)
+    return Uncertain(tuple(float(value) for value in distribution.ppf(shares)))
 
 
 def uncertain_parameters(given: Any, name: str) -> dict[str, Uncertain]:
