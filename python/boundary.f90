@@ -128,6 +128,31 @@ subroutine motion_gradient(n, m, xi, mu, walls, r, load, clearance, cycles, side
       status)
 end subroutine motion_gradient
 
+!> The derivatives of a simulated trajectory; see vi_trajectory_gradient. The states at both ends as
+!! `simulate` has them, the events as `end_of_trajectory`; the first `most` are read.
+subroutine trajectory_gradient(n, most, xi, mu, walls, r, load, clearance, start, contact, finish, &
+   finish_contact, values, labels, by_events, by_finish, good)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_forced_system, only: event_type, new_forced_system
+   use vi_oscillator, only: oscillator_type
+   use vi_trajectory, only: read_events, unpack_state
+   use vi_trajectory_gradient, only: gradient => trajectory_gradient
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, most, contact(3), finish_contact(3), labels(2, n)
+   real(c_double), intent(in) :: xi, mu, walls(2), r, load, clearance, start(7), finish(7), &
+      values(7, n)
+   real(c_double), intent(out) :: by_events(12, 6, n), by_finish(12, 5)
+   integer(c_int), intent(out) :: good
+   type(event_type), allocatable :: events(:)
+
+   allocate (events(n))
+   call read_events(values, labels, r, events)
+   call gradient(new_forced_system(oscillator_type(xi, mu, walls), r, load, clearance), &
+      unpack_state(start, contact), unpack_state(finish, finish_contact), events(:most), &
+      by_events, by_finish, good)
+end subroutine trajectory_gradient
+
 !> The time history of a motion: x, x', z, z', y and load at the given times.
 subroutine sample(n, m, xi, mu, r, cycles, sides, restitution, phases, impacts, amplitude, tau, &
    times, values)

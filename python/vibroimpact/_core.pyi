@@ -659,6 +659,27 @@ class _SwitchBranch(Protocol):
     ]: ...
 
 @type_check_only
+class _TrajectoryGradient(Protocol):
+    # by_events, by_finish, good
+    def __call__(
+        self,
+        most: int,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        r: float,
+        load: float,
+        clearance: float,
+        start: ArrayLike,
+        contact: ArrayLike,
+        finish: ArrayLike,
+        finish_contact: ArrayLike,
+        values: ArrayLike,
+        labels: ArrayLike,
+        n: int = ...,
+    ) -> tuple[_Real, _Real, int]: ...
+
+@type_check_only
 class _Winding(Protocol):
     # turns
     def __call__(
@@ -728,6 +749,7 @@ stability_flags: _StabilityFlags
 start_state: _StartState
 status_text: _StatusText
 switch_branch: _SwitchBranch
+trajectory_gradient: _TrajectoryGradient
 winding: _Winding
 write_printout: _WritePrintout
 write_result: _WriteResult

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,11 +12,14 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import ParameterError
+from .events import EVENT_TYPE, event_arrays
 from .libraries import xarray
+from .states import NEEDED, moments_of
 from .status import raise_status, status_text
 
 if TYPE_CHECKING:
     from .motion import Motion
+    from .trajectory import Trajectory
 
 __all__ = ["Gradient"]
 
@@ -26,8 +30,12 @@ OF_IMPACTS = (
     "gaps_right", "gaps_left",
 )  # fmt: skip
 OF_MOTION = ("A", "tau", "load_phase", "x_max", "x_min", "attenuation", "stability_margin")
-#: Most impacts in a period whose derivatives the core computes.
-MOST_IMPACTS = 24
+#: Most impacts in a period, and most events of a trajectory, whose derivatives are computed.
+MOST_IMPACTS, MOST_EVENTS = 24, 1_000_000
+#: What is differentiated at each event of a trajectory.
+OF_EVENTS = ("time", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+#: Codes of the core's vi_status.
+NOT_FINITE, GRAZE = 6, 26
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -159,6 +167,53 @@ def motion_gradient(motion: Motion) -> Gradient:
         f"d K/F0 = {motion.clearance:.6g}"
     )
     return Gradient(of, PARAMETERS, found[0], found[1], dimensions, status_of)
+
+
+def trajectory_gradient(run: Trajectory) -> Gradient:
+    """The derivatives of a trajectory."""
+    n = len(run.events)
+    if not run.complete:
+        raise ParameterError(f"{run!r}: must be complete to have derivatives")
+    if n > MOST_EVENTS:
+        raise ParameterError(f"{run!r}: must have at most {MOST_EVENTS} events to have derivatives")
+    start, finish = (moments_of(state)[0] for state in (run.initial_state, run.final_state))
+    # an array without columns does not pass f2py
+    values, labels = event_arrays(run.events if n else np.zeros(1, EVENT_TYPE))
+    by_events, by_final, good = _core.trajectory_gradient(
+        n, run.osc.xi, run.osc.mu, run.osc.restitution, run.r, run.load, run.clearance,
+        *start, *finish, values, labels,
+    )  # fmt: skip
+    by_events = by_events[:, :, :n]
+    finite = np.isfinite(by_events).all(axis=(0, 1))
+    status: dict[str, str] = {}
+    if good < n:
+        status[f"events[{good}:]"] = status_text(GRAZE)
+    elif not finite.all():
+        good = int(finite.argmin())
+        status[f"events[{good}:]"] = status_text(NOT_FINITE)
+    by_events[:, :, good:] = math.nan
+    if status:
+        by_final[:] = math.nan
+    if run.initial_state["resting"]:
+        status["z, z_dot"] = "the free mass rests on a wall at the start and moves with the wall"
+        by_events[3:5] = by_final[3:5] = math.nan
+    tables: tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]] = ({}, {})
+    for i, name in enumerate(OF_EVENTS):
+        tables[0][name] = frozen(run.events[name].copy())
+        tables[1][name] = with_both(by_events[:, i].T)
+    for i, name in enumerate(NEEDED):
+        tables[0][f"final_{name}"] = frozen(np.asarray(run.final_state[name]))
+        tables[1][f"final_{name}"] = with_both(by_final[:, i])
+    dimensions: dict[str, tuple[str, ...]] = dict.fromkeys(tables[0], ())
+    dimensions |= dict.fromkeys(OF_EVENTS, ("event",))
+    of = f"the trajectory at r = {run.r:.6g}, d K/F0 = {run.clearance:.6g} with {n} events"
+    return Gradient(of, (*NEEDED, *PARAMETERS), *tables, dimensions, status)
+
+
+def with_both(slopes: NDArray[Any]) -> NDArray[Any]:
+    """The derivatives of a trajectory with those by both R alike, before the last one."""
+    both = slopes[..., 9:10] + slopes[..., 10:11]
+    return frozen(np.concatenate([slopes[..., :11], both, slopes[..., 11:]], axis=-1))
 
 
 def split(

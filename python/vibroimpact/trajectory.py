@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks, namelist
 from .errors import ParameterError, SingularError
 from .events import EVENT_TYPE, WORDS, Sample, event_columns, events_of, sample, segments
+from .gradient import Gradient, trajectory_gradient
 from .model import Oscillator
 from .motion import osc_of
 from .noun import Noun, Savable
@@ -181,6 +182,39 @@ class Trajectory(Savable, study="simulate"):
         (Pattern(sides='RL*', cycles=1), True)
         """
         return last_period(self, most_cycles, tolerance)
+
+    def gradient(self) -> Gradient:
+        """The derivatives of all events and of the final state by the initial state and by all parameters.
+
+        They go through impacts, accumulations and rests in closed form (saltation). The quantities are ``time``,
+        ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and ``z_dot_after`` of the events, and
+        ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and ``final_z_dot``. The parameters are t, x, x_dot,
+        z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both alike) and load. The number of
+        load cycles is fixed, and so is the initial state while another parameter changes: the end of time
+        changes with r.
+
+        Returns
+        -------
+        Gradient
+            NaN from the first event on that has no derivatives: an impact without approach speed, or a rest that
+            ends without its contact force falling through 0; `status` names it. If the free mass rests on a wall
+            at the start, those by z and z_dot are NaN, and the other ones move both masses.
+
+        Raises
+        ------
+        ParameterError
+            If the trajectory is not complete, or has more than a million events.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+        >>> start = dict(t=0.0, x=0.0, x_dot=1.0, z=0.0, z_dot=3.0)
+        >>> gradient = vi.simulate(osc, r=1.04, clearance=25.0, cycles=5, state=start).gradient()
+        >>> gradient["final_x", "z_dot"].shape, gradient["time"].shape[1] == len(gradient.parameters)
+        ((), True)
+        """
+        return trajectory_gradient(self)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""

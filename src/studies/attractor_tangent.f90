@@ -14,7 +14,7 @@ module vi_attractor_tangent
    implicit none (type, external)
    private
 
-   public :: event_derivative, departure_speed, lapse, period_derivative, restitution_at
+   public :: event_derivative, departure_speed, lapse, moment_of, period_derivative, restitution_at
 
 contains
 
@@ -99,7 +99,7 @@ contains
       regular = .true.
       if (after%kind == stick_event) then
          ! for the derivative, the common motion begins with the last impact
-         call through_stick(system, change)
+         call through_stick(system, from, change)
          from%x_dot = (from%x_dot + system%osc%mu*from%z_dot)/(1 + system%osc%mu)
          from%z_dot = from%x_dot
          call through_rest(system, from, time, change)

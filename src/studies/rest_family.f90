@@ -569,9 +569,9 @@ contains
             - 2*system%osc%xi*change%state(2, :) - change%state(1, :))
          speed = here%speed
          speed_by = side*(change%state(2, :) - change%state(3, :))
+         call through_stick(system, at, change)
          at%x_dot = at%x_dot - side*mu/(1 + mu)*speed
          at%z_dot = at%x_dot
-         call through_stick(system, change)
          joint = new_rest(system%osc%xi, mu, system%r, system%load, at%phase, at%x, at%x_dot)
          call release_time(joint, side, (last - at%phase)/system%r, time, complete)
          good = complete .and. time <= (last - at%phase)/system%r
