@@ -20,10 +20,11 @@ from .flags import StabilityFlags, stability_flags
 from .formats.load import load
 from .gradient import Gradient
 from .likeness import is_symmetric, motion_images, same_motion, standard_motion
-from .model import Oscillator, Pattern, Units
+from .model import Oscillator, Pattern
 from .motion import Motion, Motions
 from .newton import exact
 from .period import Period
+from .physical import Physical, physical
 from .quantities import Quantities, Signal
 from .record import Record, base_motion, base_record
 from .restitution import PowerLaw, TabulatedRestitution
@@ -56,6 +57,7 @@ from .studies.structure_sweep import (
 )
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
+from .units import Units
 
 __version__ = _version("vibroimpact")
 
@@ -88,6 +90,7 @@ __all__ = [
     "Pattern",
     "Period",
     "PeriodicWindow",
+    "Physical",
     "Piece",
     "PowerLaw",
     "Quantities",
@@ -147,6 +150,7 @@ __all__ = [
     "periodic",
     "periodic_batch",
     "periodic_structure",
+    "physical",
     "read_namelist",
     "response",
     "response_structure",

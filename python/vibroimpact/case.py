@@ -166,13 +166,14 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
 
 
 def _case(keys: dict[str, Any]) -> Case:
-    name, kind, xi, mu, walls, r, text = (
-        keys.pop(key, None) for key in ("name", "kind", "xi", "mu", "restitution", "r", "text")
+    osc = Oscillator._of_keys(keys)
+    name, kind, r, text, *_ = (
+        keys.pop(key, None) for key in ("name", "kind", "r", "text", *osc._keys())
     )
     return Case(
         name,
         kind,
-        Oscillator(xi=xi, mu=mu, restitution=tuple(walls)),
+        osc,
         r,
         keys,
         text.strip("\n") + "\n",

@@ -1,28 +1,25 @@
-"""The given data: the vibrating system, the pattern of impacts, and physical units."""
+"""The given data: the vibrating system and the pattern of impacts."""
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from functools import wraps
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, overload
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import checks
 from .errors import ParameterError, ParameterTypeError
 from .jupyter import facts_html
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .structure import Gap, Structure
+from .units import SI, Units, checked_names, positive
 
-if TYPE_CHECKING:
-    from .motion import Motion
-
-__all__ = ["Oscillator", "Pattern", "Units"]
+__all__ = ["Oscillator", "Pattern"]
 
 #: Largest number of characters of a text that a message repeats.
 MOST_SHOWN = 80
@@ -65,9 +62,12 @@ class Oscillator:
     restitution : float or (float, float)
         Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1]; one
         number stands for both.
-    M, K : float, optional
-        Primary mass and stiffness in physical units, for `units`; `from_dimensional` sets them. They are
-        not part of the dimensionless system: neither compared nor shown.
+    M, K, F0 : float, optional
+        Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
+        All results of the oscillator and their files keep them. They are not part of the dimensionless
+        system: neither compared nor shown.
+    unit_names : str, optional
+        Their units, of length, force and time, as ``"mm N s"``.
 
     All are given by name: three numbers between 0 and 1 are easily put in a wrong order.
 
@@ -90,6 +90,10 @@ class Oscillator:
     M: float | None = field(default=None, repr=False, compare=False, kw_only=True)
     #: Stiffness in physical units, if set by `from_dimensional`.
     K: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    #: Load amplitude in physical units, if set by `from_dimensional`.
+    F0: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    #: Units of length, force and time of these, if M is known.
+    unit_names: str | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     @by_name("Oscillator(xi=0.0114, mu=0.028, restitution=0.75)")
     def __init__(
@@ -100,15 +104,22 @@ class Oscillator:
         restitution: float | tuple[float, float],
         M: float | None = None,
         K: float | None = None,
+        F0: float | None = None,
+        unit_names: str | None = None,
     ) -> None:
         if (M is None) != (K is None):
             raise ParameterError(f"M = {M!r}, K = {K!r}: must be both given, or neither")
+        for name, value in {"F0": F0, "unit_names": unit_names}.items():
+            if M is None and value is not None:
+                raise ParameterError(f"{name} = {value!r}: must be given with M and K only")
         values: dict[str, Any] = {
             "xi": checks.number(xi, "xi"),
             "mu": checks.number(mu, "mu"),
             "restitution": _walls(restitution),
-            "M": M if M is None else _positive(M, "M"),
-            "K": K if K is None else _positive(K, "K"),
+            "M": M if M is None else positive(M, "M"),
+            "K": K if K is None else positive(K, "K"),
+            "F0": F0 if F0 is None else positive(F0, "F0"),
+            "unit_names": M if M is None else checked_names(unit_names or SI, "unit_names"),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
@@ -117,7 +128,11 @@ class Oscillator:
         """The representation in Jupyter."""
         right, left = self.restitution
         facts = {"xi": self.xi, "mu": self.mu, "R1 (right wall)": right, "R2 (left wall)": left}
-        units = {} if self.M is None else {"M": self.M, "K": self.K}
+        units = (
+            {}
+            if self.M is None
+            else {"M": self.M, "K": self.K, "F0": self.F0, "units": self.unit_names}
+        )
         return facts_html(repr(self), {name: str(value) for name, value in (facts | units).items()})
 
     @classmethod
@@ -130,8 +145,12 @@ class Oscillator:
         C: float,
         m: float,
         restitution: float | tuple[float, float],
+        F0: float | None = None,
+        units: str = SI,
     ) -> Oscillator:
-        """The dimensionless system of a rig in any consistent set of units.
+        """The dimensionless system of a rig, which knows its physical units.
+
+        All results of it know them, too: see `Units` and the method `physical` of results.
 
         All are given by name.
 
@@ -143,6 +162,12 @@ class Oscillator:
             Free mass (>= 0).
         restitution : float or (float, float)
             As for the class.
+        F0 : float, optional
+            Load amplitude (> 0).
+        units : str
+            Units of length, force and time in which they are given: one of m, mm, cm, um, km, in, ft; one of N,
+            mN, kN, MN, lbf, kgf; one of s, ms, us, min, h. The unit of mass follows from them (kg for "m N s",
+            tonne for "mm N s").
 
         Raises
         ------
@@ -157,17 +182,21 @@ class Oscillator:
         >>> g = 386.09                                   # in/s^2
         >>> M, K = 1.61 / g, 65.01
         >>> C = 2 * 0.0114 * math.sqrt(K * M)
-        >>> rig = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=0.044 / g, restitution=0.75)
+        >>> rig = vi.Oscillator.from_dimensional(
+        ...     M=M, K=K, C=C, m=0.044 / g, restitution=0.75, F0=0.5, units="in lbf s"
+        ... )
         >>> round(rig.xi, 4), round(rig.mu, 4)
         (0.0114, 0.0273)
-        >>> units = rig.units(F0=0.5)
+        >>> units = rig.units()
         >>> round(units.clearance(d=0.0105), 4)
         1.3652
-        >>> round(units.frequency_ratio(Omega=2 * math.pi * 19.87), 4)
+        >>> round(units.frequency_ratio(f=19.87), 4)
         0.9999
+        >>> round(units.to("m N s").M, 4), round(units.to("m N s").K, 1)
+        (0.7303, 11385.0)
         """
-        M, K = _positive(M, "M"), _positive(K, "K")
-        C, m = _positive(C, "C", zero=True), _positive(m, "m", zero=True)
+        M, K = positive(M, "M"), positive(K, "K")
+        C, m = positive(C, "C", zero=True), positive(m, "m", zero=True)
         # with 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
         with localcontext() as context:
             context.prec = 50
@@ -177,7 +206,15 @@ class Oscillator:
             raise ParameterError(
                 f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
             )
-        return cls(xi=xi, mu=m / M, restitution=restitution, M=M, K=K)
+        return cls(
+            xi=xi,
+            mu=m / M,
+            restitution=restitution,
+            M=M,
+            K=K,
+            F0=F0,
+            unit_names=checked_names(units),
+        )
 
     def structure(
         self, clearance: float, restitution: Restitution | tuple[Restitution, Restitution] | None = None
@@ -213,7 +250,7 @@ class Oscillator:
         """
         if not self.mu > 0:
             raise ParameterError(f"mu = {self.mu!r}: must be > 0 for a structure")
-        half = 0.5 * _positive(clearance, "clearance")
+        half = 0.5 * positive(clearance, "clearance")
         right, left = (
             restitution if isinstance(restitution, (tuple, list))
             else self.restitution if restitution is None else (restitution, restitution)
@@ -221,8 +258,8 @@ class Oscillator:
         gaps = [Gap([-1, 1], half, right), Gap([1, -1], half, left)]
         return Structure([1, self.mu], [2 * self.xi, 0], [1, 0], gaps)
 
-    def units(self, F0: float) -> Units:
-        """Physical units of length, time, velocity, … for a load amplitude F0.
+    def units(self, F0: float | None = None) -> Units:
+        """The physical units of length, time, velocity, … for a load amplitude F0, by default its own.
 
         The oscillator has to know M and K (see `from_dimensional`).
 
@@ -234,156 +271,31 @@ class Oscillator:
         if self.M is None or self.K is None:
             raise ParameterError(
                 "M = None: must be the primary mass for units; make the oscillator with "
-                "Oscillator.from_dimensional(M=..., K=..., C=..., m=..., restitution=...)"
+                "Oscillator.from_dimensional(M=..., K=..., C=..., m=..., restitution=..., F0=...)"
             )
-        return Units(self.M, self.K, _positive(F0, "F0"))
-
-
-@dataclass(frozen=True)
-class Units:
-    """Physical units of the dimensionless quantities for a primary mass M, stiffness K and load F0.
-
-    Multiply a dimensionless number by its unit to get the physical one.
-
-    Attributes
-    ----------
-    M, K, F0 : float
-        Primary mass, stiffness, load amplitude.
-
-    Examples
-    --------
-    >>> import vibroimpact as vi
-    >>> rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
-    >>> units = rig.units(F0=4.0)
-    >>> units.omega, units.length, units.clearance(d=[0.1, 0.2]).tolist()
-    (20.0, 0.005, [20.0, 40.0])
-    """
-
-    M: float
-    K: float
-    F0: float
-
-    def _repr_html_(self) -> str:
-        """The representation in Jupyter."""
-        names = ("omega", "length", "time", "velocity", "acceleration", "force")
-        return facts_html(repr(self), {name: f"{getattr(self, name):.6g}" for name in names})
-
-    @property
-    def omega(self) -> float:
-        """Natural frequency sqrt(K/M), radians per unit of time."""
-        return math.sqrt(self.K / self.M)
-
-    @property
-    def length(self) -> float:
-        """F0/K."""
-        return self.F0 / self.K
-
-    @property
-    def time(self) -> float:
-        """1/omega."""
-        return 1 / self.omega
-
-    @property
-    def velocity(self) -> float:
-        """omega F0/K."""
-        return self.omega * self.length
-
-    @property
-    def acceleration(self) -> float:
-        """omega^2 F0/K = F0/M."""
-        return self.F0 / self.M
-
-    @property
-    def force(self) -> float:
-        """F0."""
-        return self.F0
-
-    @overload
-    def clearance(self, d: float) -> float: ...
-    @overload
-    def clearance(self, d: ArrayLike) -> Any: ...
-    def clearance(self, d: Any) -> Any:
-        """The dimensionless clearance D = d K/F0 of a clearance d.
-
-        d is the whole travel of the free mass from wall to wall: in the middle it has d/2 to either side, and its
-        position relative to the primary mass stays within |Z - X| <= D/2. Where "4 mm of play" means 4 mm to each
-        side, d is 8 mm.
-
-        Parameters
-        ----------
-        d : float or array_like
-
-        Returns
-        -------
-        float, or ndarray for an array
-
-        Raises
-        ------
-        ParameterError, ParameterTypeError
-            If a value is no positive number.
-        """
-        return _positive_each(d, "d") / self.length
-
-    @overload
-    def frequency_ratio(self, Omega: float) -> float: ...
-    @overload
-    def frequency_ratio(self, Omega: ArrayLike) -> Any: ...
-    def frequency_ratio(self, Omega: Any) -> Any:
-        """r = Omega/omega of a load frequency in radians per unit of time.
-
-        Parameters
-        ----------
-        Omega : float or array_like
-
-        Returns
-        -------
-        float, or ndarray for an array
-
-        Raises
-        ------
-        ParameterError, ParameterTypeError
-            If a value is no positive number.
-        """
-        return _positive_each(Omega, "Omega") / self.omega
-
-    def motion(self, motion: Motion) -> dict[str, Any]:
-        """The numbers of a motion in physical units.
-
-        Returns
-        -------
-        dict
-            ``d``, ``Omega``, ``period``, ``t`` (times of the impacts), ``X``, ``Z``, the four
-            velocities, ``A``, ``x_min``, ``x_max``; names as in `Motion`.
-
-        Raises
-        ------
-        ParameterTypeError
-            If it is no Motion.
-
-        Examples
-        --------
-        >>> import vibroimpact as vi
-        >>> osc = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
-        >>> motion = vi.equispaced(osc, r=1.04, clearance=25.0)[0]
-        >>> physical = osc.units(F0=4.0).motion(motion)
-        >>> round(physical["d"], 6), round(physical["Omega"], 6)
-        (0.125, 20.8)
-        """
-        if not hasattr(motion, "load_phase"):
-            raise ParameterTypeError(
-                f"motion = {motion!r}: must be a vibroimpact.Motion, not {type(motion).__name__}"
+        if F0 is None and self.F0 is None:
+            raise ParameterError(
+                "F0 = None: must be the load amplitude for units; give it here as units(F0=...), or to "
+                "Oscillator.from_dimensional"
             )
-        physical: dict[str, Any] = {
-            "d": motion.clearance * self.length,
-            "Omega": motion.r * self.omega,
-            "period": motion.period * self.time,
-            "t": motion.phases / motion.r * self.time,
-        }
-        for name in ("X", "Z", "A", "x_min", "x_max"):
-            physical[name] = getattr(motion, name) * self.length
-        for name in ("X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"):
-            physical[name] = getattr(motion, name) * self.velocity
-        return physical
+        return Units(
+            self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
+        )
+
+    def _keys(self, r: float | None = None) -> dict[str, Any]:
+        """The keys of a &system; None where they are not known."""
+        return {
+            "xi": self.xi, "mu": self.mu, "restitution": list(self.restitution), "r": r, "mass": self.M,
+            "stiffness": self.K, "force": self.F0, "units": self.unit_names,
+        }  # fmt: skip
+
+    @classmethod
+    def _of_keys(cls, keys: Mapping[str, Any]) -> Oscillator:
+        """The oscillator of the keys of a &system."""
+        return cls(
+            xi=keys["xi"], mu=keys["mu"], restitution=tuple(np.atleast_1d(keys["restitution"]).tolist()),
+            M=keys.get("mass"), K=keys.get("stiffness"), F0=keys.get("force"), unit_names=keys.get("units"),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -540,24 +452,3 @@ def _walls(restitution: Any) -> tuple[float, float]:
         )
     value = checks.number(restitution, "restitution")
     return value, value
-
-
-def _positive_each(value: Any, name: str) -> Any:
-    """One positive number, or an array of them."""
-    if np.ndim(value) == 0 or isinstance(value, str):
-        return _positive(value, name)
-    wanted = f"finite numbers with {name} > 0"
-    array = checks.real_array(value, name, wanted)
-    good = (array > 0) & np.isfinite(array)
-    if not good.all():
-        bad = array[~good].ravel()[0].item()
-        raise ParameterError(f"{name} with {bad!r}: must be {wanted}")
-    return array
-
-
-def _positive(value: Any, name: str, *, zero: bool = False) -> float:
-    wanted = f"a finite number with {name} {'>=' if zero else '>'} 0"
-    item = checks.to_float(value, name, wanted)
-    if not (0 < item < math.inf or (zero and item == 0)):
-        raise ParameterError(f"{name} = {value!r}: must be {wanted}")
-    return item

@@ -396,7 +396,7 @@ class Motion(Savable, study="motion"):
             "motion": 1, "sides": self.pattern.sides, "cycles": self.pattern.cycles, "status": 0,
             "attenuation": self.attenuation if self.A > 0 else math.nan,
             "multipliers": self.multipliers, "xi": self.osc.xi, "mu": self.osc.mu, "R1": right,
-            "R2": left, "M": self.osc.M, "K": self.osc.K,
+            "R2": left, **units_of(self.osc),
         }  # fmt: skip
         impacts = {key: getattr(self, name) for name, key in OF_IMPACTS.items()}
         impacts |= {
@@ -556,10 +556,21 @@ def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
         float(result.column(table, name).values.ravel()[row]) for name in ("xi", "mu", "R1", "R2")
     )
     columns = result.tables[table].columns
-    units = {
-        name: float(columns[name].values.ravel()[row]) for name in ("M", "K") if name in columns
-    }
-    return Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]), **units)
+    known: dict[str, Any] = {
+        name: columns[name].decoded().ravel()[row].item()
+        for name in ("M", "K", "F0", "units") if name in columns
+    }  # fmt: skip
+    if not known and result.case:
+        keys = namelist.keys_of(result.case)
+        of_system = {"M": "mass", "K": "stiffness", "F0": "force", "units": "units"}
+        known = {name: keys[key] for name, key in of_system.items() if key in keys}
+    names = known.pop("units", None)
+    return Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]), **known, unit_names=names)
+
+
+def units_of(osc: Oscillator) -> dict[str, Any]:
+    """The columns of the physical units of an oscillator, None where they are not known."""
+    return {"M": osc.M, "K": osc.K, "F0": osc.F0, "units": osc.unit_names}
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

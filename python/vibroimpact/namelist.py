@@ -39,8 +39,7 @@ def symmetric_word(value: Any) -> str:
 
 def case(osc: Oscillator, r: float | None = None, **groups: Mapping[str, Any]) -> str:
     """A system with what is asked of it."""
-    walls = list(osc.restitution)
-    return text({"system": {"xi": osc.xi, "mu": osc.mu, "restitution": walls, "r": r}, **groups})
+    return text({"system": osc._keys(r), **groups})
 
 
 def _value(value: Any) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ from .errors import ParameterError
 from .model import Oscillator
 from .namelist import keys_of
 from .tables import Result
+
+if TYPE_CHECKING:
+    from .physical import Physical
+    from .units import Units
 
 Self = TypeVar("Self", bound="Savable")
 #: The classes by name, for results that are read from files.
@@ -98,6 +102,24 @@ class Savable:
         from .plot import animate
 
         return animate(self, *options)  # type: ignore[arg-type]
+
+    def physical(self, units: Units | str | None = None) -> Physical:
+        """The result in physical units: see `vibroimpact.physical`.
+
+        Parameters
+        ----------
+        units : Units or str, optional
+            Units of length, force and time, as "mm N s" or "SI"; those of the oscillator by default.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If the oscillator does not know M, K and F0, or a unit is not known.
+        """
+        from .physical import physical
+
+        found: Physical = physical(self, units)
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
@@ -240,9 +262,7 @@ class Noun(Savable):
     @property
     def osc(self) -> Oscillator:
         """The system."""
-        keys = self.keys
-        walls = tuple(np.atleast_1d(keys["restitution"]))
-        return Oscillator(xi=keys["xi"], mu=keys["mu"], restitution=walls)
+        return Oscillator._of_keys(self.keys)
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""

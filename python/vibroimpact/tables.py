@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import ParameterError
+from .namelist import keys_of
+from .units import MIXED, RATIO
 
 #: How values are stored, by the kind of their column.
 STORED = {"real": "<f8", "complex": "<c16"}
@@ -248,6 +250,32 @@ def made(
         filled[name] = Table(dict(zip(dims, shape, strict=False)), columns=columns)
     row = language()["results"][study]["row"]
     return Result(study, case, cut, False, remarks, (), row, filled)
+
+
+def settled(result: Result) -> Result:
+    """A result in which the values of a parameter, and those along an axis of states, have their unit."""
+    found = {}
+    for name, table in result.tables.items():
+        columns = {}
+        for key, column in table.columns.items():
+            about = decided(result, name, key) if column.unit == MIXED else {}
+            columns[key] = replace(column, **about) if about else column
+        found[name] = replace(table, columns=Found(columns, name))
+    return replace(result, tables=Found(found, "tables"))
+
+
+def decided(result: Result, table: str, name: str) -> dict[str, Any]:
+    """Unit and meaning of a column that the case decides; nothing if its numbers have several units."""
+    keys = keys_of(result.case)
+    if table in ("first", "second") and "axes" in keys:
+        axis = keys["axes"][table == "second"]
+        units = {"t": "1/omega", "x": "F0/K", "y": "F0/K"}
+        return {"unit": units.get(axis, "omega F0/K"), "meaning": f"{axis} of the states"}
+    if name not in ("value", "low", "high") or "parameter" not in keys:
+        return {}
+    parameter = keys["parameter"]
+    meaning = {"r": RATIO, "clearance": "clearance d K/F0"}.get(parameter, parameter)
+    return {"unit": "F0/K" if parameter == "clearance" else "", "meaning": meaning}
 
 
 def runs(table: Table, parents: int | None = None) -> list[slice]:

@@ -15,7 +15,7 @@ from .errors import ParameterError, SingularError
 from .events import EVENT_TYPE, WORDS, Sample, event_columns, events_of, sample, segments
 from .gradient import Gradient, trajectory_gradient
 from .model import Oscillator
-from .motion import osc_of
+from .motion import osc_of, units_of
 from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
 from .quantities import Quantities, quantities_of
@@ -234,9 +234,8 @@ class Trajectory(Savable, study="simulate"):
         tables: dict[str, Any] = {
             "final": ((), {"state": final}),
             "run": ((), {
-                "xi": self.osc.xi, "mu": self.osc.mu, "R1": right, "R2": left, "M": self.osc.M,
-                "K": self.osc.K, "r": self.r, "clearance": self.clearance, "load": self.load,
-                "finished": self.complete,
+                "xi": self.osc.xi, "mu": self.osc.mu, "R1": right, "R2": left, **units_of(self.osc),
+                "r": self.r, "clearance": self.clearance, "load": self.load, "finished": self.complete,
             }),
             "moments": (("moment",), {
                 "moment": MOMENTS, "quantities": [numbers for numbers, _ in moments],

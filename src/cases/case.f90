@@ -31,6 +31,11 @@ module vi_case
       type(values_type) :: start
    end type case_type
 
+   !> Units of length, force and time.
+   character(*), parameter :: lengths = 'm mm cm um km in ft', forces = 'N mN kN MN lbf kgf', &
+      times = 's ms us min h'
+   character(*), parameter :: known(3) = [character(24) :: lengths, forces, times]
+
    type(key_type), parameter, public :: system_keys(*) = [ &
       key_type('xi', low=0.0_wp, high=1.0_wp, below=.true., &
       meaning='damping ratio C/(2 sqrt(K M))'), &
@@ -39,7 +44,17 @@ module vi_case
       takes='one number for both walls or two (right, left), each with 0 <= R <= 1', &
       meaning='coefficient of restitution of both walls, or of the right and the left one'), &
       key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., &
-      meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios')]
+      meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios'), &
+      key_type('mass', low=0.0_wp, above=.true., may_miss=.true., only='stiffness', unit='units', &
+      meaning='primary mass M, by which a result is known in physical units, too'), &
+      key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', unit='units', &
+      meaning='stiffness K, for physical units'), &
+      key_type('force', low=0.0_wp, above=.true., may_miss=.true., only='mass', unit='units', &
+      meaning='load amplitude F0, for physical units'), &
+      key_type('units', a_word, may_miss=.true., only='mass', &
+      takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
+      ' and '//times, &
+      meaning='units of mass, stiffness and force; ''m N s'' if it is not given')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
@@ -68,6 +83,7 @@ contains
       logical, intent(in) :: needs_r
       !> Why no study needs one, for the message.
       character(*), intent(in) :: why
+      character(:), allocatable :: units
 
       if (len(system%fault) > 0) return
       if (needs_r .and. .not. system%has('r')) then
@@ -79,7 +95,28 @@ contains
       end if
       if (size(system%numbers('restitution')) == 1) call system%set('restitution', &
          spread(system%number('restitution'), 1, 2))
+      if (.not. system%has('units')) return
+      call system%text('units', units)
+      if (.not. are_units(units)) call system%refuse('units')
    end subroutine check_system
+
+   !> Whether a text names a unit of length, one of force and one of time.
+   pure logical function are_units(text)
+      !> The text.
+      character(*), intent(in) :: text
+      character(:), allocatable :: rest
+      integer :: i, last
+
+      rest = text//' '
+      are_units = .false.
+      do i = 1, 3
+         last = index(rest, ' ')
+         if (last == 1) return
+         if (index(' '//trim(known(i))//' ', ' '//rest(:last)) == 0) return
+         rest = rest(last + 1:)
+      end do
+      are_units = len(rest) == 0
+   end function are_units
 
    !> Checks the name of a result.
    pure subroutine check_output(output)

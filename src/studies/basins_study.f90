@@ -75,8 +75,10 @@ module vi_basins_study
       meaning='number of its attractor; -1 not decided, -2 not reached, -3 not decided before &
       &max_events'), &
       column_type('states', 'attractor', words, meaning='name of its attractor'), &
-      column_type('first', 'place', label='=', listed=.false., meaning='along the first axis'), &
-      column_type('second', 'place', label='=', listed=.false., meaning='along the second axis'), &
+      column_type('first', 'place', label='=', unit='mixed', listed=.false., &
+      meaning='along the first axis'), &
+      column_type('second', 'place', label='=', unit='mixed', listed=.false., &
+      meaning='along the second axis'), &
       column_type('attractors', 'name', words, label='=', listed=.false., &
       meaning='sides and load cycles of a periodic motion, or the kind of the attractor'), &
       column_type('attractors', 'kind', words, listed=.false., meaning='kind'), &
@@ -88,16 +90,16 @@ module vi_basins_study
       meaning='load cycles of the period; 0 if there is none'), &
       column_type('attractors', 'growth', listed=.false., &
       meaning='greatest modulus of the multipliers, or largest exponent per load cycle'), &
-      column_type('attractors', 'radius', listed=.false., &
+      column_type('attractors', 'radius', unit='mixed', listed=.false., &
       meaning='radius, in a norm of its own, of the neighbourhood in which a state is &
       &assigned to it; 0: none'), &
       column_type('attractors', 'contraction', listed=.false., &
       meaning='factor by which the derivative over a period contracts in that norm'), &
-      column_type('attractors', 'state', each='coordinate', listed=.false., &
+      column_type('attractors', 'state', each='coordinate', unit='mixed', listed=.false., &
       meaning='a state on it: t, x, x_dot, z, z_dot'), &
-      column_type('attractors', 'disc_radius', listed=.false., &
+      column_type('attractors', 'disc_radius', unit='mixed', listed=.false., &
       meaning='radius of the largest disc in the plane inside the basin'), &
-      column_type('attractors', 'disc_centre', each='axis', listed=.false., &
+      column_type('attractors', 'disc_centre', each='axis', unit='mixed', listed=.false., &
       meaning='centre of that disc along both axes'), &
       column_type('pairs', 'distance', listed=.false., &
       meaning='distance between the states of a pair along an axis, in cells of the plane'), &

@@ -63,7 +63,7 @@ module vi_bifurcation_study
    type(column_type), parameter :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, &
       meaning='direction of the sweep (up or down), or number of the initial state'), &
-      column_type('values', 'value', label='=', meaning='value of the parameter'), &
+      column_type('values', 'value', label='=', unit='mixed', meaning='value of the parameter'), &
       column_type('values', 'r_along', listed=.false., &
       meaning='frequency ratio at each value, unless it is the parameter'), &
       column_type('values', 'clearance_along', unit='F0/K', listed=.false., &
@@ -95,8 +95,10 @@ module vi_bifurcation_study
       meaning='code of what failed; 0: none'), &
       column_type('windows', 'run', words, listed=.false., &
       meaning='run in which one period persists'), &
-      column_type('windows', 'low', listed=.false., meaning='first value of the parameter'), &
-      column_type('windows', 'high', listed=.false., meaning='last value of the parameter'), &
+      column_type('windows', 'low', unit='mixed', listed=.false., &
+      meaning='first value of the parameter'), &
+      column_type('windows', 'high', unit='mixed', listed=.false., &
+      meaning='last value of the parameter'), &
       column_type('windows', 'label', words, listed=.false., &
       meaning='impacts / load cycles of the period'), &
       column_type('windows', 'cut', truths, listed=.false., &

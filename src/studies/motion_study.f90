@@ -111,9 +111,12 @@ module vi_motion_study
       column_type('motions', 'R2', listed=.false., &
       meaning='coefficient of restitution of the left wall'), &
       column_type('motions', 'M', listed=.false., &
-      meaning='primary mass in units of the caller, if known'), &
-      column_type('motions', 'K', listed=.false., &
-      meaning='stiffness in units of the caller, if known'), &
+      meaning='primary mass in the units of `units`, if known'), &
+      column_type('motions', 'K', listed=.false., meaning='stiffness in these units, if known'), &
+      column_type('motions', 'F0', listed=.false., &
+      meaning='load amplitude in these units, if known'), &
+      column_type('motions', 'units', words, listed=.false., &
+      meaning='units of length, force and time, if known'), &
       column_type('impacts', 'guess', unit='rad', listed=.false., &
       meaning='load phase from which the exact motion was found, if the linear equations were &
       &solved for it first')]

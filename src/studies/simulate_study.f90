@@ -45,7 +45,7 @@ module vi_simulate_study
       meaning='velocity of the free mass before the impact'), &
       column_type('events', 'z_dot_after', unit='omega F0/K', &
       meaning='velocity of the free mass after the impact'), &
-      column_type('final', 'state', each='coordinate', listed=.false., &
+      column_type('final', 'state', each='coordinate', unit='mixed', listed=.false., &
       meaning='the state at the end: t, x, x_dot, z, z_dot'), &
       column_type('run', 'xi', listed=.false., meaning='damping ratio'), &
       column_type('run', 'mu', listed=.false., meaning='mass ratio'), &
@@ -54,9 +54,11 @@ module vi_simulate_study
       column_type('run', 'R2', listed=.false., &
       meaning='coefficient of restitution of the left wall'), &
       column_type('run', 'M', listed=.false., &
-      meaning='primary mass in units of the caller, if known'), &
-      column_type('run', 'K', listed=.false., &
-      meaning='stiffness in units of the caller, if known'), &
+      meaning='primary mass in the units of `units`, if known'), &
+      column_type('run', 'K', listed=.false., meaning='stiffness in these units, if known'), &
+      column_type('run', 'F0', listed=.false., meaning='load amplitude in these units, if known'), &
+      column_type('run', 'units', words, listed=.false., &
+      meaning='units of length, force and time, if known'), &
       column_type('run', 'r', listed=.false., meaning='frequency ratio'), &
       column_type('run', 'clearance', unit='F0/K', listed=.false., meaning='clearance d K/F0'), &
       column_type('run', 'load', unit='F0', listed=.false., meaning='load amplitude'), &
@@ -65,7 +67,7 @@ module vi_simulate_study
       column_type('moments', 'moment', words, words='initial,initial flight,final,final flight', &
       listed=.false., &
       meaning='the start and the end, and where the flight or rest of each began'), &
-      column_type('moments', 'quantities', each='quantity', listed=.false., &
+      column_type('moments', 'quantities', each='quantity', unit='mixed', listed=.false., &
       meaning='load cycle, load phase above it (rad), x, x_dot, z, z_dot, departure speed'), &
       column_type('moments', 'contact', wholes, each='flag', listed=.false., &
       meaning='wall (1 right, -1 left, 0 none), whether the free mass rests on it, whether it was &

@@ -53,7 +53,7 @@ def test_an_oscillator_needs_names():
     with pytest.raises(vi.ParameterTypeError, match=r"from_dimensional\(M="):
         vi.Oscillator.from_dimensional(2.0, 800.0, 0.4, 0.08, 0.75)
     assert list(inspect.signature(vi.Oscillator).parameters) == [
-        "xi", "mu", "restitution", "M", "K",
+        "xi", "mu", "restitution", "M", "K", "F0", "unit_names",
     ]  # fmt: skip
     rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
     for again in (pickle.loads(pickle.dumps(rig)), copy.deepcopy(rig), copy.copy(rig)):

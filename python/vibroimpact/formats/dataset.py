@@ -8,7 +8,7 @@ import numpy as np
 
 from ..libraries import xarray
 from ..namelist import keys_of
-from ..tables import Result
+from ..tables import settled
 
 
 def to_xarray(noun: Any) -> Any:
@@ -18,7 +18,7 @@ def to_xarray(noun: Any) -> Any:
     ("indexed ragged arrays" of the CF conventions). A column name that occurs in several tables, or that is
     also the name of a dimension, is extended by the name of its table.
     """
-    result: Result = noun._result
+    result = settled(noun._result)
     names = [column.name for _, column in result.columns()]
     names += {dim for table in result.tables.values() for dim in table.dims}
     data: dict[str, Any] = {}

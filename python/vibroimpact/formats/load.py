@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..noun import NOUNS
+from ..units import Units
 from .matlab import read_matlab
 from .netcdf import read_netcdf
 from .record import mapping
@@ -32,7 +33,8 @@ def load(path: str | Path) -> Any:
 
     Returns
     -------
-    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved.
+    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved; in physical units if it was
+    saved in them.
 
     Raises
     ------
@@ -60,7 +62,13 @@ def load(path: str | Path) -> Any:
         kind = mapping(data, "record").get("type")
         if kind not in [*NOUNS]:
             raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")
-        return NOUNS[kind].from_dict(data)
+        found = NOUNS[kind].from_dict(data)
+        if "physical" not in data:
+            return found
+        units: dict[str, Any] = mapping(data["physical"], "physical")
+        return found.physical(
+            Units(units.get("M"), units.get("K"), units.get("F0"), units.get("names"))  # type: ignore[arg-type]
+        )
     except RecursionError:
         reason = "it is nested too deeply"
     except MemoryError:

@@ -8,13 +8,13 @@ import numpy as np
 
 from ..errors import ParameterError
 from . import style
-from .branch import SYMBOLS
 
 if TYPE_CHECKING:
     from ..studies.basins import Basins
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
+    from ..units import Units
 
 #: Colour of each wall, and the marks of its impacts. Those of a sweep down are larger and open, and are drawn
 #: under those of the sweep up: a dot in a ring is an impact of both sweeps, a dot or ring alone is an impact of
@@ -29,19 +29,18 @@ MARKS = {
 AREAS = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
 )  # fmt: skip
-COORDINATES = {
-    "x": "$X$ ($F_0/K$)", "x_dot": r"$\dot X$ ($\omega F_0/K$)", "y": "$Y$ ($F_0/K$)",
-    "z_dot": r"$\dot Z$ ($\omega F_0/K$)", "t": style.TIME_LABEL,
-}  # fmt: skip
+#: Symbols and units of what can be drawn of the impacts.
 QUANTITIES = {
-    "phase": "load phase at the impacts (rad)", "x": "$X$ at the impacts ($F_0/K$)",
-    "x_dot_before": r"$\dot X_b$ ($\omega F_0/K$)", "x_dot_after": r"$\dot X_a$ ($\omega F_0/K$)",
-    "z_dot_before": r"$\dot Z_b$ ($\omega F_0/K$)", "z_dot_after": r"$\dot Z_a$ ($\omega F_0/K$)",
-    "approach": r"$|\dot Z_b - \dot X_b|$ ($\omega F_0/K$)",
+    "phase": ("load phase at the impacts", "rad"), "x": ("$X$ at the impacts", "F0/K"),
+    "x_dot_before": (r"$\dot X_b$", "omega F0/K"), "x_dot_after": (r"$\dot X_a$", "omega F0/K"),
+    "z_dot_before": (r"$\dot Z_b$", "omega F0/K"), "z_dot_after": (r"$\dot Z_a$", "omega F0/K"),
+    "approach": (r"$|\dot Z_b - \dot X_b|$", "omega F0/K"),
 }  # fmt: skip
 
 
-def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 3.0) -> Any:
+def axes(
+    ax: Any, result: Any, scales: style.Scales, width: float = style.ONE_COLUMN, height: float = 3.0
+) -> Any:
     """The given Axes, or those of a new figure with a line that identifies the system."""
     if ax is not None:
         return ax
@@ -53,18 +52,19 @@ def axes(ax: Any, result: Any, width: float = style.ONE_COLUMN, height: float = 
     values = style.system(result.osc) | {
         name: getattr(result, name) for name in names if name != swept
     }
-    style.identify(
-        ax,
-        {name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"},
-    )
+    shown = {
+        name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"
+    }
+    style.identify(ax, scales.given(shown))
     return ax
 
 
-def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
+def draw_lyapunov(result: Lyapunov, ax: Any = None, units: Units | None = None) -> Any:
     """The exponents per load cycle, with three standard errors."""
-    ax = axes(ax, result)
+    scales = style.Scales(units)
+    ax = axes(ax, result, scales)
     name = "clearance" if np.ptp(result.r) == 0 and np.ptp(result.clearance) > 0 else "r"
-    along = np.ravel(getattr(result, name))
+    along = scales.of(name, np.ravel(getattr(result, name)))
     order = np.argsort(along, kind="stable")
     values = result.per_cycle.reshape(4, -1)[:, order]
     errors = 3 * (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)[:, order]
@@ -88,18 +88,22 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None) -> Any:
     ax.axhline(0, color="0.6", lw=0.6)
     if style.is_geometric(along[order]):
         style.log_scale(ax, "x")
-    ax.set_xlabel(SYMBOLS[name])
+    ax.set_xlabel(scales.name(name))
     ax.set_ylabel("exponent per load cycle")
     style.add_legend(ax, **style.ABOVE | {"ncols": 4})
     return ax
 
 
-def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str = "x") -> Any:
+def draw_bifurcation(
+    diagram: BifurcationDiagram, ax: Any = None, quantity: str = "x", units: Units | None = None
+) -> Any:
     """The impacts along the parameter, and the periodic windows above them."""
     from matplotlib.transforms import blended_transform_factory
 
-    ax = axes(ax, diagram, style.TWO_COLUMNS)
-    column = diagram.column(quantity)
+    scales = style.Scales(units)
+    ax = axes(ax, diagram, scales, style.TWO_COLUMNS)
+    column = scales(diagram.column(quantity), QUANTITIES[quantity][1])
+    along = scales.of(diagram.parameter, diagram.values)
     run = np.array(diagram.runs)[diagram.points["run"]]
     both = {"up", "down"} <= set(diagram.runs)
     for (side, down), mark in MARKS.items():
@@ -107,30 +111,27 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
         if down and not both:
             continue
         ax.plot(
-            diagram.values[diagram.points["index"][mine]], column[mine], linestyle="", mew=0.4,
+            along[diagram.points["index"][mine]], column[mine], linestyle="", mew=0.4,
             color=WALLS[side], label=f"impacts on {side}" + both * (", down" if down else ", up"),
             zorder=1.9 if down else 2, rasterized=True, **mark,
         )  # fmt: skip
-    if style.is_geometric(diagram.values):
+    if style.is_geometric(along):
         style.log_scale(ax, "x")
     above = blended_transform_factory(ax.transData, ax.transAxes)
-    even = np.log if style.is_geometric(diagram.values) else np.asarray
-    longest = np.ptp(even(diagram.values))
+    even = np.log if style.is_geometric(along) else np.asarray
+    longest = np.ptp(even(along))
     for window in diagram.windows:
         level = 1.02 + 0.07 * diagram.runs.index(window.run)
-        if window.run in ("up", "down") and np.diff(even(window[1:3])) > 0.03 * longest:
-            middle = window.low + (window.high - window.low) / 2
-            if even is np.log:
-                middle = np.sqrt(window.low * window.high)
-            ax.plot(
-                [window.low, window.high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False
-            )
+        low, high = scales.of(diagram.parameter, np.array([window.low, window.high]))
+        if window.run in ("up", "down") and even(high) - even(low) > 0.03 * longest:
+            middle = np.sqrt(low * high) if even is np.log else low + (high - low) / 2
+            ax.plot([low, high], [level] * 2, "k-", lw=0.8, transform=above, clip_on=False)
             ax.text(
                 middle, level, f"{window.label} {window.run}", ha="center",
                 va="bottom", fontsize=6, transform=above,
             )  # fmt: skip
-    ax.set_xlabel(SYMBOLS[diagram.parameter])
-    ax.set_ylabel(QUANTITIES[quantity])
+    ax.set_xlabel(scales.name(diagram.parameter))
+    ax.set_ylabel(scales.label(*QUANTITIES[quantity]))
     # impacts outside the windows, which are labelled above
     style.add_legend(
         ax,
@@ -140,7 +141,7 @@ def draw_bifurcation(diagram: BifurcationDiagram, ax: Any = None, quantity: str 
     return ax
 
 
-def draw_basins(basins: Basins, ax: Any = None) -> Any:
+def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> Any:
     """The plane of initial states, one colour for each attractor; undecided states are grey."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
@@ -149,16 +150,18 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
         raise ParameterError(
             "plane = None: must be one for a picture; these states are random or a list"
         )
-    ax = axes(ax, basins, style.ONE_COLUMN + 1.2, 3.4)
+    scales = style.Scales(units)
+    ax = axes(ax, basins, scales, style.ONE_COLUMN + 1.2, 3.4)
     n = len(basins.attractors)
     colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]
     first, second = basins.axes
     ax.pcolormesh(
-        first.values, second.values, np.maximum(basins.labels.T, -1), cmap=ListedColormap(colors),
-        norm=BoundaryNorm(np.arange(-1.5, n), n + 1), shading="nearest", rasterized=True,
+        *(scales.of(axis.name, axis.values) for axis in basins.axes), np.maximum(basins.labels.T, -1),
+        cmap=ListedColormap(colors), norm=BoundaryNorm(np.arange(-1.5, n), n + 1),
+        shading="nearest", rasterized=True,
     )  # fmt: skip
-    ax.set_xlabel(COORDINATES[first.name])
-    ax.set_ylabel(COORDINATES[second.name])
+    ax.set_xlabel(scales.name(first.name))
+    ax.set_ylabel(scales.name(second.name))
     names = zip(basins.attractors, basins.fractions, colors[1:], strict=True)
     patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in names]
     style.add_legend(
@@ -167,19 +170,20 @@ def draw_basins(basins: Basins, ax: Any = None) -> Any:
     return ax
 
 
-def draw_response(response: Response, ax: Any = None) -> Any:
+def draw_response(response: Response, ax: Any = None, units: Units | None = None) -> Any:
     """max|X|/A along r: each attractor a dot, and the envelopes over those that coexist."""
-    ax = axes(ax, response)
-    every = response.attenuation
-    r = np.broadcast_to(response.r[:, None], every.shape)
+    scales = style.Scales(units)
+    ax = axes(ax, response, scales)
+    every, along = response.attenuation, scales.r(response.r)
+    r = np.broadcast_to(along[:, None], every.shape)
     for mask, marker, color, name in (
         (response.cycles > 0, ".", style.PRIMARY, "periodic"),
         (response.cycles == 0, "x", style.FREE, "not periodic"),
     ):
         ax.plot(r[mask], every[mask], marker, ms=2, mew=0.4, color=color, label=name)
-    ax.plot(response.r, response.highest, "-", color="k", lw=0.8, label="greatest")
-    ax.plot(response.r, response.lowest, "--", color="k", lw=0.8, label="least")
-    ax.set_xlabel(SYMBOLS["r"])
-    ax.set_ylabel(SYMBOLS["attenuation"])
+    ax.plot(along, response.highest, "-", color="k", lw=0.8, label="greatest")
+    ax.plot(along, response.lowest, "--", color="k", lw=0.8, label="least")
+    ax.set_xlabel(scales.name("r"))
+    ax.set_ylabel(scales.name("attenuation"))
     style.add_legend(ax, **style.ABOVE)
     return ax

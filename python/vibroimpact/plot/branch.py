@@ -12,12 +12,12 @@ from . import style
 if TYPE_CHECKING:
     from ..structure_branch import StructureBranch
     from ..studies.branch import Branch
+    from ..units import Units
 
-SYMBOLS = {
-    "r": style.R_LABEL, "clearance": style.CLEARANCE_LABEL, "xi": r"$\xi$", "mu": r"$\mu$", "R1": "$R_1$",
-    "R2": "$R_2$", "restitution": "$R$", "attenuation": style.ATTENUATION_LABEL, "x_max": r"$X_{\max}$ ($F_0/K$)",
-    "x_min": r"$X_{\min}$ ($F_0/K$)", "tau": r"$\tau$ (rad)", "largest": r"$\max|\lambda|$", "A": "$A$ ($F_0/K$)",
-}  # fmt: skip
+#: What can be drawn.
+COLUMNS = (
+    "r", "clearance", "xi", "mu", "R1", "R2", "attenuation", "x_max", "x_min", "tau", "largest", "A",
+)  # fmt: skip
 MARKERS = {
     "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),
     "neimark_sacker": ("^", style.REST), "grazing": ("D", style.IMPACT), "zero_approach": ("v", "k"),
@@ -26,26 +26,29 @@ MARKERS = {
 STYLES = {"stable": "-", "unstable": "--", "inadmissible": ":"}
 
 
-def draw_branch(branch: Branch, ax: Any = None, y: str = "attenuation") -> Any:
+def draw_branch(
+    branch: Branch, ax: Any = None, y: str = "attenuation", units: Units | None = None
+) -> Any:
     """Draw one column of a branch against its parameter."""
+    scales = style.Scales(units)
     if y == "largest":
         column = np.abs(branch.multipliers).max(axis=0)
-    elif y in SYMBOLS and hasattr(branch, y):
+    elif y in COLUMNS:
         column = getattr(branch, y)
     else:
-        names = [name for name in SYMBOLS if hasattr(branch, name)]
+        names = [name for name in COLUMNS if name != "largest"]
         raise ParameterError(f"y = {y!r}: must be 'largest' or one of {', '.join(names)}")
     if ax is None:
         with style.pyplot().rc_context(style.SETTINGS):
             _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
         labelled = ("xi", "mu", "R1", "R2", "r", "clearance")
         style.identify(
-            ax, {name: getattr(branch, name) for name in labelled},
+            ax, scales.given({name: getattr(branch, name) for name in labelled}),
             f"{branch.pattern.sides}/{branch.pattern.cycles}",
         )  # fmt: skip
-    draw_curve(branch, ax, column)
-    ax.set_xlabel(SYMBOLS[branch.parameter])
-    ax.set_ylabel(SYMBOLS[y])
+    draw_curve(branch, ax, scales.of(y, column), scales.of(branch.parameter, branch.values))
+    ax.set_xlabel(scales.name(branch.parameter))
+    ax.set_ylabel(scales.name(y))
     add_legend_once(ax)
     return ax
 
@@ -56,8 +59,9 @@ def add_legend_once(ax: Any) -> None:
     style.add_legend(ax, once.values(), once.keys(), **style.ABOVE)
 
 
-def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any) -> None:
+def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any, along: Any = None) -> None:
     """Draw a column of any branch, by its verdicts, and mark the special points."""
+    along = branch.values if along is None else along
     good, stable = branch.admissible == 1, branch.stable == 1
     kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
     for name, mask in kinds.items():
@@ -69,7 +73,7 @@ def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any) -> None:
         shown[1:] |= edges | mask[:-1]
         if mask.any():
             ax.plot(
-                branch.values, np.where(shown | mask, column, np.nan), STYLES[name],
+                along, np.where(shown | mask, column, np.nan), STYLES[name],
                 color=style.PRIMARY if name != "inadmissible" else "0.6", label=name,
             )  # fmt: skip
     seen: set[str] = set()
@@ -78,7 +82,7 @@ def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any) -> None:
             continue
         marker, color = MARKERS[point.type]
         ax.plot(
-            branch.values[point.index], column[point.index], marker, color=color, markersize=4,
+            along[point.index], column[point.index], marker, color=color, markersize=4,
             label="" if point.type in seen else style.condition_name(point.type),
         )  # fmt: skip
         seen.add(point.type)

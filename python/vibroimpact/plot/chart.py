@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError
+from ..units import Units
 from .style import (
-    CLEARANCE_LABEL,
-    LOAD_LABEL,
     ONE_COLUMN,
     PRIMARY,
-    R_LABEL,
     SETTINGS,
+    Plane,
     add_legend,
     identify,
     is_geometric,
@@ -38,7 +37,13 @@ COLORS = {
 }
 
 
-def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: bool = False) -> Any:
+def draw_chart(
+    data: Any,
+    ax: Any = None,
+    color: str | None = None,
+    inverse: bool = False,
+    units: Units | None = None,
+) -> Any:
     """Draw where the motions of a chart are stable, unstable, inadmissible, or absent.
 
     Parameters
@@ -51,6 +56,8 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
         stable motion.
     inverse : bool
         Whether the axis is F0/(d K), as in Figures 6 to 8, instead of d K/F0.
+    units : Units, optional
+        Physical units of the axes.
 
     Returns
     -------
@@ -73,16 +80,15 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
     if color is not None:
         checks.choice(color, "color", tuple(COLORS))
     plt = pyplot()
-    x, y = data["r"].values, data["clearance"].values
+    plane = Plane(units, inverse)
+    x, y = plane.r(data["r"].values), plane.gap(data["clearance"].values)
     kind = classes(data)
-    if inverse:
-        y = 1 / y
     with plt.rc_context({**SETTINGS, "hatch.linewidth": 0.4}):
         if ax is None:
             _, ax = plt.subplots(figsize=(ONE_COLUMN, 3.4), layout="constrained")
             names = ("xi", "mu", "R1", "R2")
             head = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-            identify(ax, {name: data.attrs[name] for name in names}, head)
+            identify(ax, plane.given({name: data.attrs[name] for name in names}), head)
         mesh = _edges(x), _edges(y)
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
@@ -106,8 +112,7 @@ def draw_chart(data: Any, ax: Any = None, color: str | None = None, inverse: boo
             ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])
         if is_geometric(y):
             log_scale(ax, "y")
-        ax.set_xlabel(R_LABEL)
-        ax.set_ylabel(LOAD_LABEL if inverse else CLEARANCE_LABEL)
+        plane.label_axes(ax)
         none = CLASSES[-1][3] if data.attrs.get("complete", 1) else "not reached, or no motion"
         patches = [
             Patch(

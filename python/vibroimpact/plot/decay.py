@@ -13,6 +13,7 @@ from .attractor import AREAS
 
 if TYPE_CHECKING:
     from ..studies.decay import Decay
+    from ..units import Units
 
 #: Colours and marks of a few runs. If there are more runs, their colour depends on the clearance.
 COLORS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, style.LOAD, AREAS[4])
@@ -21,63 +22,73 @@ MARKS = "osD^vP"
 SMALL = 0.01
 
 
-def draw_decay(decay: Decay, ax: Any = None, kind: str | None = None) -> Any:
+def draw_decay(
+    decay: Decay, ax: Any = None, kind: str | None = None, units: Units | None = None
+) -> Any:
     """Draw one panel into `ax`, the peaks unless `kind` is "damping", or both into a new figure (or one)."""
     if kind is not None:
         checks.choice(kind, "kind", tuple(PANELS))
+    scales = style.Scales(units)
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
         if ax is not None:
-            PANELS[kind or "peaks"](ax, decay)
-            _name_runs(ax, decay)
+            PANELS[kind or "peaks"](ax, decay, scales)
+            _name_runs(ax, decay, scales)
             return ax
         n = 1 if kind else 2
         width = style.ONE_COLUMN if kind else style.TWO_COLUMNS
         _, panels = plt.subplots(1, n, figsize=(width, 2.8), layout="constrained", squeeze=False)
         for name, panel in zip([kind] if kind else PANELS, panels[0], strict=True):
-            PANELS[name](panel, decay)
+            PANELS[name](panel, decay, scales)
             if decay.clearance.size <= len(COLORS) or panel is panels[0, -1]:
-                _name_runs(panel, decay)
+                _name_runs(panel, decay, scales)
         values = style.system(decay.osc)
         if decay.clearance.size == 1:
             values["clearance"] = float(decay.clearance[0])
-        style.identify(panels[0, 0], values, "free vibration")
+        style.identify(panels[0, 0], scales.given(values), "free vibration")
         return panels[0, 0] if kind else panels[0]
 
 
-def _runs(decay: Decay) -> Iterator[tuple[float, Any, dict[str, Any]]]:
+def _runs(decay: Decay, scales: style.Scales) -> Iterator[tuple[float, Any, dict[str, Any]]]:
     """Clearance, position of the peaks and style of each run."""
-    few = decay.clearance.size <= len(COLORS)
-    for i, clearance in enumerate(decay.clearance.tolist()):
-        color = COLORS[i] if few else colors_of(decay.clearance).to_rgba(clearance)
+    few, clearances = decay.clearance.size <= len(COLORS), scales.of("clearance", decay.clearance)
+    for i, clearance in enumerate(clearances.tolist()):
+        color = COLORS[i] if few else colors_of(clearances).to_rgba(clearance)
         yield clearance, decay.run == i, {
             "color": color, "marker": MARKS[i] if few else ".", "ms": 2.8, "mew": 0.6,
             "mfc": "none" if few and i % 2 else color,
         }  # fmt: skip
 
 
-def _name_runs(ax: Any, decay: Decay) -> None:
+def _name_runs(ax: Any, decay: Decay, scales: style.Scales) -> None:
     """A legend of the clearances, or the scale of their colours."""
     if decay.clearance.size > len(COLORS):
-        ax.figure.colorbar(colors_of(decay.clearance), ax=ax, label="$dK/F_0$")
+        clearances = scales.of("clearance", decay.clearance)
+        ax.figure.colorbar(colors_of(clearances), ax=ax, label=scales.name("clearance"))
     elif decay.clearance.size > 1:
-        legend = {"title": "$dK/F_0$", "ncols": 6, "title_fontsize": 7, "alignment": "left"}
+        legend = {
+            "title": scales.name("clearance"),
+            "ncols": 6,
+            "title_fontsize": 7,
+            "alignment": "left",
+        }
         style.add_legend(ax, **style.ABOVE | legend | {"handlelength": 1.6})
 
 
-def _draw_peaks(ax: Any, decay: Decay) -> None:
+def _draw_peaks(ax: Any, decay: Decay, scales: style.Scales) -> None:
     """The peaks of each run against time on a logarithmic axis."""
-    for clearance, own, look in _runs(decay):
-        ax.plot(decay.time[own], np.abs(decay.x[own]), lw=0.6, label=f"{clearance:.6g}", **look)
+    for clearance, own, look in _runs(decay, scales):
+        t, x = scales.of("t", decay.time[own]), scales.of("x", np.abs(decay.x[own]))
+        ax.plot(t, x, lw=0.6, label=f"{clearance:.6g}", **look)
     style.log_scale(ax, "y")
-    ax.set_xlabel(style.TIME_LABEL)
-    ax.set_ylabel("peaks $|X|$ ($F_0/K$)")
+    ax.set_xlabel(scales.name("t"))
+    ax.set_ylabel(scales.label("peaks $|X|$", "F0/K"))
 
 
-def _draw_damping(ax: Any, decay: Decay) -> None:
+def _draw_damping(ax: Any, decay: Decay, scales: style.Scales) -> None:
     """The damping of each cycle against the peak at which it begins."""
-    for clearance, own, look in _runs(decay):
-        x = np.abs(decay.x[own])
+    for clearance, own, look in _runs(decay, scales):
+        x = scales.of("x", np.abs(decay.x[own]))
         ax.plot(x, decay.damping[own], ls="", label=f"{clearance:.6g}", **look)
     style.log_scale(ax, "x")
     # logarithmic for losses and for gains, and linear for small values between them
@@ -90,7 +101,7 @@ def _draw_damping(ax: Any, decay: Decay) -> None:
         r"$\xi$", (1, decay.osc.xi), xycoords=ax.get_yaxis_transform(), xytext=(3, 0),
         textcoords="offset points", va="center", color="0.4", fontsize=8, annotation_clip=False,
     )  # fmt: skip
-    ax.set_xlabel("$|X|$ at the start of the cycle ($F_0/K$)")
+    ax.set_xlabel(scales.label("$|X|$ at the start of the cycle", "F0/K"))
     ax.set_ylabel(r"damping ratio $\zeta$ of the cycle")
 
 

@@ -12,6 +12,7 @@ from . import history, style
 if TYPE_CHECKING:
     from ..motion import Motion
     from ..studies.find import Findings
+    from ..units import Units
 
 #: Panels in a row; largest number of motions drawn.
 COLUMNS, MOST = 3, 23
@@ -23,7 +24,7 @@ STABILITY = (
 )  # fmt: skip
 
 
-def draw_found(found: Findings, ax: Any = None) -> Any:
+def draw_found(found: Findings, ax: Any = None, units: Units | None = None) -> Any:
     """A panel for each motion over its period, and a last one with the multipliers of all.
 
     The motions are numbered as in the table; if there are very many, the first ones are drawn. With `ax` only
@@ -44,7 +45,7 @@ def draw_found(found: Findings, ax: Any = None) -> Any:
         places = [*(divmod(i, COLUMNS) for i in range(len(motions))), (last, slice(column, None))]
         panels = np.array([figure.add_subplot(grid[place]) for place in places])
         for number, (motion, ax) in enumerate(zip(motions, panels, strict=False), start=1):
-            history.draw(motion, ax, cycles=motion.pattern.cycles)
+            history.draw(motion, ax, cycles=motion.pattern.cycles, units=units)
             ax.get_legend().remove()
             ax.set_title(f"{number}: {name(motion)}", fontsize=8)
         draw_multipliers(motions, panels[-1])
@@ -53,7 +54,7 @@ def draw_found(found: Findings, ax: Any = None) -> Any:
         values = style.system(found.osc) | {
             name: getattr(found, name) for name in ("r", "clearance", "load")
         }
-        figure.suptitle(style.given(values) + shown, fontsize=8)
+        figure.suptitle(style.given(style.Scales(units).given(values)) + shown, fontsize=8)
         return panels
 
 

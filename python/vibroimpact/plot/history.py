@@ -21,18 +21,30 @@ from .style import (
     REST,
     SETTINGS,
     TWO_COLUMNS,
+    Scales,
     add_legend,
+    given,
     pyplot,
 )
 
 if TYPE_CHECKING:
     from ..trajectory import Trajectory
+    from ..units import Units
 
 __all__ = ["KINDS", "History", "draw", "history"]
 
 
+#: Units of the fields of a sample.
+SAMPLE_UNITS = (
+    "F0/K", "omega F0/K", "F0/K", "omega F0/K", "F0/K", "F0", "omega^2 F0/K", "omega^2 F0/K",
+)  # fmt: skip
+
+
 class History(NamedTuple):
-    """The data of the panels: times in load cycles, the samples, and the events in the window."""
+    """The data of the panels: times in load cycles, the samples, and the events in the window.
+
+    In physical units all have these; times are then from the start of the window.
+    """
 
     cycles: NDArray[np.float64]
     sample: Sample
@@ -44,11 +56,13 @@ class History(NamedTuple):
     last: float
     phase: float  #: of the load at `first`
     resting: int  #: side on which the free mass rests at `first`, or 0
+    scales: Scales
 
 
 def draw(
-    thing: Motion | Trajectory, ax: Any = None, kind: str | None = None, cycles: float = 3.0
-) -> Any:
+    thing: Motion | Trajectory, ax: Any = None, kind: str | None = None, cycles: float = 3.0,
+    units: Units | None = None,
+) -> Any:  # fmt: skip
     """Draw one panel into `ax`, or all of them into a new figure.
 
     Parameters
@@ -70,7 +84,7 @@ def draw(
     cycles = checks.to_float(cycles, "cycles", "a number above 0")
     if not 0 < cycles < math.inf:
         raise ParameterError(f"cycles = {cycles!r}: must be a number above 0")
-    window = history(thing, cycles)
+    window = history(thing, cycles, units)
     plt = pyplot()
     with plt.rc_context(SETTINGS):
         if ax is not None or kind is not None:
@@ -88,15 +102,16 @@ def draw(
         for one in axes[:2]:
             one.tick_params(labelbottom=False)
             one.set_xlabel("")
-        figure.suptitle(_title(thing), fontsize=8)
+        figure.suptitle(_title(thing, window.scales), fontsize=8)
         return np.array(axes, dtype=object)
 
 
-def _title(thing: Motion | Trajectory) -> str:
+def _title(thing: Motion | Trajectory, scales: Scales) -> str:
     osc = thing.osc
+    values = scales.given({"r": thing.r, "clearance": thing.clearance, "load": thing.load})
     text = (
         rf"$\xi$ = {osc.xi:g}, $\mu$ = {osc.mu:g}, $R_1$ = {osc.restitution[0]:g}, "
-        rf"$R_2$ = {osc.restitution[1]:g}, $r$ = {thing.r:.6g}, $dK/F_0$ = {thing.clearance:.6g}"
+        rf"$R_2$ = {osc.restitution[1]:g}, {given(values)}"
     )
     if isinstance(thing, Motion):
         text = (
@@ -105,8 +120,9 @@ def _title(thing: Motion | Trajectory) -> str:
     return text
 
 
-def history(thing: Motion | Trajectory, cycles: float) -> History:
+def history(thing: Motion | Trajectory, cycles: float, units: Units | None = None) -> History:
     """Samples dense enough for a smooth curve, with both sides of each jump."""
+    scales = Scales(units)
     cycle = 2 * math.pi / thing.r
     if isinstance(thing, Motion):
         first, last = 0.0, cycles * cycle
@@ -131,11 +147,22 @@ def history(thing: Motion | Trajectory, cycles: float) -> History:
     before = np.nextafter(events["time"], -np.inf)
     times = np.unique(np.concatenate([even, events["time"], before]))
     times = np.clip(times, first, last)
-    sample = thing.sample(times)
+    sample = Sample(
+        *(scales(x, unit) for x, unit in zip(thing.sample(times), SAMPLE_UNITS, strict=True))
+    )
+    shown = events.copy()
+    for name in ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"):
+        shown[name] = scales(events[name], "F0/K" if name == "x" else "omega F0/K")
+    turn = cycle if units is None else 1 / units.time
     return History(
-        (times - first) / cycle, sample, sample.X_ddot, events, (events["time"] - first) / cycle,
-        0.5 * thing.clearance, first, last, phase, resting,
+        (times - first) / turn, sample, sample.X_ddot, shown, (events["time"] - first) / turn,
+        scales(0.5 * thing.clearance, "F0/K"), first, last, phase, resting, scales,
     )  # fmt: skip
+
+
+def time_label(h: History) -> str:
+    """The label of the axis of time."""
+    return h.scales.label("time", "1/omega") if h.scales.units else "time (load cycles)"
 
 
 def _draw_history(ax: Any, h: History) -> None:
@@ -159,8 +186,8 @@ def _draw_history(ax: Any, h: History) -> None:
                 h.event_cycles[chosen], (h.events["x"] + side * h.half)[chosen], marker, color=colour, ms=3,
                 label=kind, mew=0,
             )  # fmt: skip
-    ax.set_ylabel(r"$X$, $Z$ ($F_0/K$)")
-    ax.set_xlabel("time (load cycles)")
+    ax.set_ylabel(h.scales.label("$X$, $Z$", "F0/K"))
+    ax.set_xlabel(time_label(h))
     ax.margins(x=0)
     add_legend(
         ax,
@@ -174,8 +201,8 @@ def _draw_history(ax: Any, h: History) -> None:
 
 def _draw_load(ax: Any, h: History) -> None:
     ax.plot(h.cycles, h.sample.load, color=LOAD)
-    ax.set_ylabel("load ($F_0$)")
-    ax.set_xlabel("time (load cycles)")
+    ax.set_ylabel(h.scales.label("load", "F0"))
+    ax.set_xlabel(time_label(h))
     ax.margins(x=0)
 
 
@@ -196,14 +223,14 @@ def _draw_acceleration(ax: Any, h: History) -> None:
             tips,
             color=IMPACT,
             lw=0.9,
-            label=rf"impact: $\Delta\dot X$ (longest: {largest:.3g} $\omega F_0/K$)",
+            label=rf"impact: $\Delta\dot X$ (longest: {largest:.3g} {h.scales.unit('omega F0/K')})",
         )
         # above the axes, where it does not cover any curve
         add_legend(
             ax, **ABOVE | {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "handlelength": 1.4}
         )
-    ax.set_ylabel(r"$\ddot X$ ($\omega^2 F_0/K$)")
-    ax.set_xlabel("time (load cycles)")
+    ax.set_ylabel(h.scales.label(r"$\ddot X$", "omega^2 F0/K"))
+    ax.set_xlabel(time_label(h))
     ax.margins(x=0)
 
 
@@ -214,8 +241,8 @@ def _draw_portrait(ax: Any, h: History) -> None:
     for wall in (-h.half, h.half):
         ax.axvline(wall, color=PRIMARY, lw=0.7, ls=(0, (4, 2)))
     ax.plot(y, y_dot, color=FREE, lw=0.8)
-    ax.set_xlabel("$Y = Z - X$ ($F_0/K$)")
-    ax.set_ylabel(r"$\dot Y$ ($\omega F_0/K$)")
+    ax.set_xlabel(h.scales.label("$Y = Z - X$", "F0/K"))
+    ax.set_ylabel(h.scales.label(r"$\dot Y$", "omega F0/K"))
 
 
 #: The panels, in the order of the figure.

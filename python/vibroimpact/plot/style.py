@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..errors import MissingExtraError
 from ..files import write_bytes
 from ..model import Oscillator
+from ..units import Units
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
@@ -30,7 +31,25 @@ SYMBOLS = {
 
 #: Labels of axes: a quantity, and its unit in brackets unless it is dimensionless.
 R_LABEL, CLEARANCE_LABEL, LOAD_LABEL = r"$r = \Omega/\omega$", "$dK/F_0$", "$F_0/(dK)$"
-ATTENUATION_LABEL, TIME_LABEL = r"$\max|X|/A$", r"$t$ ($1/\omega$)"
+ATTENUATION_LABEL = r"$\max|X|/A$"
+FREQUENCY = r"load frequency $\Omega/2\pi$"
+#: Symbols of parameters and columns on axes, and their dimensionless units.
+NAMES = {
+    "xi": r"$\xi$", "mu": r"$\mu$", "R1": "$R_1$", "R2": "$R_2$", "restitution": "$R$",
+    "attenuation": ATTENUATION_LABEL, "x_max": r"$X_{\max}$", "x_min": r"$X_{\min}$", "tau": r"$\tau$",
+    "largest": r"$\max|\lambda|$", "A": "$A$", "x": "$X$", "x_dot": r"$\dot X$", "y": "$Y$",
+    "z_dot": r"$\dot Z$", "t": "$t$", "r": "$r$", "clearance": "$d$",
+}  # fmt: skip
+UNITS = {
+    "x_max": "F0/K", "x_min": "F0/K", "tau": "rad", "A": "F0/K", "x": "F0/K", "y": "F0/K",
+    "x_dot": "omega F0/K", "z_dot": "omega F0/K", "t": "1/omega", "clearance": "F0/K", "load": "F0",
+}  # fmt: skip
+
+#: How dimensionless units are written.
+DIMENSIONLESS = {
+    "F0/K": "$F_0/K$", "omega F0/K": r"$\omega F_0/K$", "omega^2 F0/K": r"$\omega^2 F_0/K$", "F0": "$F_0$",
+    "1/omega": r"$1/\omega$", "F0^2/K": "$F_0^2/K$",
+}  # fmt: skip
 
 SETTINGS = {
     "font.size": 8,
@@ -78,6 +97,77 @@ def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
     return ax.legend(*entries, **options | inside | {"borderaxespad": 0.4, "fontsize": 6})
 
 
+class Scales:
+    """Numbers and labels of the axes of a picture, dimensionless or in physical units."""
+
+    def __init__(self, units: Units | None) -> None:
+        self.units = units
+
+    def __call__(self, values: Any, unit: str) -> Any:
+        """Values of a dimensionless unit in the unit of the picture."""
+        return values if self.units is None else values * self.units.scale(unit)
+
+    def r(self, values: Any) -> Any:
+        """Frequency ratios, or frequencies."""
+        return values if self.units is None else values * self.units.frequency
+
+    def of(self, name: str, values: Any) -> Any:
+        """Values of a parameter or a column by its name."""
+        return self.r(values) if name == "r" else self(values, UNITS.get(name, ""))
+
+    def unit(self, unit: str) -> str:
+        """The name of the unit of the picture."""
+        if self.units is None:
+            return DIMENSIONLESS.get(unit, unit)
+        return self.units.name(unit).replace("^2", "²")
+
+    def label(self, symbol: str, unit: str) -> str:
+        """The label of an axis: a quantity, and its unit in brackets unless it is dimensionless."""
+        return f"{symbol} ({self.unit(unit)})" if unit else symbol
+
+    def name(self, name: str) -> str:
+        """The label of an axis of a parameter or a column by its name."""
+        if name == "r":
+            return R_LABEL if self.units is None else f"{FREQUENCY} ({self.units.hertz})"
+        if name == "clearance":
+            return CLEARANCE_LABEL if self.units is None else self.label("clearance $d$", "F0/K")
+        return self.label(NAMES[name], UNITS.get(name, ""))
+
+    def given(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Texts of the physical parameters among some dimensionless ones, with the load amplitude."""
+        if self.units is None:
+            return dict(values)
+        texts = {}
+        for name, value in values.items():
+            if name in ("r", "clearance", "load") and value is not None and np.ptp(value) == 0:
+                number = float(np.ravel(self.of(name, np.asarray(value)))[0])
+                unit = self.units.hertz if name == "r" else self.unit(UNITS[name])
+                symbol = {"r": r"$f$", "clearance": "$d$", "load": "$F_0$"}[name]
+                texts[symbol] = f"{number:.6g} {unit}"
+            elif name not in ("r", "clearance", "load"):
+                texts[name] = value
+        if "$F_0$" not in texts:
+            texts["$F_0$"] = f"{self.units.F0:.6g} {self.unit('F0')}"
+        return texts
+
+
+class Plane(Scales):
+    """Scales of the plane of frequency ratio and clearance, or F0/(d K), which stays without a dimension."""
+
+    def __init__(self, units: Units | None, inverse: bool) -> None:
+        super().__init__(units)
+        self.inverse = inverse
+
+    def gap(self, clearance: Any) -> Any:
+        """Clearances as on the vertical axis."""
+        return 1 / clearance if self.inverse else self(clearance, "F0/K")
+
+    def label_axes(self, ax: Any) -> None:
+        """Labels both axes."""
+        ax.set_xlabel(self.name("r"))
+        ax.set_ylabel(LOAD_LABEL if self.inverse else self.name("clearance"))
+
+
 def system(osc: Oscillator) -> dict[str, float]:
     """The parameters of a system by name."""
     right, left = osc.restitution
@@ -116,9 +206,11 @@ def identify(ax: Any, values: Mapping[str, Any], head: str = "") -> None:
 
 def given(values: Mapping[str, Any]) -> str:
     """Symbols and values of parameters, except those that vary or are None, and a load of F0."""
+    texts = {name: value for name, value in values.items() if isinstance(value, str)}
     fixed = {
         name: float(np.ravel(value)[0])
-        for name, value in values.items() if value is not None and np.ptp(value) == 0
+        for name, value in values.items()
+        if name not in texts and value is not None and np.ptp(value) == 0
     }  # fmt: skip
     if fixed.get("load") == 1:
         del fixed["load"]
@@ -126,7 +218,8 @@ def given(values: Mapping[str, Any]) -> str:
         fixed = {
             "R" if name == "R1" else name: item for name, item in fixed.items() if name != "R2"
         }
-    return ", ".join(f"{SYMBOLS[name]} = {value:.6g}" for name, value in fixed.items())
+    shown = {SYMBOLS[name]: f"{value:.6g}" for name, value in fixed.items()}
+    return ", ".join(f"{name} = {value}" for name, value in (shown | texts).items())
 
 
 def is_geometric(values: NDArray[np.float64]) -> bool:

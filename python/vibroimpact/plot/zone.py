@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..studies.atlas import OUTCOMES, Atlas
 from ..studies.zone import Piece, Zone, default_label
+from ..units import Units
 from . import style
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.
@@ -39,7 +40,7 @@ FILL = "_zone"
 
 def draw_zone(
     zone: Zone, ax: Any = None, inverse: bool = False, label: str | None = None, color: str | None = None,
-    legend: bool = True, drawn: dict[str, list[Any]] | None = None,
+    legend: bool = True, drawn: dict[str, list[Any]] | None = None, units: Units | None = None,
 ) -> Any:  # fmt: skip
     """Draw one zone: a light fill, the pieces of its boundary, and its name inside.
 
@@ -48,14 +49,15 @@ def draw_zone(
     A boundary that another zone of the same figure shares, and that `drawn` contains, is not drawn again: the
     gaps of a dashed line would be filled.
     """
+    plane = style.Plane(units, inverse)
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.0), layout="constrained")
         style.log_scale(ax, "y")
-        style.identify(ax, style.system(zone.osc))
+        style.identify(ax, plane.given(style.system(zone.osc)))
     before = sum(patch.get_label() == FILL for patch in ax.patches)
-    draw_fill(zone, ax, inverse, color or FILLS[before % len(FILLS)])
+    draw_fill(zone, ax, plane, color or FILLS[before % len(FILLS)])
     shown = set(ax.get_legend_handles_labels()[1])
     drawn = {} if drawn is None else drawn
     lines: dict[str, list[Any]] = {}
@@ -69,62 +71,63 @@ def draw_zone(
         new = ~covered(points, drawn.get(piece.type, []))
         if not new.any():
             continue
-        r = np.where(new, piece.r, np.nan)
         ax.plot(
-            r, 1 / piece.clearance if inverse else piece.clearance, linestyle=line, color=shade,
+            plane.r(np.where(new, piece.r, np.nan)), plane.gap(piece.clearance), linestyle=line, color=shade,
             linewidth=1.0, label="" if name in shown else name,
         )  # fmt: skip
         shown.add(name)
     for kind, some in lines.items():
         drawn.setdefault(kind, []).extend(some)
     place_label(
-        zone, ax, inverse, default_label(zone.pattern, zone.symmetric) if label is None else label
+        zone, ax, plane, default_label(zone.pattern, zone.symmetric) if label is None else label
     )
-    ax.set_xlabel(style.R_LABEL)
-    ax.set_ylabel(style.LOAD_LABEL if inverse else style.CLEARANCE_LABEL)
+    plane.label_axes(ax)
     if legend and shown:
         style.add_legend(ax, **style.ABOVE)
     return ax
 
 
-def draw_atlas(atlas: Atlas, ax: Any = None, inverse: bool = False) -> Any:
+def draw_atlas(
+    atlas: Atlas, ax: Any = None, inverse: bool = False, units: Units | None = None
+) -> Any:
     """Draw all zones of an atlas, each filled in a colour and named.
 
     The region where the motion without impacts exists is hatched; marks are the points of the survey that no
     zone explains.
     """
+    plane = style.Plane(units, inverse)
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.TWO_COLUMNS, 4.5), layout="constrained")
         style.log_scale(ax, "y")
-        style.identify(ax, style.system(atlas.osc))
+        style.identify(ax, plane.given(style.system(atlas.osc)))
     drawn: dict[str, list[Any]] = {}
     for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):
-        draw_zone(zone, ax, inverse, None, FILLS[i % len(FILLS)], legend=False, drawn=drawn)
-    draw_without_impacts(atlas, ax, inverse)
-    draw_survey(atlas, ax, inverse)
-    ax.set_xlim(*atlas.r)
-    low, high = atlas.clearance
-    ax.set_ylim(*((1 / high, 1 / low) if inverse else (low, high)))
+        draw_zone(
+            zone, ax, inverse, None, FILLS[i % len(FILLS)], legend=False, drawn=drawn, units=units
+        )
+    draw_without_impacts(atlas, ax, plane)
+    draw_survey(atlas, ax, plane)
+    ax.set_xlim(*plane.r(np.array(atlas.r)))
+    ax.set_ylim(*np.sort(plane.gap(np.array(atlas.clearance))))
     style.add_legend(ax, **style.ABOVE | {"ncols": 4})
     return ax
 
 
-def draw_without_impacts(atlas: Atlas, ax: Any, inverse: bool) -> None:
+def draw_without_impacts(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
     """Hatch where the free mass can rest untouched, and draw the boundary d K/F0 = 2A."""
     low, high = atlas.clearance
     r, least = atlas.without_impacts.boundary()
     if not (least < high).any():
         return
-    bounds = np.clip(least, low, high), np.full(len(r), high)
-    lower, upper = (1 / bounds[1], 1 / bounds[0]) if inverse else bounds
+    bounds = plane.gap(np.clip(least, low, high)), plane.gap(np.full(len(r), high))
     ax.fill_between(
-        r, lower, upper, where=least < high, facecolor="none", edgecolor="0.75", hatch="....", linewidth=0,
-        label="without impacts ($dK/F_0 > 2A$)", zorder=0,
+        plane.r(r), *bounds, where=least < high, facecolor="none", edgecolor="0.75", hatch="....", linewidth=0,
+        label=f"without impacts (${'d' if plane.units else 'dK/F_0'} > 2A$)", zorder=0,
     )  # fmt: skip
     inside = np.where((low <= least) & (least <= high), least, np.nan)
-    curve = np.c_[r, 1 / inside if inverse else inside]
+    curve = np.c_[plane.r(r), plane.gap(inside)]
     from matplotlib.collections import LineCollection
 
     ax.add_collection(
@@ -132,7 +135,7 @@ def draw_without_impacts(atlas: Atlas, ax: Any, inverse: bool) -> None:
     )
 
 
-def draw_survey(atlas: Atlas, ax: Any, inverse: bool) -> None:
+def draw_survey(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
     """Mark the points of the survey that no zone explains, each outcome with a mark of its own."""
     survey = atlas.survey
     places = {
@@ -144,7 +147,7 @@ def draw_survey(atlas: Atlas, ax: Any, inverse: bool) -> None:
         r, clearance = places[name].T
         if r.size:
             ax.scatter(
-                r, 1 / clearance if inverse else clearance, s=12, marker=mark, color=color, linewidths=0.7,
+                plane.r(r), plane.gap(clearance), s=12, marker=mark, color=color, linewidths=0.7,
                 facecolors=None if mark in "x+" else "none", label=f"{name} ({r.size})", zorder=3,
             )  # fmt: skip
 
@@ -172,7 +175,7 @@ def covered(
     return np.asarray(padded[:-2] & close & padded[2:])
 
 
-def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
+def draw_fill(zone: Zone, ax: Any, plane: style.Plane, color: str) -> None:
     """Fill the zone; holes stay empty, because they have the opposite direction."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
@@ -181,7 +184,7 @@ def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
         return
     paths = []
     for ring in zone.loops:
-        points = np.c_[ring[:, 0], 1 / ring[:, 1] if inverse else ring[:, 1]]
+        points = np.c_[plane.r(ring[:, 0]), plane.gap(ring[:, 1])]
         paths.append(Path(np.r_[points, points[:1]], closed=True))
     patch = PathPatch(
         Path.make_compound_path(*paths), facecolor=color, alpha=0.15, linewidth=0, label=FILL
@@ -190,7 +193,7 @@ def draw_fill(zone: Zone, ax: Any, inverse: bool, color: str) -> None:
     ax.autoscale_view()
 
 
-def place_label(zone: Zone, ax: Any, inverse: bool, label: str) -> None:
+def place_label(zone: Zone, ax: Any, plane: style.Plane, label: str) -> None:
     """Write a name where the largest loop is widest."""
     if not zone.loops or not label:
         return
@@ -201,9 +204,7 @@ def place_label(zone: Zone, ax: Any, inverse: bool, label: str) -> None:
     if not len(points):
         return
     r, clearance = points
-    ax.annotate(
-        label, (r, 1 / clearance if inverse else clearance), ha="center", va="center", fontsize=7
-    )
+    ax.annotate(label, (plane.r(r), plane.gap(clearance)), ha="center", va="center", fontsize=7)
 
 
 def interior_points(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, overload
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import checks, door, namelist
 from ..errors import ParameterError, SingularError, StudyInterrupted
-from ..model import Oscillator, Pattern, plain_pattern
+from ..model import Pattern, plain_pattern
 from ..motion import Motion
 from ..noun import Noun, column
 from ..solve import frozen
@@ -206,7 +206,7 @@ class Branch(Noun, study="branch", part=True):
         multipliers = self.multipliers[:, i].copy()
         multipliers.flags.writeable = False
         return Motion(
-            Oscillator(xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left)),
+            replace(self.osc, xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left)),
             float(self.r[i]), float(self.clearance[i]), pattern,
             frozen(np.where(pattern.signs > 0, right, left)), at("phases"), at("X"), at("Z"),
             at("X_dot_before"), at("X_dot_after"), at("Z_dot_before"), at("Z_dot_after"),

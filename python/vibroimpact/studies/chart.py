@@ -107,7 +107,7 @@ class Chart(Noun, study="chart"):
                 "motions found at the point",
             ),
             "r": (("r",), r, "1", "frequency ratio Omega/omega"),
-            "clearance": (("clearance",), clearance, "1", "d K/F0"),
+            "clearance": (("clearance",), clearance, "F0/K", "clearance d K/F0"),
         }  # fmt: skip
         found = {
             name: Variable(

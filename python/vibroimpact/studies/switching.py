@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .. import _core
 from ..interrupt import with_stack
-from ..model import Oscillator, Pattern
+from ..model import Pattern
 from ..motion import Motion
 from ..newton import impact_motion
 from ..solve import impact_restitution
@@ -27,7 +29,7 @@ def switched(motion: Motion, kind: str, flight: int, side: str, parameter: str) 
         letters = "".join("RL"[one < 0] for one in sides[:m, i].tolist())
         pattern = Pattern(letters, int(cycles[i]))
         r, clearance, xi, mu, *walls = systems[:, i].tolist()
-        osc = Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]))
+        osc = replace(motion.osc, xi=xi, mu=mu, restitution=(walls[0], walls[1]))
         found.append(impact_motion(
             osc, r, clearance, 1.0, pattern, impact_restitution(osc, pattern, None),
             phases[:m, i].copy(), impacts[:m, :, i].copy(order="F"),

@@ -1,0 +1,358 @@
+"""Results in physical units: columns, attributes, samples, files and pictures, by the declared unit of each."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import checks, namelist
+from .errors import ParameterTypeError
+from .events import Sample
+from .files import write_text
+from .model import Oscillator, Pattern
+from .quantities import Quantities, Signal
+from .tables import Column, Found, Result, declared, settled
+from .units import MIXED, RATIO, Units, powers_of
+
+if TYPE_CHECKING:
+    pass
+
+__all__ = ["Physical", "physical"]
+
+#: The dimensionless units of names that no column of a result has.
+UNITS = {
+    "t": "1/omega", "time": "1/omega", "period": "1/omega", "duration": "1/omega",
+    "x": "F0/K", "z": "F0/K", "X": "F0/K", "Z": "F0/K", "Y": "F0/K", "clearance": "F0/K",
+    "x_dot": "omega F0/K", "z_dot": "omega F0/K", "X_dot": "omega F0/K", "Z_dot": "omega F0/K",
+    "X_ddot": "omega^2 F0/K", "Z_ddot": "omega^2 F0/K", "load": "F0", "phase": "rad", "phases": "rad",
+    "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "",
+} | Quantities.units  # fmt: skip
+#: How the core names the dimensionless clearance.
+GAP = "clearance d K/F0"
+
+
+@cache
+def units_by_name(study: str) -> dict[str, str]:
+    """The dimensionless unit of each name of a result of a study; MIXED where tables differ."""
+    found = dict(UNITS)
+    own: dict[str, str] = {}
+    for (_, name), about in declared(study).items():
+        unit = about["unit"]
+        own[name] = unit if own.setdefault(name, unit) == unit else MIXED
+    return found | own
+
+
+def physical(result: Any, units: Units | str | None = None) -> Any:
+    """A result, or a dataset of one, in physical units.
+
+    Parameters
+    ----------
+    result : Motion, Trajectory, Zone or another result of an Oscillator, or xarray.Dataset
+    units : Units or str, optional
+        Units of length, force and time, as "mm N s" or "SI"; those of the oscillator by default.
+        `Oscillator.units` gives Units with another load amplitude F0.
+
+    Returns
+    -------
+    Physical, or xarray.Dataset
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If the oscillator does not know M, K and F0, or a unit is not known.
+
+    Examples
+    --------
+    A rig of 2.7 kg on 42 kN/m with a particle of 0.11 kg and 2 mm of travel, driven by 6 N at 19.5 Hz:
+
+    >>> import vibroimpact as vi
+    >>> rig = vi.Oscillator.from_dimensional(
+    ...     M=2.7, K=42e3, C=7.7, m=0.11, restitution=0.75, F0=6.0, units="m N s"
+    ... )
+    >>> units = rig.units()
+    >>> run = vi.simulate(
+    ...     rig, units.frequency_ratio(f=19.5), units.clearance(d=0.002), cycles=10, discard=300
+    ... )
+    >>> in_mm = vi.physical(run, "mm N s")
+    >>> round(in_mm.clearance, 9), round(in_mm.frequency, 9)
+    (2.0, 19.5)
+    """
+    if hasattr(result, "data_vars"):
+        case = result.attrs.get("case")
+        if not isinstance(case, str):
+            raise ParameterTypeError(
+                "result: must be a dataset of a result; its attribute 'case' is missing"
+            )
+        return dataset(result, units_of(Oscillator._of_keys(namelist.keys_of(case)), units))
+    if isinstance(result, Physical):
+        return Physical(
+            result.result,
+            result.units.to(units) if isinstance(units, str) else units or result.units,
+        )
+    osc = getattr(result, "osc", None)
+    if not isinstance(osc, Oscillator):
+        raise ParameterTypeError(
+            f"result = {result!r}: must be a result of an Oscillator; a Structure has the units of its user"
+        )
+    return Physical(result, units_of(osc, units))
+
+
+def units_of(osc: Oscillator, units: Units | str | None) -> Units:
+    """The units of an oscillator, or those that were asked for."""
+    if isinstance(units, Units):
+        return units
+    own = osc.units()
+    return own if units is None else own.to(units)
+
+
+class Physical:
+    """A result in physical units. It has the names of the result; what has a dimension is in `units`.
+
+    `clearance` is d, the whole travel of the free mass between the walls; `frequency` is that of the load in
+    cycles per unit of time. `r` and all other numbers without a dimension are those of the result. `save` and
+    `vibroimpact.load` keep the units.
+
+    Attributes
+    ----------
+    result : Motion, Trajectory, Zone, …
+        The result, dimensionless.
+    units : Units
+    """
+
+    __slots__ = ("result", "units")
+    result: Any
+    units: Units
+
+    def __init__(self, result: Any, units: Units) -> None:
+        checks.instance(units, "units", Units)
+        object.__setattr__(self, "result", result)
+        object.__setattr__(self, "units", units)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a result cannot be changed")
+
+    def __reduce__(self) -> Any:
+        return Physical, (self.result, self.units)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name == "frequency":
+            return self.result.r * self.units.frequency
+        value = getattr(self.result, name)
+        if callable(value):
+            raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
+        return self._converted(name, value)
+
+    def _converted(self, name: str, value: Any) -> Any:
+        """A value of a name in physical units; an error if its unit is not known."""
+        if isinstance(value, (bool, str, int, Pattern, Oscillator, np.bool_)) or value is None:
+            return value
+        if isinstance(value, np.ndarray) and value.dtype.kind in "biUOS":
+            return value
+        if isinstance(value, np.ndarray) and value.dtype.names:
+            table = value.copy()
+            for field in value.dtype.names:
+                table[field] = self._converted(field, value[field])
+            table.flags.writeable = False
+            return table
+        if isinstance(value, Mapping):
+            # of a state, without what continues it bit for bit
+            return {key: self._converted(key, item) for key, item in value.items() if key in UNITS}
+        if hasattr(value, "of_result"):
+            return Physical(value, self.units)
+        if isinstance(value, Sample):
+            return Sample(
+                *(self._converted(field, item) for field, item in value._asdict().items())
+            )
+        if isinstance(value, Quantities):
+            fields = {item.name: getattr(value, item.name) for item in dataclasses.fields(value)}
+            return replace(
+                value, **{key: self._converted(key, item) for key, item in fields.items()}
+            )
+        if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
+            return [self._converted(name, item) for item in value]
+        unit = units_by_name(self.result.study).get(name, MIXED)
+        if unit == MIXED or not isinstance(value, (float, complex, np.ndarray, np.number, Signal)):
+            raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
+        scale = self.units.scale(unit)
+        if isinstance(value, Signal):
+            return Signal(
+                value.mean * scale, value.rms * scale, value.least * scale, value.greatest * scale,
+                value.harmonics * scale,
+            )  # fmt: skip
+        return value * scale if powers_of(unit) else value
+
+    @property
+    def _result(self) -> Result:
+        """Its tables in physical units."""
+        return tables(self.result._result, self.units)
+
+    def sample(self, t: ArrayLike) -> Sample:
+        """Positions, velocities, accelerations and load at physical times, as `sample` of the result."""
+        times = checks.real_array(t, "t", "real times") / self.units.time
+        sample: Sample = self._converted("sample", self.result.sample(times))
+        return sample
+
+    def quantities(self, *args: Any, **options: Any) -> Quantities:
+        """Response quantities in physical units, as `quantities` of the result."""
+        found: Quantities = self._converted("quantities", self.result.quantities(*args, **options))
+        return found
+
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """The picture of the result with physical axes; arguments as of its own `plot`."""
+        return type(self.result).plot(self, *args, **options)
+
+    def _draw(self, *options: Any) -> Any:
+        """The picture, for `plot` of the class of the result."""
+        from .plot.pictures import PICTURES
+
+        return PICTURES[type(self.result).__name__](self.result, *options, units=self.units)
+
+    def to_dict(self) -> dict[str, Any]:
+        """`to_dict` of the result with the units; its tables in physical units are in the item `physical`."""
+        from .formats.record import encoded
+
+        columns = {
+            name: {column.name: encoded(column) for column in table.columns.values()}
+            for name, table in self._result.tables.items()
+        }
+        named = {
+            column.name: column.unit
+            for table in self._result.tables.values() for column in table.columns.values()
+        }  # fmt: skip
+        own = {field.name: getattr(self.units, field.name) for field in dataclasses.fields(Units)}
+        content: dict[str, Any] = self.result.to_dict()
+        return content | {"physical": {**own, "columns": named, "tables": columns}}
+
+    def to_json(self) -> str:
+        """`to_dict` as JSON text."""
+        return json.dumps(self.to_dict(), allow_nan=False)
+
+    def to_xarray(self) -> Any:
+        """`to_xarray` of the result in physical units."""
+        return dataset(self.result.to_xarray(), self.units)
+
+    def to_pandas(self) -> Any:
+        """`to_pandas` of the result in physical units; their names are in ``attrs["units"]`` of the frame."""
+        from .formats.rows import to_pandas
+
+        frame = to_pandas(self)
+        frame.attrs["units"] = listed_units(self._result)
+        return frame
+
+    def save(self, path: str | Path) -> None:
+        """Write a file as `save` of the result, in physical units; `vibroimpact.load` reads .json, .nc and .mat
+        with the same units."""
+        from .formats import save
+
+        if Path(path).suffix.lower() == ".csv":
+            write_text(Path(path), self._csv())
+        else:
+            save.save(self, path)
+
+    def _csv(self) -> str:
+        """The rows with the units and the case in the header."""
+        from .formats.rows import rows
+
+        own = self._result
+        table = rows(own)
+        units = ", ".join(f"{name} {unit}" for name, unit in listed_units(own).items())
+        head = [f"! vibroimpact {version('vibroimpact')}; {units}", *own.case.splitlines()]
+        body = zip(*(map(cell, values.tolist()) for values in table.values()), strict=True)
+        lines = [*(f"# {line}" for line in head), ",".join(table), *map(",".join, body)]
+        return "\n".join(lines) + "\n"
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        from .jupyter import facts_html
+
+        return facts_html(repr(self), {"units": self.units.names, "F0": f"{self.units.F0:.6g}"})
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *dir(self.result), "frequency"})
+
+    def __repr__(self) -> str:
+        return f"<Physical, in {self.units.names}: {self.result!r}>"
+
+
+def cell(value: Any) -> str:
+    """A value in a CSV, as the core writes it."""
+    if value is None or isinstance(value, bool):
+        return {None: "unknown", True: "true", False: "false"}[value]
+    exact = isinstance(value, float) and math.isfinite(value)
+    return namelist.digits(value) if exact else str(value)
+
+
+def tables(result: Result, units: Units) -> Result:
+    """The tables of a result in physical units, without columns of mixed units."""
+    found = {}
+    for name, table in settled(result).tables.items():
+        columns = {
+            key: column_in(column, units)
+            for key, column in table.columns.items() if column.unit != MIXED
+        }  # fmt: skip
+        dims = {"frequency" if dim == "r" else dim: size for dim, size in table.dims.items()}
+        found[name] = replace(table, dims=dims, columns=Found(columns, name))
+    return replace(result, tables=Found(found, "tables"), handle=None)
+
+
+def frequency_name(name: str) -> str:
+    """The name of a column of frequencies, from that of frequency ratios."""
+    return f"frequency{name[1:]}" if name == "r" or name.startswith("r_") else name
+
+
+def column_in(column: Column, units: Units) -> Column:
+    """A column in physical units; a frequency ratio becomes a frequency."""
+    if column.meaning.startswith(RATIO):
+        values, unit = column.values * units.frequency, units.hertz
+        name = frequency_name(column.name)
+        meaning = column.meaning.replace(RATIO, "load frequency").removesuffix(" Omega/omega")
+        return replace(column, name=name, values=values, unit=unit, meaning=meaning)
+    if not powers_of(column.unit):
+        return column
+    meaning = column.meaning.replace(GAP, "clearance d, the whole travel of the free mass")
+    values = column.values * units.scale(column.unit)
+    return replace(column, values=values, unit=units.name(column.unit), meaning=meaning)
+
+
+def listed_units(result: Result) -> dict[str, str]:
+    """The units of the columns of the rows of a result that have one."""
+    return {
+        column.name: column.unit for _, column in result.columns() if column.listed and column.unit
+    }
+
+
+def dataset(data: Any, units: Units) -> Any:
+    """A dataset in physical units, without variables of mixed units."""
+    unit = {name: item.attrs.get("units", "") for name, item in data.variables.items()}
+    data = data.drop_vars([name for name, text in unit.items() if text == MIXED])
+    renamed = {}
+    for name in list(data.variables):
+        item = data[name]
+        about = dict(item.attrs)
+        if str(about.get("long_name", "")).startswith(RATIO):
+            values, about["units"] = item * units.frequency, units.hertz
+            about["long_name"] = "load frequency"
+            renamed[name] = frequency_name(name)
+        elif powers_of(unit[name]):
+            values, about["units"] = item * units.scale(unit[name]), units.name(unit[name])
+            about["long_name"] = str(about["long_name"]).replace(
+                GAP, "clearance d, the whole travel"
+            )
+        else:
+            continue
+        data = data.assign({name: values.assign_attrs(about)})
+    known = {"M": units.M, "K": units.K, "F0": units.F0, "physical_units": units.names}
+    comment = f"in units of {units.names} for the load amplitude F0; attributes named like keys are dimensionless"
+    return data.rename(renamed).assign_attrs(known | {"comment": comment, "units": units.names})

@@ -1,0 +1,306 @@
+"""Physical units: conversion, every result in them, round trips of files, and axes."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.errors import ParameterError, ParameterTypeError
+from vibroimpact.tables import language
+from vibroimpact.units import MIXED, powers_of
+
+M, K, m, F0 = 2.7, 42e3, 0.11, 6.0
+C = 2 * 0.0114 * math.sqrt(K * M)
+GIVEN = {"C": C, "m": m, "restitution": 0.75}
+RIG = vi.Oscillator.from_dimensional(M=M, K=K, F0=F0, **GIVEN)
+UNEVEN = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=m, restitution=(0.75, 0.61), F0=F0)
+UNITS = RIG.units()
+R, D = UNITS.frequency_ratio(f=19.5), UNITS.clearance(d=0.004)
+MM = "mm N s"
+
+
+def results():
+    """A result of every study, by name."""
+    run = vi.simulate(UNEVEN, r=0.9, clearance=6.0, cycles=6, discard=300)
+    motion = vi.equispaced(RIG, R, D)[0]
+    around = {"r": (0.98, 1.02), "clearance": (20.0, 40.0)}
+    short = {"states": 2, "settling": 50}
+    return {
+        "Motion": motion, "rest": vi.exact(UNEVEN, 0.9, 6.0, run), "Trajectory": run,
+        "Findings": vi.find(RIG, R, D, max_impacts=2, max_cycles=1, states=0).findings,
+        "Branch": vi.branch(motion, "clearance", (0.8 * D, 1.2 * D)), "Zone": vi.zone(RIG, "RL", **around),
+        "Atlas": vi.atlas(RIG, **around, max_impacts=2, survey=0),
+        "Response": vi.response(RIG, [0.98, 1.0], clearance=D, **short),
+        "Bifurcation": vi.bifurcation_diagram(RIG, "clearance", [D, 1.1 * D, 1.2 * D], r=R, **short),
+        "of r": vi.bifurcation_diagram(RIG, "r", [R, 1.01 * R], clearance=D, **short),
+        "Lyapunov": vi.lyapunov(RIG, R, D, discard=20, cycles=100),
+        "Basins": vi.basins(RIG, R, D, (("x", -9, 9, 3), ("z_dot", -9, 9, 3)), cycles=100, probes=5),
+        "Decay": vi.decay(RIG, 0.5, cycles=4),
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def every():
+    return results()
+
+
+def test_units_of_the_core():
+    """Each column of the oscillator has a unit that can be converted, or none."""
+    for study, about in language()["results"].items():
+        if "structure" in study:
+            continue
+        for column in about["columns"]:
+            if column["unit"] != MIXED:
+                UNITS.scale(column["unit"])
+
+
+def test_conversion():
+    """Scales are those of the definitions, and in other units of length, force and time the same quantity."""
+    assert UNITS.omega == math.sqrt(K / M)
+    for unit, value, name in (
+        ("F0/K", F0 / K, "m"), ("omega F0/K", F0 / K * UNITS.omega, "m/s"),
+        ("omega^2 F0/K", F0 / M, "m/s^2"), ("F0", F0, "N"), ("F0^2/K", F0**2 / K, "N m"),
+        ("F0/omega", F0 / UNITS.omega, "N s"), ("1/omega", 1 / UNITS.omega, "s"), ("omega", UNITS.omega, "1/s"),
+        ("K/F0", K / F0, "1/m"), ("rad", 1, "rad"), ("", 1, ""), ("1/load cycle", 1, "1/load cycle"),
+    ):  # fmt: skip
+        assert UNITS.scale(unit) == pytest.approx(value, rel=1e-15)
+        assert UNITS.name(unit) == name
+    other = UNITS.to("in lbf ms")
+    inch, pound, ms = 0.0254, 4.4482216152605, 1e-3
+    for unit, factor in (
+        ("F0/K", inch), ("omega F0/K", inch / ms), ("omega^2 F0/K", inch / ms**2), ("F0", pound),
+        ("F0^2/K", pound * inch), ("F0/omega", pound * ms), ("1/omega", ms),
+    ):  # fmt: skip
+        assert other.scale(unit) * factor == pytest.approx(UNITS.scale(unit), rel=1e-14)
+    assert other.to("SI").M == pytest.approx(M, rel=1e-14)
+    assert UNITS.to("m N s") == UNITS
+    assert other.hertz == "kHz"
+    # the dimensionless system does not depend on the units in which it is given
+    assert UNITS.to(MM).frequency_ratio(f=19.5) == pytest.approx(R, rel=1e-14)
+    assert UNITS.to(MM).clearance(d=4.0) == pytest.approx(D, rel=1e-14)
+    tonnes = vi.Oscillator.from_dimensional(
+        M=M / 1000, K=K / 1000, C=C / 1000, m=m / 1000, restitution=0.75, F0=F0, units=MM
+    )
+    assert (tonnes.xi, tonnes.mu) == pytest.approx((RIG.xi, RIG.mu), rel=1e-15)
+    assert tonnes.units().to("SI").length == pytest.approx(UNITS.length, rel=1e-14)
+
+
+@pytest.mark.parametrize("unit", [MIXED, "F0/K/kg", "kg F0"])
+def test_units_that_are_refused(unit):
+    with pytest.raises(ParameterError, match=r"^unit = "):
+        powers_of(unit)
+
+
+@pytest.mark.parametrize("names", ["mm N", "N mm s", "furlong N s", "", "mm N s s", "MM n S"])
+def test_names_that_are_refused(names):
+    for call in (
+        lambda: UNITS.to(names), lambda: vi.Units(M, K, F0, names),
+        lambda: vi.Oscillator.from_dimensional(M=M, K=K, units=names, **GIVEN),
+        lambda: vi.equispaced(RIG, R, D)[0].physical(names),
+    ):  # fmt: skip
+        with pytest.raises(ParameterError, match=r"must be units of length, force and time"):
+            call()
+    with pytest.raises(ParameterTypeError, match=r"^names = 3"):
+        UNITS.to(3)
+
+
+def test_what_is_missing_is_named():
+    """Units need M, K and F0; a structure has those of its user."""
+    without = vi.Oscillator.from_dimensional(M=M, K=K, **GIVEN)
+    motion = vi.equispaced(without, R, D)[0]
+    with pytest.raises(ParameterError, match=r"^F0 = None"):
+        motion.physical()
+    assert motion.physical(without.units(F0=F0)).clearance == pytest.approx(0.004)
+    plain = vi.Oscillator(xi=RIG.xi, mu=RIG.mu, restitution=RIG.restitution)
+    with pytest.raises(ParameterError, match=r"^M = None"):
+        vi.equispaced(plain, R, D)[0].physical()
+    with pytest.raises(ParameterError, match=r"^F0 = 3.0: must be given with M and K"):
+        vi.Oscillator(xi=0.1, mu=0.1, restitution=0.5, F0=3.0)
+    wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    with pytest.raises(ParameterTypeError, match="a Structure has the units of its user"):
+        vi.simulate(wall, vi.Load(1.0, cosine=[1]), cycles=3).physical()
+    for wrong in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ParameterError, match=r"^F0 = "):
+            vi.Oscillator.from_dimensional(M=M, K=K, F0=wrong, **GIVEN)
+
+
+def test_every_result_knows_the_units(every):
+    """The oscillator of each result, and of its parts, has M, K, F0 and their units."""
+    for name, result in every.items():
+        assert result.osc.units() == UNITS, name
+    assert every["Branch"][0].osc.units() == UNITS
+    assert all(zone.osc.units() == UNITS for zone in every["Atlas"].zones)
+    assert all(motion.osc.units() == UNITS for motion in every["Findings"].motions)
+    assert "force = 6.0" in every["Zone"].to_namelist()
+
+
+def test_namelist(tmp_path):
+    """A namelist gives the units to its results; errors name the key."""
+    text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
+    path = tmp_path / "rig.nml"
+    path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6"))
+    case = vi.read_namelist(path)[0]
+    assert case.osc.units() == UNITS
+    assert case.run()[0].osc.units() == UNITS
+    path.write_text(text.format("mass = 2700, stiffness = 42, force = 6, units = 'mm N s'"))
+    assert vi.read_namelist(path)[0].osc.units().names == MM
+    for wrong, name in (
+        ("mass = 2.7", "mass"), ("force = 6", "force"), ("units = 'm N s'", "units"),
+        ("mass = 0, stiffness = 1", "mass"), ("mass = 1, stiffness = 1, force = nan", "force"),
+        ("mass = 1, stiffness = 1, units = 'mm N'", "units"),
+        ("mass = 1, stiffness = 1, units = 'N mm s'", "units"),
+        ("mass = 1, stiffness = 1, units = 'mm N s s'", "units"),
+    ):  # fmt: skip
+        path.write_text(text.format(wrong))
+        with pytest.raises(ParameterError, match=name):
+            vi.read_namelist(path)
+
+
+def test_motion_in_physical_units(every):
+    """Each attribute is that of the dimensionless motion times its unit; the samples solve Newton's law."""
+    motion, p = every["Motion"], every["Motion"].physical()
+    old = UNITS.motion(motion)
+    for name in old.keys() - {"d", "Omega", "t"}:
+        np.testing.assert_allclose(getattr(p, name), old[name], rtol=1e-14)
+    assert p.clearance == pytest.approx(0.004, rel=1e-14)
+    assert p.frequency == pytest.approx(19.5, rel=1e-14)
+    assert (p.r, p.pattern, p.stable) == (motion.r, motion.pattern, motion.stable)
+    np.testing.assert_array_equal(p.phases, motion.phases)
+    t = np.linspace(0, p.period, 301)
+    s = p.sample(t)
+    phase = 2 * np.pi * 19.5 * t + motion.load_phase
+    np.testing.assert_allclose(s.load, F0 * np.sin(phase), atol=1e-9 * F0)
+    np.testing.assert_allclose(
+        M * s.X_ddot + C * s.X_dot + K * s.X, s.load, atol=1e-9 * K * p.x_max
+    )
+    assert np.abs(s.Y).max() <= 0.002 * (1 + 1e-12)
+    np.testing.assert_allclose(np.gradient(s.X, t)[5:20], s.X_dot[5:20], rtol=0.02)
+
+
+def test_quantities_in_physical_units(every):
+    """Momentum, energy and the transmitted force have the values of their definitions."""
+    for name in ("Motion", "rest", "Trajectory"):
+        p = every[name].physical()
+        q = p.quantities()
+        events = p.events[p.events["kind"] == "impact"]
+        momentum = m * np.abs(events["z_dot_after"] - events["z_dot_before"])
+        np.testing.assert_allclose(q.impacts["impulse"], momentum, rtol=1e-8, atol=1e-12)
+        energy = [
+            0.5 * (M * events[f"x_dot_{when}"] ** 2 + m * events[f"z_dot_{when}"] ** 2)
+            for when in ("before", "after")
+        ]
+        np.testing.assert_allclose(
+            q.impacts["loss"], energy[0] - energy[1], atol=1e-12 * energy[0].max()
+        )
+        assert q.damping_loss == pytest.approx(C * q.x_dot.rms**2 * q.duration, rel=1e-12)
+        assert q.work == pytest.approx(q.damping_loss + q.impact_loss + q.energy_change, rel=1e-9)
+        assert q.duration == pytest.approx(q.cycles / p.frequency, rel=1e-12)
+        harmonic = abs(K + 2j * np.pi * p.frequency * C) * q.x.amplitude
+        if name != "Trajectory":
+            assert q.transmitted.amplitude == pytest.approx(harmonic, rel=1e-10)
+    in_mm = every["Motion"].physical(MM).quantities()
+    assert in_mm.x_ddot.peak == pytest.approx(
+        1000 * every["Motion"].physical().quantities().x_ddot.peak
+    )
+
+
+@pytest.mark.parametrize("extension", [".json", ".nc", ".mat"])
+def test_files(every, tmp_path, extension):
+    """A file gives back the result with its units; in physical units it gives the same view."""
+    for name, result in every.items():
+        path = tmp_path / f"{name}{extension}"
+        result.save(path)
+        assert vi.load(path).osc.units() == UNITS, name
+        p = result.physical(MM)
+        p.save(path)
+        again = vi.load(path)
+        assert isinstance(again, vi.Physical), name
+        assert again.units == p.units, name
+        assert again.to_json() == p.to_json(), name
+
+
+def test_csv(every, tmp_path):
+    """The columns are those of the dimensionless file times their units, and the header is an input."""
+    for name, result in every.items():
+        path = tmp_path / f"{name}.csv"
+        result.physical(MM).save(path)
+        lines = path.read_text().splitlines()
+        head = [line for line in lines if line.startswith("#")]
+        assert head[0].startswith("# ! vibroimpact ")
+        rows = lines[len(head) :]
+        frame, plain = result.physical(MM).to_pandas(), result.to_pandas()
+        assert rows[0].split(",") == [*frame.columns]
+        assert len(rows) == 1 + len(frame) == 1 + len(plain)
+        for column, other in zip(frame.columns, plain.columns, strict=True):
+            unit = frame.attrs["units"].get(column, "")
+            factor = {
+                "mm": 1000 * UNITS.length,
+                "mm/s": 1000 * UNITS.velocity,
+                "s": UNITS.time,
+            }.get(unit)
+            factor = {"Hz": UNITS.frequency, "N mm": 1000 * UNITS.energy}.get(unit, factor)
+            if factor and frame[column].dtype == float:
+                np.testing.assert_allclose(frame[column], plain[other] * factor, rtol=1e-13)
+        if "Motion" in name or name == "Trajectory":
+            assert vi.read_namelist(path)[0].osc.units() == UNITS
+
+
+def test_datasets(every):
+    """Variables of a dataset name their physical units; a frequency ratio becomes a frequency."""
+    data = every["Response"].physical().to_xarray()
+    assert data["frequency"].attrs["units"] == "Hz"
+    np.testing.assert_allclose(data["frequency"], np.array([0.98, 1.0]) * UNITS.frequency)
+    np.testing.assert_allclose(data["clearance"], 0.004)
+    chart = vi.chart(RIG, "RL", np.linspace(0.95, 1.05, 5), np.linspace(10, 20, 4))
+    found = vi.physical(chart, MM)
+    assert found["clearance"].attrs["units"] == "mm"
+    np.testing.assert_allclose(found["clearance"], np.linspace(10, 20, 4) * UNITS.length * 1000)
+    np.testing.assert_allclose(found["x_max"], chart["x_max"] * UNITS.length * 1000)
+    assert found["x_max"].dims == ("motion", "clearance", "frequency")
+    np.testing.assert_array_equal(found["attenuation"], chart["attenuation"])
+
+
+def test_unknown_units_are_no_numbers(every):
+    """What has no form in physical units is an error rather than a dimensionless number."""
+    p = every["Motion"].physical()
+    for name in ("impact_maps", "multipliers_of", "to_namelist"):
+        with pytest.raises(AttributeError):
+            getattr(p, name)
+    with pytest.raises(AttributeError, match=r"^values: "):
+        _ = every["Bifurcation"].physical().values
+    with pytest.raises(AttributeError, match="cannot be changed"):
+        p.r = 3
+
+
+LABELS = {
+    "Motion": ("s", "mm"), "Trajectory": ("s", "mm"), "rest": ("s", "mm"), "Zone": ("Hz", "mm"),
+    "Atlas": ("Hz", "mm"), "Decay": ("s", "mm"), "Basins": ("mm", "mm/s"),
+    "Branch": ("mm", "A"), "Response": ("Hz", "A"), "Bifurcation": ("mm", "mm"), "of r": ("Hz", "mm"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LABELS)
+def test_pictures(every, name):
+    """The data of a picture in physical units are those of the dimensionless one times the units of its axes."""
+    import matplotlib.pyplot as plt
+
+    result = every[name]
+    axes = [plt.figure().add_subplot() for _ in range(2)]
+    options = {"kind": "history"} if hasattr(result, "sample") else {}
+    result.plot(ax=axes[0], **options)
+    result.physical(MM).plot(ax=axes[1], **options)
+    for label, unit in zip((axes[1].get_xlabel(), axes[1].get_ylabel()), LABELS[name], strict=True):
+        assert label.endswith(f"({unit})") if unit != "A" else label.endswith("A$")
+    factors = {
+        "s": UNITS.time * (2 * np.pi / result.r if options else 1), "mm": 1000 * UNITS.length,
+        "mm/s": 1000 * UNITS.velocity, "Hz": UNITS.frequency, "A": 1.0,
+    }  # fmt: skip
+    lines = [
+        [line for line in ax.get_lines() if line.get_transform() == ax.transData] for ax in axes
+    ]
+    assert len(lines[0]) == len(lines[1])
+    for one, other in zip(*lines, strict=True):
+        for unit, a, b in zip(LABELS[name], one.get_data(), other.get_data(), strict=True):
+            wanted = np.asarray(a, float) * factors[unit]
+            np.testing.assert_allclose(np.asarray(b, float), wanted, rtol=1e-12, atol=1e-15)
+    plt.close("all")
