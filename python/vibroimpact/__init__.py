@@ -36,6 +36,7 @@ from .structure import Gap, Load, Structure
 from .structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
 from .structure_find import StructureMotions, find_structure, same_structure_motion
 from .structure_motion import StructureMotion, exact_structure, periodic_structure
+from .structure_quantities import StructureQuantities
 from .structure_trajectory import StructureTrajectory, simulate_structure
 from .structure_zone import StructurePiece, StructureZone, zone_structure
 from .studies.atlas import Atlas, Attractor, atlas
@@ -112,6 +113,7 @@ __all__ = [
     "StructureMotion",
     "StructureMotions",
     "StructurePiece",
+    "StructureQuantities",
     "StructureResponse",
     "StructureSpecialPoint",
     "StructureTrajectory",

@@ -36,7 +36,7 @@ IMPACT_TYPE = np.dtype([
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """One quantity over the window of `Quantities`.
+    """One quantity over the window of `Quantities`; arrays (n,) with the coordinates of a structure.
 
     Attributes
     ----------
@@ -48,27 +48,27 @@ class Signal:
         c_h, where the part of h times the load frequency is ``Re(c_h exp(i h phi))`` at the load phase phi.
     """
 
-    mean: float
-    rms: float
-    least: float
-    greatest: float
+    mean: Any
+    rms: Any
+    least: Any
+    greatest: Any
     harmonics: _Complex
 
     @property
-    def peak(self) -> float:
+    def peak(self) -> Any:
         """The greatest magnitude."""
-        return max(-self.least, self.greatest)
+        return np.maximum(-self.least, self.greatest)[()]
 
     @property
-    def amplitude(self) -> float:
+    def amplitude(self) -> Any:
         """Amplitude of the fundamental."""
-        return float(abs(self.harmonics[0]))
+        return np.abs(self.harmonics[..., 0])[()]
 
     @property
-    def phase(self) -> float:
+    def phase(self) -> Any:
         """Phase by which the fundamental leads the load sin(phi), from -pi to pi: it is
         ``amplitude sin(phi + phase)``."""
-        return float(np.angle(1j * self.harmonics[0]))
+        return np.angle(1j * self.harmonics[..., 0])[()]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,6 +17,7 @@ from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
 from .status import MORE_EVENTS, VERDICT
 from .structure import Load, Structure
+from .structure_quantities import StructureQuantities, structure_quantities
 from .structure_trajectory import (
     OfStructure,
     StructureTrajectory,
@@ -128,6 +129,17 @@ class StructureMotion(Savable, study="motion_structure"):
             raise ParameterError(f"t = {t!r}: must be finite times")
         run = self._run()
         return run.sample(run.start + np.mod(times - run.start, self.period))
+
+    def acceleration(self, t: ArrayLike) -> _Array:
+        """Accelerations (n, m) at any times, between the impacts, as of `StructureTrajectory.acceleration`."""
+        run = self._run()
+        times = np.atleast_1d(checks.real_array(t, "t", "finite times"))
+        self.sample(times)  # checks them
+        return run.acceleration(run.start + np.mod(times - run.start, self.period))
+
+    def quantities(self, harmonics: int = 10) -> StructureQuantities:
+        """Response quantities over a period, as of `StructureTrajectory.quantities`."""
+        return structure_quantities(self._run(), None, harmonics, closed=True)
 
     def _run(self) -> StructureTrajectory:
         """The period from just after the first impact, by the flights of the motion.

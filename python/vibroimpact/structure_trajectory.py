@@ -18,6 +18,7 @@ from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .status import MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure
 from .structure_groups import from_groups
+from .structure_quantities import StructureQuantities, accelerations, structure_quantities
 from .tables import Result, made
 
 __all__ = ["StructureTrajectory", "simulate_structure"]
@@ -111,6 +112,55 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         found = np.empty((2 * n, len(times)))
         found[:, order] = values
         return found[:n], found[n:]
+
+    def acceleration(self, t: ArrayLike) -> _Array:
+        """Accelerations at given times, between the impacts, which change the velocities at once.
+
+        Parameters
+        ----------
+        t : array_like (m,)
+            As of `sample`. At the time of an event the accelerations are those just after it.
+
+        Returns
+        -------
+        q_ddot : ndarray (n, m)
+
+        Raises
+        ------
+        ParameterError
+            If a time is outside.
+        """
+        q, rate = self.sample(t)
+        return accelerations(self, np.atleast_1d(np.asarray(t, dtype=np.float64)), q, rate)
+
+    def quantities(
+        self, window: ArrayLike | None = None, harmonics: int = 10
+    ) -> StructureQuantities:
+        """Response quantities: rms, extremes and harmonics of all coordinates, impacts and energies.
+
+        Parameters
+        ----------
+        window : (float, float), optional
+            Times between which they are taken; all of it by default. Harmonics are those of a periodic response
+            only if the window is a whole number of its periods.
+        harmonics : int
+            Harmonics of the load, 1 to 10000; there are none without a frequency.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed, or the window is too long for this structure.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+        >>> found = vi.simulate(wall, vi.Load(1.0, cosine=[1]), cycles=5).quantities()
+        >>> balance = found.work - found.damping_loss - found.impact_loss - found.energy_change
+        >>> abs(balance) < 1e-12 * found.work
+        True
+        """
+        return structure_quantities(self, window, harmonics)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
