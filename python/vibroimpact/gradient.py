@@ -112,20 +112,26 @@ class Gradient:
         return f"<Gradient of {self.of}: {len(self.values)} quantities by {', '.join(self.parameters)}>"
 
     def __str__(self) -> str:
-        head = "".join(f"{name:>12}" for name in self.parameters)
-        lines = [f"Derivatives of {self.of}", f"{'':20}{'value':>12}{head}"]
+        widths = [12, *(max(12, len(name) + 2) for name in self.parameters)]
+        head = "".join(
+            f"{name:>{width}}"
+            for name, width in zip(("value", *self.parameters), widths, strict=True)
+        )
+        lines = [f"Derivatives of {self.of}", f"{'':20}{head}"]
         for name, table in self.derivatives.items():
             values = np.atleast_1d(self.values[name]).ravel()
             rows = table.reshape(len(values), -1)
             for i, numbers in enumerate(np.column_stack([values, rows])):
                 if np.isnan(numbers[0]):
                     continue
-                label = name if np.ndim(self.values[name]) == 0 else f"{name}[{i}]"
+                place = np.unravel_index(i, np.shape(self.values[name]))
+                label = f"{name}[{', '.join(map(str, place))}]" if place else name
                 parts = {"": numbers.real}
                 if np.iscomplexobj(numbers):
                     parts = {" real": numbers.real, " imag": numbers.imag}
                 for part, row in parts.items():
-                    lines.append(f"{label + part:20}" + "".join(f"{x:>12.5g}" for x in row))
+                    shown = (f"{x:>{width}.5g}" for x, width in zip(row, widths, strict=True))
+                    lines.append(f"{label + part:20}{''.join(shown)}")
                 if label in self.status:
                     lines.append(f"{'':20}  {self.status[label]}")
         return "\n".join(lines)

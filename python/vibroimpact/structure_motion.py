@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks, namelist
 from .errors import ParameterError
+from .gradient import Gradient
 from .interrupt import with_stack
 from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
 from .status import MORE_EVENTS, VERDICT
 from .structure import Load, Structure
+from .structure_gradient import Wanted, structure_gradient
 from .structure_quantities import StructureQuantities, structure_quantities
 from .structure_trajectory import (
     OfStructure,
@@ -181,6 +183,47 @@ class StructureMotion(Savable, study="motion_structure"):
             self.structure, self.load, float(times[0]), float(times[-1]), np.concatenate(events),
             np.concatenate(states), (first[0], first[1]), (first[0], first[1]), True,
         )  # fmt: skip
+
+    def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
+        """The derivatives of phases, speeds, impulses, states and multipliers by parameters.
+
+        They are those of the exact motion, with the phases as functions of the parameters. ``q`` and ``q_dot`` are
+        the states just after the impacts; `stability_margin` is 1 - max|lambda|.
+
+        Parameters
+        ----------
+        parameters : sequence, optional
+            Names as in `branch`: 'frequency'; 'load', 'constant', 'mass', 'damping', 'stiffness' (factors, 1 for
+            the motion); 'opening', 'restitution' (of all gaps, which all change by the same); 'opening_J',
+            'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its mirror
+            image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth function
+            that gives (Structure, Load), and the value of its argument at the motion; the function is called
+            within 5 % of it (within 0.05 of 0). By default frequency, load, and all openings and restitutions.
+
+        Returns
+        -------
+        Gradient
+            NaN with a `status` for multipliers that coincide.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If a parameter does not exist, or the motion has rest.
+        SingularError
+            If the motion is at a fold, a pitchfork or a graze, or its phases are not exact.
+
+        Examples
+        --------
+        >>> import math, vibroimpact as vi
+        >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+        >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
+        >>> phases = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
+        >>> motion = vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, [0, 1]))
+        >>> gradient = motion.gradient(["frequency", "mass_1_1"])
+        >>> gradient["speeds", "frequency"].shape, gradient["q"].shape
+        ((2,), (2, 2, 2))
+        """
+        return structure_gradient(self, parameters)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""

@@ -138,14 +138,14 @@ def keys_of_parameter(
         raise ParameterError(
             f"bounds = {(low, high)!r}: must be (lowest, highest) with at = {at!r} between them"
         )
-    places, series = _series(structure, load, parameter, low, high, at)
+    places, series = series_of(structure, load, parameter, low, high, at)
     return {
         word: "function", **ends, f"{prefix}entries": places.ravel().tolist(),
         f"{prefix}series": series.ravel().tolist(), f"{prefix}at": at,
     }  # fmt: skip
 
 
-def _series(
+def series_of(
     structure: Structure, load: Load, function: Callable[[float], Any], low: float, high: float, at: float
 ) -> tuple[NDArray[np.int64], _Array]:  # fmt: skip
     """The entries (m, 3) that a function changes, and their Chebyshev coefficients (m, degree + 1)."""
