@@ -45,6 +45,7 @@ from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation
 from .studies.branch import Branch, Branches, SpecialPoint, branch
 from .studies.chart import Chart, chart
 from .studies.decay import Decay, decay
+from .studies.design import Design, design
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
@@ -74,6 +75,7 @@ __all__ = [
     "Case",
     "Chart",
     "Decay",
+    "Design",
     "Findings",
     "FoundMotions",
     "Gap",
@@ -136,6 +138,7 @@ __all__ = [
     "branch_structure",
     "chart",
     "decay",
+    "design",
     "equispaced",
     "equispaced_batch",
     "errors",

@@ -85,10 +85,19 @@ class Case(NamedTuple):
             if (about["group"], about["of_structure"]) == (group, system)
         )  # fmt: skip
 
+    @property
+    def in_python(self) -> bool:
+        """Whether the Python package computes it, and not the core."""
+        computed: bool = language()["results"][self.study]["in_python"]
+        return computed
+
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
         """The result of the case as one object, with what is not there and what failed; `progress` is as of
         `atlas`."""
-        return door.run_text(RESULTS[self.study], self.text, progress=progress)
+        noun = RESULTS[self.study]
+        if self.in_python:
+            return noun.computed(self, progress)
+        return door.run_text(noun, self.text, progress=progress)
 
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.

@@ -19,8 +19,8 @@ RANGE_OF = {
 }  # fmt: skip
 #: Standard deviations beyond which a normal distribution is cut off.
 CUT = 6.0
-#: Number of quantiles that stand for a distribution of SciPy that is neither normal nor uniform, and the shares that
-#: stand for 0 and 1.
+#: Number of quantiles that represent a distribution of SciPy that is neither normal nor uniform, and the share
+#: taken for 0 at its lower end and for 1 less at its upper end.
 QUANTILES, TAIL = 1001, 1e-9
 
 
@@ -71,9 +71,9 @@ def uncertain(value: Any, name: str) -> Uncertain:
     Parameters
     ----------
     value : float, sequence or distribution
-        A number, a range (low, high) in which all values are equally likely, three or more quantiles at even steps,
-        or a frozen distribution of scipy.stats. A distribution that is neither normal nor uniform is represented by
-        1001 quantiles, with those of 1e-9 and 1 - 1e-9 at its ends.
+        A number, a range (low, high) in which all values are equally likely, three or more quantiles at even
+        steps, or a frozen distribution of scipy.stats. A distribution that is neither normal nor uniform is
+        represented by 1001 quantiles, with those of 1e-9 and 1 - 1e-9 at its ends.
     name : str
         For messages.
 

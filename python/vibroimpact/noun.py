@@ -226,6 +226,11 @@ class Noun(Savable):
     def of_result(cls: type[Self], result: Result) -> Self:
         return cls(result)  # type: ignore[call-arg]
 
+    @classmethod
+    def computed(cls: type[Self], case: Any, progress: Callable[[float, str], None] | None) -> Self:
+        """The result of a case that the Python package computes, for such studies (`in_python`)."""
+        raise NotImplementedError
+
     def parts(self) -> list[Any]:
         """What the result of a case consists of: the objects that are saved and drawn each by itself."""
         return [self]

@@ -226,9 +226,9 @@ class Result:
 
 def made(
     study: str, case: str, tables: Mapping[str, tuple[Sequence[str], Mapping[str, Any]]],
-    remarks: tuple[str, ...] = (), cut: str = "",
+    remarks: tuple[str, ...] = (), cut: str = "", notes: Sequence[tuple[bool, str]] = (),
 ) -> Result:  # fmt: skip
-    """A result of arrays that were computed without a case of the core.
+    """A result of arrays that were not computed by the core.
 
     Parameters
     ----------
@@ -238,6 +238,8 @@ def made(
         A namelist that gives the result, or "" if none does.
     tables : mapping
         For each table the names of its dimensions, and its columns; those that are None are left out.
+    notes : sequence of (bool, str)
+        Lines for the user: whether each is a fault, and its text.
     """
     about = declared(study)
     filled = {}
@@ -249,7 +251,7 @@ def made(
         shape = next(iter(columns.values())).values.shape
         filled[name] = Table(dict(zip(dims, shape, strict=False)), columns=columns)
     row = language()["results"][study]["row"]
-    return Result(study, case, cut, False, remarks, (), row, filled)
+    return Result(study, case, cut, False, remarks, tuple(notes), row, filled)
 
 
 def settled(result: Result) -> Result:

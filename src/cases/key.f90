@@ -47,6 +47,8 @@ module vi_key
       !> The key that this one specifies in another unit: values are multiplied by `factor`.
       character(24) :: is = ''
       real(wp) :: factor = 1
+      !> Whether its words are paths of files; those of the folder of the namelist come first.
+      logical :: file = .false.
       !> The command-line option for it, if its name differs from that of the key; an option that
       !! several keys share takes one value for each. A dash means that there is none.
       character(16) :: option = ''

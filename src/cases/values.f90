@@ -7,6 +7,7 @@ module vi_values
    use vi_buffer, only: add, buffer_type
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
    use vi_kinds, only: wp
+   use vi_matrix_file, only: beside
    use vi_namelist, only: assignment_type, group_type
    use vi_parse, only: parse_numbers, parse_subscript, parse_words
    use vi_text, only: append, exact, lengthen, line_type, lower, number_text, whole
@@ -38,8 +39,8 @@ module vi_values
       type(value_type), allocatable, private :: values(:)
       type(assignment_type), allocatable, private :: items(:)
    contains
-      procedure :: count_numbers, drop, echo, given, has, is, number, numbers, refuse, forbid, &
-         set, set_word, text, whole_number, whole_numbers, word
+      procedure :: count_numbers, drop, echo, find_files, given, has, is, number, numbers, &
+         refuse, forbid, set, set_word, text, whole_number, whole_numbers, word
    end type values_type
 
 contains
@@ -495,9 +496,15 @@ contains
       character(*), intent(in) :: name
       !> The word, as spelled in the table.
       character(*), intent(in) :: word
+      integer :: i
 
-      is = values%has(name)
-      if (is) is = values%values(place_of(values%keys, name))%words(1)%text == word
+      is = .false.
+      if (.not. values%has(name)) return
+      associate (words => values%values(place_of(values%keys, name))%words)
+         do i = 1, size(words)
+            is = is .or. words(i)%text == word
+         end do
+      end associate
    end function is
 
    !> The number that a key has.
@@ -602,6 +609,28 @@ contains
          value%there = .true.
       end associate
    end subroutine set_word
+
+   !> Replaces the names of files by their paths where the files are in the folder of the namelist.
+   subroutine find_files(values, namelist)
+      !> The group.
+      class(values_type), intent(inout) :: values
+      !> Path of the namelist; empty if there is none.
+      character(*), intent(in) :: namelist
+      character(:), allocatable :: full
+      logical :: there
+      integer :: i, j
+
+      do i = 1, size(values%keys)
+         if (.not. (values%keys(i)%file .and. values%values(i)%given)) cycle
+         do j = 1, size(values%values(i)%words)
+            associate (line => values%values(i)%words(j))
+               call beside(namelist, line%text, full)
+               inquire (file=full, exist=there)
+               if (there) line%text = full
+            end associate
+         end do
+      end do
+   end subroutine find_files
 
    !> Removes the value of a key.
    pure subroutine drop(values, name)

@@ -102,8 +102,8 @@ contains
       do i = 1, size(studies)
          associate (study => studies(i))
             call append(lines, quoted(study%name)//': {"group": '//quoted(study%group)// &
-               ', "of_structure": '//truth(study%of_structure)//', "meaning": '//quoted( &
-               study%meaning)// &
+               ', "of_structure": '//truth(study%of_structure)//', "in_python": '//truth( &
+               study%in_python)//', "meaning": '//quoted(study%meaning)// &
                ', "row": '//quoted(study%row)//', "columns": [')
             call study%list(columns=columns)
             do j = 1, size(columns)

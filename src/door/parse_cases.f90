@@ -102,7 +102,7 @@ contains
                      system%values%name//'; must be '//names
                else if (is_case(studies, groups(i:))) then
                   n = n + 1
-                  call take_case(studies, groups, i, system, cases(n), line, message)
+                  call take_case(studies, path, groups, i, system, cases(n), line, message)
                   if (len(message) == 0) call take_output(path, groups(i:), n, size(cases), &
                      cases(n), line, message)
                end if
@@ -279,6 +279,8 @@ contains
       text = 'it is not for a '//names//', which has r_min and r_max, nor for parameter = ''r'''
       call join_groups(pack(studies%group, .not. studies%has_load), names)
       if (len(names) > 0) text = text//', nor for a '//names//', which has no load'
+      call join_groups(pack(studies%group, studies%finds_r), names)
+      if (len(names) > 0) text = text//', nor for a '//names//', which finds it'
    end subroutine explain_own_r
 
    !> Whether the frequency ratios of a study are those of a window.
@@ -299,7 +301,7 @@ contains
       type(group_type), intent(in) :: group
       integer :: i
 
-      has_own_r = has_window(study) .or. .not. study%has_load
+      has_own_r = has_window(study) .or. .not. study%has_load .or. study%finds_r
       ! a study that starts from a group may have r as its parameter: it starts at the r of &system
       if (has_own_r .or. study%starts_from /= '') return
       do i = 1, size(group%items)
@@ -312,9 +314,11 @@ contains
    end function has_own_r
 
    !> Reads and checks the groups of one case.
-   subroutine take_case(studies, groups, i, system, case, line, message)
+   subroutine take_case(studies, path, groups, i, system, case, line, message)
       !> All studies.
       type(study_type), intent(in) :: studies(:)
+      !> The file; empty if there is none.
+      character(*), intent(in) :: path
       !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
       !> Place of the group that requests the result.
@@ -365,6 +369,7 @@ contains
          end if
          call study%list(keys)
          call read_values(groups(i)%name, keys, groups(i), case%study)
+         call case%study%find_files(path)
          if (associated(study%check)) call study%check(case)
       end associate
       call pass_on(case%study, line, message)

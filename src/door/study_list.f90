@@ -10,6 +10,7 @@ module vi_study_list
    use vi_case, only: case_type, echo
    use vi_chart_study, only: declare_chart
    use vi_decay_study, only: declare_decay
+   use vi_design_study, only: declare_design
    use vi_find_structure_study, only: declare_find_structure
    use vi_find_study, only: declare_find
    use vi_kinds, only: wp
@@ -58,6 +59,7 @@ contains
          declare_type(declare_bifurcation), &
          declare_type(declare_response), &
          declare_type(declare_decay), &
+         declare_type(declare_design), &
          declare_type(declare_basins), &
          declare_type(declare_simulate_structure), &
          declare_type(declare_motion_structure), &
@@ -119,6 +121,12 @@ contains
       allocate (lines(0))
       if (has_room(echo_bytes*case%study%count_numbers())) call echo(case, lines)
       call start_result(lines, columns, study%row, result)
+      if (study%in_python) then
+         result%empty = .true.
+         call result%fail('&'//trim(study%group)//' is computed by the Python package: &
+            &vibroimpact run FILE.nml')
+         return
+      end if
       call check_room(study, case, result)
       if (result%empty) return
       call study%run(case, usable_threads(threads), result, progress)

@@ -133,8 +133,12 @@ contains
          do k = 1, filled/2
             if (.not. (distance(marks(0), marks(k), system%clearance) < near .and. &
                distance(marks(k), marks(2*k), system%clearance) < near)) cycle
-            call refine(system, mark, k, events, found, end, counts, good)
-            if (good) return
+            ! a motion that is approached from both sides in turn looks like one of twice its period
+            do i = 1, k
+               if (modulo(k, i) /= 0) cycle
+               call refine(system, mark, i, events, found, end, counts, good)
+               if (good) return
+            end do
             exit
          end do
       end do

@@ -13,7 +13,7 @@ module vi_common_keys
    public :: check_parameter, check_product, check_start, check_window, &
       half_gap, parameter_of, parameter_place, parameter_range, parameter_values, state_of
 
-   real(wp), parameter :: least_r = 1.0e-6_wp, most_r = 1.0e6_wp, least_gap = 1.0e-12_wp, &
+   real(wp), parameter, public :: least_r = 1.0e-6_wp, most_r = 1.0e6_wp, least_gap = 1.0e-12_wp, &
       most_gap = 1.0e12_wp
 
    !> The parameters that a study can vary, in the order of the core, with their ranges.

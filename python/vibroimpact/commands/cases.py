@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from ..case import Case, read_namelist
-from ..errors import ParameterError, StudyInterrupted
+from ..errors import ParameterError, StudyInterrupted, VibroimpactError
 from ..formats.save import write_printout
 from ..noun import Noun
 from ..plot.animation import check_format
 from ..progress import Progress
 from ..run import RunLog, run_namelists
+from ..tables import language
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .request import Request, read_cases
 
@@ -38,6 +39,7 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     if animated:
         check_format(animated, f"--animate {animated}")
     more = save is not None or options.format != "csv" or options.json or options.stem
+    more = more or any(map(needs_python, options.files))
     if not more and request.kind is None:
         return tables(options, folder)
     cases, faults = read_cases(options, request)
@@ -51,6 +53,15 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
         for case in cases:
             status = max(status, finish(options, case, folder, save, details))
     return status
+
+
+def needs_python(file: str) -> bool:
+    """Whether a file has a case that the compiled program leaves to Python; a pipe, read only once, has none."""
+    groups = [about["group"] for about in language()["results"].values() if about["in_python"]]
+    if not os.path.isfile(file):
+        return False
+    with open(file, encoding="utf-8", errors="replace") as lines:
+        return any(re.match(rf"(?i)[#\s]*&({'|'.join(groups)})\b", line) for line in lines)
 
 
 def tables(options: argparse.Namespace, folder: Path) -> int:
@@ -133,6 +144,11 @@ def finish(
             found = case.compute(bar.show)
         except StudyInterrupted as stop:
             found, stopped = stop.result, True
+        except VibroimpactError as error:
+            if not case.in_python:  # the core has checked its own cases
+                raise
+            record.fault(f"{case.name}: {error}")
+            return error.status
     if stopped:  # writing a large table takes time
         message = f"vibroimpact {record.command}: interrupted; writing what is finished ..."
         print(message, file=sys.stderr, flush=True)

@@ -9,6 +9,7 @@ from .attractor import draw_basins, draw_bifurcation, draw_lyapunov, draw_respon
 from .branch import draw_branch
 from .chart import draw_chart
 from .decay import draw_decay
+from .design import draw_design
 from .found import draw_found
 from .history import draw
 from .structure import draw_structure
@@ -25,8 +26,8 @@ from .zone import draw_atlas, draw_zone
 #: The function that draws a result, by class; its options are those of the `plot` of the class, in order.
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
-    "Chart": draw_chart, "Decay": draw_decay, "Findings": draw_found, "Lyapunov": draw_lyapunov, "Motion": draw,
-    "Response": draw_response, "StructureBasins": draw_structure_basins,
+    "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "Findings": draw_found,
+    "Lyapunov": draw_lyapunov, "Motion": draw, "Response": draw_response, "StructureBasins": draw_structure_basins,
     "StructureBifurcation": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
     "StructureLyapunov": draw_exponents, "StructureMotions": draw_multipliers,
     "StructureResponse": draw_structure_response, "StructureTrajectory": draw_structure,

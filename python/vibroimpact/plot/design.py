@@ -1,0 +1,187 @@
+"""A design: its candidates, the share of good samples along the band, and its sensitivities."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import ParameterError
+from . import style
+
+if TYPE_CHECKING:
+    from ..studies.design import Design
+
+#: Labels of targets, and of parameters where they are not in `style.SYMBOLS`.
+TARGETS = {
+    "attenuation": style.ATTENUATION_LABEL, "displacement": r"$\max|X|$ ($F_0/K$)", "rms": r"rms $X$ ($F_0/K$)",
+    "acceleration": r"$\max|\ddot X|$ ($\omega^2 F_0/K$)", "force": r"$\max|X + 2\xi\dot X|$ ($F_0$)",
+    "damping": "damping ratio",
+}  # fmt: skip
+SYMBOLS = style.SYMBOLS | {"restitution": "$R$"}
+#: Formats of reports.
+FORMATS = (".pdf", ".png", ".svg")
+
+
+def draw_design(design: Design, ax: Any = None) -> Any:
+    """Draw four panels into a new figure, or the share of good samples into `ax`."""
+    plt = style.pyplot()
+    with plt.rc_context(style.SETTINGS):
+        if ax is not None:
+            _draw_shares(ax, design)
+            return ax
+        figure, panels = plt.subplots(2, 2, figsize=(style.TWO_COLUMNS, 4.8), layout="constrained")
+        _draw_panels(panels.ravel(), design)
+        figure.suptitle(_chosen(design), fontsize=7)
+        return panels.ravel()
+
+
+def report(design: Design, path: Any) -> None:
+    """One page with the answer, what was chosen, and the four panels."""
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise ParameterError(f"path = {str(path)!r}: must end with one of {', '.join(FORMATS)}")
+    plt = style.pyplot()
+    with plt.rc_context(style.SETTINGS):
+        figure = plt.figure(figsize=(8.27, 11.69))
+        heights = {
+            "height_ratios": [0.9, 2, 2],
+            "hspace": 0.35,
+            "wspace": 0.3,
+            "top": 0.95,
+            "bottom": 0.06,
+        }
+        grid = figure.add_gridspec(3, 2, left=0.1, right=0.95, **heights)
+        text = figure.add_subplot(grid[0, :])
+        text.set_axis_off()
+        text.text(0, 1, "Design of an impact damper", fontsize=14, weight="bold", va="top")
+        text.text(0, 0.86, "\n".join(_lines(design)), fontsize=8.5, va="top", linespacing=1.5)
+        _draw_panels([figure.add_subplot(grid[i, j]) for i in (1, 2) for j in (0, 1)], design)
+        style.save(text, path)
+
+
+def _lines(design: Design) -> list[str]:
+    """The text of a report."""
+    lines = textwrap.wrap(design.verdict[0].upper() + design.verdict[1:] + ".", 105)
+    lines += [""]
+    for name, value in design.values.items():
+        low, high = design.ranges[name]
+        lines.append(
+            f"{SYMBOLS.get(name, name)} = {value:.6g}, chosen from {low:.6g} to {high:.6g}"
+        )
+    if design.samples:
+        lines.append(
+            f"Worst of all samples: {design.worst:.4g}; simulations given up, counted as bad: {design.failed}"
+        )
+    if design.sensitivity:
+        slopes = [
+            f"{SYMBOLS.get(name, name)} {slope:+.4g}" for name, slope in design.sensitivity.items()
+        ]
+        lines += textwrap.wrap(
+            "Derivatives of the target of the worst unit by " + ", ".join(slopes) + ".", 150
+        )
+    return lines
+
+
+def _chosen(design: Design) -> str:
+    return "design: " + ", ".join(
+        f"{SYMBOLS.get(name, name)} = {value:.6g}" for name, value in design.values.items()
+    )
+
+
+def _draw_panels(panels: Any, design: Design) -> None:
+    """The four panels."""
+    for panel, draw in zip(
+        panels, (_draw_levels, _draw_front, _draw_shares, _draw_slopes), strict=True
+    ):
+        draw(panel, design)
+
+
+def _draw_levels(ax: Any, design: Design) -> None:
+    """The levels of the candidates against the first parameter."""
+    name = next(iter(design.values))
+    rows = _within(design, design.candidates)
+    ax.plot(
+        rows[name], rows["level"], "o", ms=3, mfc="none", color=style.PRIMARY, label="candidates"
+    )
+    ax.plot(design.values[name], design.level, "*", ms=9, color=style.FREE, label="chosen")
+    if design.limit is not None:
+        ax.axhline(design.limit, color=style.LOAD, lw=0.8, ls="--", label="limit")
+    ax.set_xlabel(SYMBOLS.get(name, name))
+    ax.set_ylabel(f"{100 * design.quantile:g} % quantile of {TARGETS[design.target]}")
+    style.add_legend(ax, **style.ABOVE)
+
+
+def _draw_front(ax: Any, design: Design) -> None:
+    """Attenuation against robustness: the unit without deviations, and all units."""
+    rows = _within(design, design.candidates)
+    ax.plot(
+        rows["nominal"],
+        rows["level"],
+        "o",
+        ms=3,
+        mfc="none",
+        color=style.PRIMARY,
+        label="candidates",
+    )
+    front = design.front
+    ax.plot(
+        front["nominal"], front["level"], "s-", ms=4, lw=0.8, color=style.REST, label="Pareto front"
+    )
+    ax.set_xlabel(f"{TARGETS[design.target]} without deviations")
+    ax.set_ylabel(f"{100 * design.quantile:g} % of the units")
+    style.add_legend(ax, **style.ABOVE)
+
+
+def _within(design: Design, rows: Any) -> Any:
+    """Candidates whose levels fit in a picture with that of the chosen one."""
+    near = abs(rows["level"]) <= 4 * abs(design.level)
+    return rows[near & np.isfinite(rows["nominal"])]
+
+
+def _draw_shares(ax: Any, design: Design) -> None:
+    """The share of good samples along the band, with its intervals."""
+    bands = design.bands
+    if not bands["samples"].size:
+        ax.text(0.5, 0.5, "no samples", ha="center", va="center", transform=ax.transAxes)
+        ax.set_axis_off()
+        return
+    middle = 0.5 * (bands["from"] + bands["to"])
+    share = bands["probability"]
+    errors = np.maximum(0, [share - bands["low"], bands["high"] - share])
+    ax.errorbar(
+        middle, share, errors, 0.5 * (bands["to"] - bands["from"]), fmt="o", ms=3, lw=0.8, capsize=2,
+        color=style.PRIMARY, label="samples, 95 % interval",
+    )  # fmt: skip
+    ax.axhline(design.quantile, color=style.LOAD, lw=0.8, ls="--", label="wanted")
+    ax.set_xlabel("initial displacement ($F_0/K$)" if design.target == "damping" else style.R_LABEL)
+    ax.set_ylabel("share of good samples")
+    ax.locator_params(axis="x", nbins=5)
+    style.add_legend(ax, **style.ABOVE)
+
+
+def _draw_slopes(ax: Any, design: Design) -> None:
+    """The change of the target of the worst unit for 1 % of each parameter."""
+    values = style.system(design.osc) if design.case else {}
+    if values and values["R1"] == values["R2"]:
+        values["restitution"] = values["R1"]
+    values |= design.values | {"r": float(np.mean(design.ends))}
+    if "restitution" in design.values:
+        values |= {"R1": design.values["restitution"], "R2": design.values["restitution"]}
+    values.setdefault(
+        "clearance", float(design.keys.get("clearance", np.nan)) if design.case else np.nan
+    )
+    names = [name for name in design.sensitivity if np.isfinite(values.get(name, np.nan))]
+    if not names:
+        ax.text(0.5, 0.5, "no sensitivities", ha="center", va="center", transform=ax.transAxes)
+        ax.set_axis_off()
+        return
+    changes = [0.01 * values[name] * design.sensitivity[name] for name in names]
+    ax.barh(
+        range(len(names)), changes, color=[style.PRIMARY if c < 0 else style.FREE for c in changes]
+    )
+    ax.set_yticks(range(len(names)), [SYMBOLS.get(name, name) for name in names])
+    ax.axvline(0, color="0.4", lw=0.6)
+    ax.set_xlabel(f"change of {TARGETS[design.target]} for 1 % more")

@@ -1,0 +1,279 @@
+!> The study &design: clearance, mass and restitution of an impact damper for the best worst case.
+!!
+!! Optimisers of SciPy search, so that the Python package computes it; keys and columns are declared
+!! here as of any other study. Simulations and their figures are those of
+!! vi_attractor_performance.
+module vi_design_study
+   use vi_common_keys, only: least_gap, least_r, most_gap, most_r
+   use vi_kinds, only: wp
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
+      truths, verdicts, wholes, words
+   use vi_text, only: lower
+   implicit none (type, external)
+   private
+
+   public :: declare_design
+
+   !> Parameters that can be free or uncertain.
+   character(11), parameter :: names(6) = [character(11) :: 'clearance', 'mu', 'xi', &
+      'restitution', 'R1', 'R2']
+   character(*), parameter :: of_walls = 'two numbers from 0 to 1, the lower one first', &
+      spread = 'two numbers (all values in between are equally likely) or more (quantiles at even &
+      &steps, in order); with the name in `normal`, mean and standard deviation', &
+      of_free = 'uncertain values; of a free parameter deviations from the chosen value'
+   real(wp), parameter :: tiny_value = 1.0e-300_wp
+
+   type(key_type), parameter :: design_keys(*) = [ &
+      key_type('band', most=2, low=least_r, high=most_r, or='amplitude', &
+      takes='one frequency ratio, or the lowest and the highest one', &
+      meaning='frequency ratios at which the damper works'), &
+      key_type('amplitude', most=2, low=1.0e-9_wp, high=1.0e9_wp, or='band', unit='F0/K', &
+      takes='one displacement, or the least and the greatest one', &
+      meaning='displacements from which free vibration starts, for target = ''damping'''), &
+      key_type('target', a_word, default='''attenuation''', &
+      words='attenuation displacement rms acceleration force damping', &
+      meaning='what is minimised: max|X|/A, max|X|, rms of X, greatest acceleration or force on&
+      & the base; or damping in free vibration, which is maximised'), &
+      key_type('limit', low=tiny_value, may_miss=.true., takes='a number > 0', &
+      meaning='value of the target that has to be reached'), &
+      key_type('quantile', default='0.99', low=0.5_wp, high=1.0_wp, &
+      meaning='share of the units that has to reach it, and by which the search judges'), &
+      key_type('over', a_word, default='''worst''', words='worst basins', &
+      meaning='whether the worst attractor of a unit counts, or each by its initial states'), &
+      key_type('clearance', low=least_gap, high=most_gap, may_miss=.true., unit='F0/K', &
+      never='free_clearance', meaning='clearance d K/F0 at load 1 (d is the whole travel of m),&
+      & if it is not free'), &
+      key_type('load', most=1001, default='1', low=tiny_value, high=1.0e6_wp, &
+      takes='one load amplitude, or as for a tolerance', meaning='load amplitude'), &
+      key_type('free_clearance', least=2, most=2, low=least_gap, high=most_gap, may_miss=.true., &
+      unit='F0/K', takes='two numbers from 1e-12 to 1e12, the lower one first', &
+      meaning='range from which d K/F0 is chosen'), &
+      key_type('free_mu', least=2, most=2, low=0.0_wp, high=1.0e6_wp, may_miss=.true., &
+      takes='two numbers from 0 to 1e6, the lower one first', &
+      meaning='range from which the mass ratio m/M is chosen'), &
+      key_type('free_xi', least=2, most=2, low=0.0_wp, high=1.0_wp, below=.true., &
+      may_miss=.true., takes='two numbers from 0 to below 1, the lower one first', &
+      meaning='range from which the damping ratio is chosen'), &
+      key_type('free_restitution', least=2, most=2, low=0.0_wp, high=1.0_wp, may_miss=.true., &
+      takes=of_walls, never='free_r1 free_r2', &
+      meaning='range from which the restitution of both walls is chosen'), &
+      key_type('free_r1', least=2, most=2, low=0.0_wp, high=1.0_wp, may_miss=.true., &
+      takes=of_walls, meaning='range for the right wall alone'), &
+      key_type('free_r2', least=2, most=2, low=0.0_wp, high=1.0_wp, may_miss=.true., &
+      takes=of_walls, meaning='range for the left wall alone'), &
+      key_type('tolerance_clearance', least=2, most=1001, may_miss=.true., unit='F0/K', &
+      takes=spread, meaning=of_free), &
+      key_type('tolerance_mu', least=2, most=1001, may_miss=.true., takes=spread, &
+      meaning=of_free), &
+      key_type('tolerance_xi', least=2, most=1001, may_miss=.true., takes=spread, &
+      meaning=of_free), &
+      key_type('tolerance_restitution', least=2, most=1001, may_miss=.true., takes=spread, &
+      never='tolerance_r1 tolerance_r2', meaning=of_free), &
+      key_type('tolerance_r1', least=2, most=1001, may_miss=.true., takes=spread, &
+      meaning=of_free), &
+      key_type('tolerance_r2', least=2, most=1001, may_miss=.true., takes=spread, &
+      meaning=of_free), &
+      key_type('normal', a_word, most=7, may_miss=.true., &
+      words='clearance mu xi restitution R1 R2 load', takes='names of parameters or ''load''', &
+      meaning='those whose tolerance is mean and standard deviation of a normal distribution'), &
+      key_type('limit_displacement', low=tiny_value, may_miss=.true., unit='F0/K', &
+      takes='a number > 0', meaning='greatest allowed |X|'), &
+      key_type('limit_rms', low=tiny_value, may_miss=.true., unit='F0/K', takes='a number > 0', &
+      meaning='greatest allowed root mean square of X'), &
+      key_type('limit_acceleration', low=tiny_value, may_miss=.true., unit='omega^2 F0/K', &
+      takes='a number > 0', meaning='greatest allowed acceleration between impacts'), &
+      key_type('limit_force', low=tiny_value, may_miss=.true., unit='F0', takes='a number > 0', &
+      meaning='greatest allowed force on the base'), &
+      key_type('limit_speed', low=tiny_value, may_miss=.true., unit='omega F0/K', &
+      takes='a number > 0', meaning='greatest allowed approach speed of an impact'), &
+      key_type('limit_multiplier', low=tiny_value, may_miss=.true., takes='a number > 0', &
+      meaning='greatest allowed modulus of the multipliers; a motion without a period is above&
+      & it'), &
+      key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, &
+      meaning='oscillations over which the damping of free vibration is averaged'), &
+      key_type('states', a_whole, default='2', low=1.0_wp, high=64.0_wp, &
+      meaning='initial states of each unit'), &
+      key_type('samples', a_whole, default='100000', low=0.0_wp, high=1.0e9_wp, &
+      takes='0 or a whole number from 10 to 1e9', &
+      meaning='independent samples of the confirmation; 0 for none'), &
+      key_type('evaluations', a_whole, default='48', low=8.0_wp, high=1.0e6_wp, &
+      meaning='candidates of the global search'), &
+      key_type('units', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
+      meaning='units by which the best candidates are judged'), &
+      key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
+      meaning='frequencies, or displacements, at which they are judged'), &
+      key_type('settling', a_whole, default='200', low=8.0_wp, high=1.0e6_wp, &
+      meaning='load cycles after which a simulation without a period counts as settled'), &
+      key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, &
+      meaning='load cycles then examined'), &
+      key_type('seed', a_whole, default='0', low=0.0_wp, high=2.0e9_wp, &
+      meaning='number from which the random numbers follow')]
+
+   type(column_type), parameter :: design_columns(*) = [ &
+      column_type('chosen', 'name', words, meaning='the free parameter'), &
+      column_type('chosen', 'value', meaning='its chosen value'), &
+      column_type('chosen', 'low', meaning='lower end of its range'), &
+      column_type('chosen', 'high', meaning='upper end of its range'), &
+      column_type('design', 'target', words, listed=.false., meaning='what was minimised'), &
+      column_type('design', 'limit', listed=.false., &
+      meaning='value that had to be reached; NaN if there is none'), &
+      column_type('design', 'quantile', listed=.false., &
+      meaning='share of the units that had to reach it'), &
+      column_type('design', 'first', listed=.false., meaning='lower end of the band'), &
+      column_type('design', 'last', listed=.false., meaning='upper end of the band'), &
+      column_type('design', 'level', listed=.false., meaning='quantile of the target over the &
+      &units of the search, at the worst frequency'), &
+      column_type('design', 'excess', listed=.false., &
+      meaning='the same of the greatest figure over its limit; 0 without limits'), &
+      column_type('design', 'worst', listed=.false., meaning='worst target of all samples and of &
+      &the units of the search'), &
+      column_type('design', 'samples', wholes, listed=.false., &
+      meaning='samples of the confirmation'), &
+      column_type('design', 'failed', wholes, listed=.false., &
+      meaning='samples whose simulation was given up; they count as bad'), &
+      column_type('design', 'probability', listed=.false., &
+      meaning='share of the samples within the limit and all limits'), &
+      column_type('design', 'low', listed=.false., &
+      meaning='lower end of its 95 % interval, by Clopper and Pearson'), &
+      column_type('design', 'high', listed=.false., meaning='upper end'), &
+      column_type('design', 'feasible', verdicts, listed=.false., meaning='whether the limit &
+      &holds for the quantile of the units in every part of the band'), &
+      column_type('bands', 'from', listed=.false., meaning='lowest r of a part of the band'), &
+      column_type('bands', 'to', listed=.false., meaning='highest r'), &
+      column_type('bands', 'samples', wholes, listed=.false., meaning='samples in it'), &
+      column_type('bands', 'good', wholes, listed=.false., meaning='those within all limits'), &
+      column_type('bands', 'probability', listed=.false., meaning='their share'), &
+      column_type('bands', 'low', listed=.false., meaning='lower end of its interval, which holds &
+      &for all parts at once with 95 %'), &
+      column_type('bands', 'high', listed=.false., meaning='upper end'), &
+      column_type('bands', 'worst', listed=.false., meaning='worst target'), &
+      column_type('sensitivities', 'name', words, listed=.false., meaning='a parameter'), &
+      column_type('sensitivities', 'slope', listed=.false., &
+      meaning='derivative of the target of the worst unit by it'), &
+      column_type('candidates', 'values', each='choice', listed=.false., &
+      meaning='the free parameters'), &
+      column_type('candidates', 'nominal', listed=.false., &
+      meaning='level of the unit without deviations'), &
+      column_type('candidates', 'level', listed=.false., meaning='level of all units'), &
+      column_type('candidates', 'front', truths, listed=.false., &
+      meaning='whether no other candidate is better in both')]
+
+contains
+
+   !> Declares the study.
+   subroutine declare_design(study)
+      !> The declaration of the study.
+      type(study_type), intent(out) :: study
+
+      study%name = 'design'
+      study%meaning = 'design an impact damper for a band, with tolerances'
+      study%finds_r = .true.
+      study%in_python = .true.
+      study%list => list_design
+      study%row = 'chosen'
+      study%check => check_design
+   end subroutine declare_design
+
+   !> Lists the keys and columns.
+   pure subroutine list_design(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = design_keys
+      if (present(columns)) columns = design_columns
+   end subroutine list_design
+
+   !> Checks the rules that involve several keys.
+   subroutine check_design(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      character(:), allocatable :: name
+      real(wp) :: least_xi
+      integer :: i
+
+      associate (study => case%study)
+         if (len(study%fault) > 0) return
+         if (study%is('target', 'damping') .neqv. study%has('amplitude')) call study%refuse( &
+            'target', '''damping'' needs an amplitude, and the others a band')
+         if (study%has('band')) call check_order(case, 'band')
+         if (study%has('amplitude')) call check_order(case, 'amplitude')
+         least_xi = case%osc%xi
+         if (study%has('free_xi')) least_xi = minval(study%numbers('free_xi'))
+         if (study%has('band') .and. .not. least_xi > 0) then
+            associate (band => study%numbers('band'))
+               if (band(1) <= 1 .and. band(size(band)) >= 1) call study%refuse('band', &
+                  'without damping r = 1 is resonance')
+            end associate
+         end if
+         do i = 1, size(names)
+            name = 'free_'//lower(trim(names(i)))
+            if (study%has(name)) call check_order(case, name)
+            call check_spread(case, trim(names(i)))
+         end do
+         if (.not. any([(study%has('free_'//lower(trim(names(i)))), i=1, size(names))])) call &
+            study%refuse('free_clearance', 'at least one parameter must be free')
+         if (.not. (study%has('clearance') .or. study%has('free_clearance') .or. &
+            study%has('tolerance_clearance'))) call study%refuse('clearance', &
+            'it must be given, be free, or have a tolerance')
+         if (study%has('tolerance_clearance') .and. study%has('clearance')) then
+            call study%forbid('clearance', ' beside tolerance_clearance, unless that is free')
+         end if
+         if (study%whole_number('samples') > 0 .and. study%whole_number('samples') < 10) then
+            call study%refuse('samples')
+         end if
+      end associate
+   end subroutine check_design
+
+   !> Refuses a range whose ends are not in order.
+   subroutine check_order(case, name)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> The key.
+      character(*), intent(in) :: name
+
+      associate (values => case%study%numbers(name))
+         if (size(values) < 2) return
+         if (values(1) > values(2)) call case%study%refuse(name)
+         if (name(1:4) == 'free' .and. .not. values(1) < values(2)) call case%study%refuse(name)
+      end associate
+   end subroutine check_order
+
+   !> Refuses a tolerance that leads out of the range of its parameter.
+   subroutine check_spread(case, name)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> The parameter.
+      character(*), intent(in) :: name
+      character(:), allocatable :: key
+      real(wp) :: ends(2), most
+
+      associate (study => case%study)
+         key = lower(name)
+         if (.not. study%has('tolerance_'//key)) return
+         associate (values => study%numbers('tolerance_'//key))
+            if (study%is('normal', name)) then
+               if (size(values) /= 2 .or. .not. values(size(values)) > 0) then
+                  call study%refuse('tolerance_'//key)
+                  return
+               end if
+               ends = values(1) + 6*values(2)*[-1, 1]
+            else
+               if (any(values(2:) < values(:size(values) - 1))) call study%refuse( &
+                  'tolerance_'//key)
+               ends = [values(1), values(size(values))]
+            end if
+         end associate
+         if (study%has('free_'//key)) ends = ends + study%numbers('free_'//key)
+         most = 1
+         if (name == 'clearance') most = most_gap
+         if (name == 'mu') most = 1.0e6_wp
+         if (ends(1) < 0 .or. ends(2) > most .or. (name == 'clearance' .and. ends(1) < least_gap) &
+            .or. (name == 'xi' .and. .not. ends(2) < 1)) call study%refuse('tolerance_'//key, &
+            'the values that result (6 standard deviations if normal) must be in the range of '// &
+            name)
+      end associate
+   end subroutine check_spread
+
+end module vi_design_study

@@ -1,0 +1,446 @@
+"""Designs: figures against exact motions, the search against brute force, shares against binomial laws."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from scipy import stats
+from vibroimpact.design_hosts import DecayHost, StructureHost, extent
+from vibroimpact.design_problem import OscillatorHost, Problem
+from vibroimpact.design_search import grid, judged
+from vibroimpact.distribution import uncertain
+from vibroimpact.performance import perform
+from vibroimpact.studies.design import asked_by, interval
+
+OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+QUICK = {"samples": 0, "evaluations": 16, "units": 4, "nodes": 3, "settling": 120, "keep": 16}
+
+
+def random_systems(n, seed, restitution):
+    rng = np.random.default_rng(seed)
+    columns = [rng.uniform(0.97, 1.05, n), rng.uniform(15, 45, n), rng.uniform(0.005, 0.03, n)]
+    columns += [
+        rng.uniform(0.02, 0.1, n),
+        rng.uniform(*restitution, n),
+        rng.uniform(*restitution, n),
+    ]
+    return np.array(columns), rng.uniform(-1, 1, (4, n))
+
+
+def test_figures_are_those_of_exact_motions():
+    """Two routes: the closed form of the core over a period, and `quantities` of the exact motion."""
+    parameters, places = random_systems(60, 3, (0.5, 0.8))
+    found = perform(parameters, places)
+    assert (found.status == 0).all()
+    tried = 0
+    for j in np.flatnonzero((found.cycles > 0) & (found.impacts > 0)):
+        r, clearance, xi, mu, *walls = map(float, parameters[:, j])
+        osc = vi.Oscillator(xi=xi, mu=mu, restitution=tuple(walls))
+        state = dict(
+            zip(("t", "x", "x_dot", "z", "z_dot"), map(float, found.states[:, j]), strict=True)
+        )
+        run = vi.simulate(osc, r, clearance, cycles=4 * int(found.cycles[j]), state=state)
+        if (run.events["kind"] != "impact").any():
+            continue
+        motion = vi.exact(osc, r, clearance, run)
+        amounts = motion.quantities()
+        assert amounts.duration == pytest.approx(2 * math.pi * found.cycles[j] / r, rel=1e-12)
+        assert found.displacement[j] == pytest.approx(motion.attenuation * motion.A, rel=1e-9)
+        assert found.rms[j] == pytest.approx(amounts.x.rms, rel=1e-9)
+        assert found.acceleration[j] == pytest.approx(amounts.x_ddot.peak, rel=1e-9)
+        assert found.force[j] == pytest.approx(amounts.transmitted.peak, rel=1e-9)
+        assert found.speed[j] == pytest.approx(amounts.impacts["speed"].max(), rel=1e-8)
+        assert found.multiplier[j] == pytest.approx(abs(motion.multipliers).max(), rel=1e-6)
+        assert found.amplitude[j] == pytest.approx(motion.A, rel=1e-12)
+        tried += 1
+    assert tried > 25
+
+
+def test_figures_with_rest_are_those_of_samples():
+    """With accumulation and rest the second route is dense samples of a long simulation."""
+    parameters, places = random_systems(30, 5, (0.05, 0.2))
+    found = perform(parameters, places)
+    rests = 0
+    for j in np.flatnonzero(found.cycles > 0):
+        r, clearance, xi, mu, *walls = map(float, parameters[:, j])
+        osc = vi.Oscillator(xi=xi, mu=mu, restitution=tuple(walls))
+        state = dict(
+            zip(("t", "x", "x_dot", "z", "z_dot"), map(float, found.states[:, j]), strict=True)
+        )
+        run = vi.simulate(osc, r, clearance, cycles=int(found.cycles[j]) + 1, state=state)
+        rests += bool((run.events["kind"] == "stick").any())
+        begin = state["t"]
+        times = np.linspace(begin, begin + 2 * math.pi / r * found.cycles[j], 20001)
+        sample = run.sample(times)
+        for name, values in (
+            ("displacement", sample.X), ("acceleration", sample.X_ddot),
+            ("force", sample.X + 2 * xi * sample.X_dot),
+        ):  # fmt: skip
+            # samples miss the tip of an extreme by the square of their distance, and a jump by that distance
+            assert abs(values).max() == pytest.approx(getattr(found, name)[j], rel=2e-3)
+        assert found.rms[j] == pytest.approx(math.sqrt(np.mean(sample.X[:-1] ** 2)), rel=1e-3)
+    assert rests > 3
+
+
+def test_motions_without_impacts_have_the_amplitude_of_linear_theory():
+    parameters, places = random_systems(4, 1, (0.5, 0.8))
+    parameters[1] = 1e6
+    found = perform(parameters, 0 * places, settling=3000)
+    assert (found.impacts == 0).all()
+    np.testing.assert_allclose(found.displacement, found.amplitude, rtol=1e-9)
+    np.testing.assert_allclose(found.rms, found.amplitude / math.sqrt(2), rtol=1e-9)
+    np.testing.assert_allclose(found.acceleration, parameters[0] ** 2 * found.amplitude, rtol=1e-9)
+    assert np.isnan(found.multiplier).all()
+
+
+def test_results_do_not_depend_on_the_number_of_threads():
+    parameters, places = random_systems(40, 8, (0.1, 0.9))
+    one, three = perform(parameters, places, threads=1), perform(parameters, places, threads=3)
+    for name in ("displacement", "rms", "force", "states", "cycles", "status"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(three, name))
+    kwargs = {
+        "r": (1.0, 1.02),
+        "free": {"clearance": (20, 45)},
+        "limit": 0.5,
+        **QUICK,
+        "samples": 100,
+    }
+    assert repr(vi.design(OSC, threads=1, **kwargs)) == repr(vi.design(OSC, threads=3, **kwargs))
+
+
+def test_the_search_is_as_good_as_brute_force():
+    """A grid of clearances, judged by `response`, another study: no clearance is better by more than 1 %."""
+    band = (1.0, 1.03)
+    found = vi.design(
+        OSC,
+        r=band,
+        free={"clearance": (12, 40)},
+        **{**QUICK, "units": 1, "nodes": 7, "evaluations": 40},
+    )
+    nodes = np.linspace(*band, 7)
+
+    def level(clearance):
+        swept = vi.response(OSC, nodes, clearance=float(clearance), states=6, settling=200)
+        return swept.highest.max()
+
+    brute = min(level(clearance) for clearance in np.linspace(12, 40, 57))
+    # few initial states may miss an attractor, so that its own level is only a lower bound
+    assert found.level <= 1.01 * brute
+    assert level(found.values["clearance"]) <= 1.05 * brute
+
+
+def test_the_best_motion_at_resonance_is_equispaced():
+    """Section 4 of the paper: at r = 1 with equal coefficients of restitution."""
+    found = vi.design(
+        OSC, r=1.0, free={"clearance": (5, 78)}, **{**QUICK, "units": 1, "evaluations": 60}
+    )
+    motions = [
+        one for one in vi.find(OSC, r=1.0, clearance=found.values["clearance"]) if one.stable
+    ]
+    best = min(motions, key=lambda one: one.attenuation)
+    assert best.attenuation == pytest.approx(found.level, rel=1e-6)
+    assert best.pattern == vi.Pattern("RL", 1)
+    gap = np.diff(best.phases)[0]
+    assert gap == pytest.approx(math.pi, abs=1e-9)
+    # no equispaced motion at another clearance is better
+    others = [
+        one.attenuation for clearance in np.linspace(5, 78, 300)
+        for one in vi.equispaced(OSC, 1.0, clearance) if one.stable and one.admissible
+    ]  # fmt: skip
+    assert found.level <= min(others) * (1 + 1e-3)
+
+
+def test_just_below_resonance_is_dangerous():
+    """Section 5 of the paper: there the impacts increase the motion, so that no clearance keeps max|X| below A."""
+    found = vi.design(
+        OSC, r=(0.965, 0.975), free={"clearance": (10, 60)}, limit=1.0, **{**QUICK, "samples": 500}
+    )
+    assert found.level > 1
+    assert found.feasible is False
+    assert "was not reached by any candidate" in found.verdict
+
+
+def test_quantile_and_penalty_of_candidates():
+    """Levels against a plain loop over units and frequencies."""
+    host = OscillatorHost(OSC, None, "displacement", {"speed": 30.0}, 120, 16, None)
+    spread = {"restitution": uncertain((0.6, 0.8), "R"), "clearance": uncertain((-1, 1), "d")}
+    problem = Problem(
+        host,
+        {"clearance": (20, 40)},
+        spread,
+        (1.0, 1.02),
+        uncertain((0.8, 1.2), "load"),
+        0.75,
+        False,
+        True,
+    )
+    few = grid(problem, 5, 3, 2, 4)
+    nominal, level, over, _ = judged(problem, few, np.array([[25.0], [35.0]]))
+    for i, clearance in enumerate((25.0, 35.0)):
+        table = np.empty((3, 5, 2, 2))
+        for a, r in enumerate(few.nodes):
+            for b in range(5):
+                restitution, off, load = (
+                    0.6 + 0.2 * few.shares[0, b],
+                    2 * few.shares[1, b] - 1,
+                    few.shares[2, b],
+                )
+                load = 0.8 + 0.4 * load
+                row = [r, (clearance + off) / load, OSC.xi, OSC.mu, restitution, restitution]
+                one = perform(np.tile(np.array(row)[:, None], 2), few.places, 120, 16)
+                table[a, b] = np.stack([one.displacement * load, one.speed * load / 30], axis=1)
+        worst = np.sort(table.max(axis=2), axis=1)
+        # the 0.75 quantile of five is the fourth
+        target, excess = worst[:, 3, 0].max(), worst[:, 3, 1].max()
+        assert over[i] == pytest.approx(excess, rel=1e-12)
+        assert level[i] == pytest.approx(target * (1 + 10 * max(0, excess - 1)), rel=1e-12)
+        first = table[:, 0].max(axis=1).max(axis=0)
+        assert nominal[i] == pytest.approx(first[0] * (1 + 10 * max(0, first[1] - 1)), rel=1e-12)
+
+
+def test_limits_hold_for_the_design():
+    kwargs = {
+        "r": (1.0, 1.02),
+        "free": {"clearance": (12, 45)},
+        **{**QUICK, "evaluations": 32, "units": 2},
+    }
+    free = vi.design(OSC, target="displacement", **kwargs)
+    assert free.excess == 0
+    parameters = np.tile([[1.0], [free.values["clearance"]], [OSC.xi], [OSC.mu], [0.75], [0.75]], 4)
+    speed = perform(parameters, np.random.default_rng(1).uniform(-1, 1, (4, 4))).speed.max()
+    bound = vi.design(OSC, target="displacement", limits={"speed": 0.7 * speed}, **kwargs)
+    assert bound.excess <= 1.0
+    assert bound.level >= free.level
+    none = vi.design(OSC, target="displacement", limits={"speed": 1e-3}, **kwargs)
+    assert none.excess > 1
+    assert "no candidate meets all limits" in none.verdict
+
+
+def test_probability_is_that_of_a_known_share():
+    """One uncertain parameter that matters in a known way: without impacts max|X| is the load times A."""
+    osc = vi.Oscillator(xi=0.2, mu=1e-9, restitution=0.75)
+    found = vi.design(
+        osc, r=2.0, free={"clearance": (5, 6)}, load=(0.5, 1.5), target="displacement", quantile=0.5,
+        limit=1.2 * 1 / math.hypot(1 - 4, 2 * 0.2 * 2), **{**QUICK, "samples": 4000, "states": 1},
+    )  # fmt: skip
+    # loads up to 1.2 of 0.5 to 1.5 meet the limit
+    low, high = interval(round(0.7 * 4000), 4000, 0.9999)
+    assert low < found.probability < high
+    assert found.feasible is True
+    assert found.interval[0] < found.probability < found.interval[1]
+    assert found.bands["samples"].sum() == found.samples == 4000
+    again = found.confirm(4000, seed=1)
+    assert again.to_json() == found.to_json()
+    assert found.confirm(4000, seed=2).probability != found.probability
+
+
+@pytest.mark.parametrize(("good", "samples"), [(0, 10), (3, 10), (10, 10), (990, 1000)])
+def test_interval_is_that_of_scipy(good, samples):
+    """Clopper and Pearson, as in scipy.stats.binomtest."""
+    expected = stats.binomtest(good, samples).proportion_ci(0.95, method="exact")
+    assert interval(good, samples) == pytest.approx((expected.low, expected.high), abs=1e-12)
+
+
+def test_distributions_of_scipy_and_deviations():
+    tolerance = {"restitution": stats.norm(0.7, 0.02), "clearance": (-0.5, 0.5), "xi": 0.0114}
+    found = vi.design(
+        OSC,
+        r=(1.0, 1.01),
+        free={"clearance": (20, 40)},
+        tolerance=tolerance,
+        limit=0.9,
+        **{**QUICK, "samples": 300},
+    )
+    problem, _ = asked_by(OSC, found.keys)
+    values, load = problem.units(
+        np.array([30.0]), np.array([[0.0, 1.0], [0.5, 0.5], [0.5, 0.9], [0.1, 0.2]])
+    )
+    np.testing.assert_allclose(values["clearance"], [29.5, 30.5])
+    np.testing.assert_allclose(values["restitution"], stats.norm(0.7, 0.02).ppf([0.5, 0.9]))
+    np.testing.assert_allclose(values["xi"], 0.0114)
+    np.testing.assert_allclose(load, 1)
+    assert found.samples == 300
+
+
+def test_slopes_are_those_of_differences():
+    """Derivatives of the exact motion, at a load that is not 1, against differences of the simulation's
+    figures."""
+    place = np.array([0.3, -0.2, 0.5, 0.1])
+    for target, r, load in (("attenuation", 1.01, 1.3), ("displacement", 1.02, 0.7)):
+        host = OscillatorHost(OSC, None, target, {}, 200, 32, None)
+        values = {"clearance": 30.0, "restitution": 0.7, "mu": 0.03}
+        slopes = host.slopes(values, r, load, place)
+
+        def figure(host=host, r=r, load=load, **change):
+            columns = {name: np.array([value]) for name, value in change.items()}
+            return host.outcome(
+                columns, np.array([r]), np.array([load]), place[:, None], None, ""
+            ).target[0]
+
+        for name, value in values.items():
+            h = 1e-4 * value
+            up, down = (figure(**{**values, name: value + step}) for step in (h, -h))
+            assert slopes[name] == pytest.approx((up - down) / (2 * h), rel=1e-5)
+
+
+def test_steps_down_the_gradient_lower_the_level():
+    """A start near the best clearance: the steps reach the lower end of a range in which the level only rises."""
+    kwargs = {**QUICK, "units": 1, "nodes": 2, "evaluations": 8}
+    found = vi.design(OSC, r=1.0, free={"clearance": (50.0, 60.0)}, **kwargs)
+    coarse = [row["level"] for row in found.front]
+    assert min(coarse) == found.level
+    assert found.values["clearance"] > 59.0
+    assert found.sensitivity["clearance"] < 0
+    assert found.sensitivity.keys() >= {"clearance", "mu", "xi", "r"}
+
+
+def test_the_oscillator_as_a_structure_has_the_same_figures():
+    """Two routes: the kernel of the oscillator, and samples of the structure with cubics between them."""
+    osc = vi.Oscillator(xi=0.02, mu=0.05, restitution=0.7)
+
+    def build(r, load, clearance):
+        return osc.structure(clearance), vi.Load(r, sine=[load, 0])
+
+    values = {"clearance": np.array([10.0, 20.0, 30.0])}
+    r, load = np.array([1.0, 1.01, 1.02]), np.array([1.0, 0.8, 1.2])
+    places = np.random.default_rng(0).uniform(-1, 1, (4, 3))
+    for target in ("attenuation", "displacement", "rms"):
+        one = StructureHost(build, 0, target, {"speed": 20.0}, 400, 6, None)
+        other = OscillatorHost(osc, None, target, {"speed": 20.0}, 400, 6, None)
+        found, expected = (host.outcome(values, r, load, places, None, "") for host in (one, other))
+        np.testing.assert_allclose(found.target, expected.target, rtol=2e-3)
+        np.testing.assert_allclose(found.excess, expected.excess, rtol=2e-3)
+
+
+def test_extent_of_a_harmonic_motion():
+    """Fourth order: with half the step the error falls sixteen times."""
+    free = vi.Structure([1.0], [0.0], [1.0], gaps=[])
+    run = vi.simulate(free, duration=20.0, state=([0.3], [1.0]))
+    amplitude = math.hypot(0.3, 1.0)
+    errors = [abs(extent(run, 2.0, many, 0)[1] / amplitude - 1) for many in (40, 80)]
+    assert errors[1] < 1e-5
+    assert errors[0] / errors[1] > 8
+    times = np.linspace(2, 20, 100_001)
+    square = np.mean(run.sample(times)[0] ** 2)
+    assert extent(run, 2.0, 400, 0)[2] == pytest.approx(math.sqrt(square), rel=1e-5)
+
+
+def test_design_of_a_structure_chooses_the_number_of_units():
+    """More free masses reduce the motion: the search chooses the largest number that is offered."""
+
+    def build(r, load, units, clearance):
+        n, mu = 1 + units, 0.02
+        gaps = []
+        for i in range(1, n):
+            direction = np.zeros(n)
+            direction[[0, i]] = -1, 1
+            # unlike clearances, since equal units would end in step, with coupled impacts at one instant
+            half = 0.5 * clearance * (1 + 0.2 * i)
+            gaps += [vi.Gap(direction, half, 0.7), vi.Gap(-direction, half, 0.7)]
+        host = np.zeros((n, n))
+        host[0, 0] = 1
+        damping = 0.04 * host
+        sine = np.zeros(n)
+        sine[0] = load
+        return vi.Structure(np.diag([1.0, *[mu] * units]), damping, host, gaps), vi.Load(
+            r, sine=sine
+        )
+
+    found = vi.design(
+        build, r=(1.0, 1.01), free={"units": range(1, 4), "clearance": (5.0, 20.0)}, samples=40, evaluations=16,
+        units=1, nodes=2, states=1, settling=60, keep=4, limit=0.9,
+    )  # fmt: skip
+    assert found.values["units"] == 3
+    assert found.level < 0.6
+    assert found.samples == 40
+    assert found.probability > 0.9
+
+
+def test_damping_of_free_decay_is_a_target():
+    """The target against `decay` itself, on a grid of clearances."""
+    osc = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
+    host = DecayHost(osc, None, 5, None)
+    clearances = np.array([0.3, 0.7, 1.5, 6.0])
+    found = host.outcome(
+        {"clearance": clearances}, np.ones(4), np.ones(4), np.zeros((4, 4)), None, ""
+    )
+    runs = vi.decay(osc, clearances, cycles=5)
+    for i in range(4):
+        peaks = runs.x[runs.run == i]
+        decrement = math.log(peaks[0] / peaks[10]) / 5
+        assert -found.target[i] == pytest.approx(
+            decrement / math.hypot(2 * math.pi, decrement), rel=1e-12
+        )
+    assert -found.target[3] == pytest.approx(0.005, rel=1e-9)
+    best = vi.design(
+        osc,
+        target="damping",
+        amplitude=1.0,
+        free={"clearance": (0.2, 2.0)},
+        **{**QUICK, "evaluations": 40, "units": 1},
+    )
+    grid_of = np.linspace(0.2, 2.0, 60)
+    levels = host.outcome(
+        {"clearance": grid_of}, np.ones(60), np.ones(60), np.zeros((4, 60)), None, ""
+    )
+    assert best.level > 0.9 * -levels.target.min() * 0.8
+
+
+GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"r": (1.02, 1.0)},
+            "r = 1.02, 1.0: must be one frequency ratio, or the lowest and the highest one",
+        ),
+        ({"r": (0, 1)}, "r = 0"),
+        ({"r": "1"}, "r = '1'"),
+        ({"r": (1, math.nan)}, "r = "),
+        ({"free": {}}, "free = {}"),
+        ({"free": {"gap": (1, 2)}}, "unknown parameter 'gap'"),
+        (
+            {"free": {"clearance": 20}},
+            r"free\['clearance'\] = 20.0: must be two numbers from 1e-12 to 1e12",
+        ),
+        ({"free": {"clearance": (-1, 2)}}, r"free\['clearance'\] = -1.0, 2.0: must be two numbers"),
+        ({"free": 3}, "free = 3: must be a dict"),
+        (
+            {"free": {"restitution": (0.5, 0.6), "R1": (0.5, 0.6)}, "clearance": 20.0},
+            "must be left out beside",
+        ),
+        (
+            {"tolerance": {"clearance": (-30, 0)}},
+            r"tolerance\['clearance'\] = -30.0, 0.0: .* in the range of clearance",
+        ),
+        (
+            {"tolerance": {"restitution": (0.9, 1.2)}},
+            r"tolerance\['restitution'\] = 0.9, 1.2: .* in the range",
+        ),
+        ({"tolerance": {"xi": (0.02, 0.01)}}, "low <= high"),
+        ({"tolerance": {"xi": stats.norm(0.01, 0.01)}}, "6 standard deviations"),
+        ({"clearance": 20.0}, "clearance = 20.0: must be left out beside free"),
+        ({"free": {"mu": (0.02, 0.1)}}, "clearance: is missing"),
+        ({"amplitude": 1.0}, "must be left out beside"),
+        ({"target": "damping"}, "needs an amplitude"),
+        ({"load": 0}, "load = 0"),
+        ({"target": "noise"}, "target = 'noise'"),
+        ({"over": "all"}, "over = 'all'"),
+        ({"quantile": 0.2}, "quantile = 0.2"),
+        ({"quantile": math.nan}, "quantile = nan"),
+        ({"limit": -1}, "limit = -1"),
+        ({"limits": {"noise": 1}}, "noise"),
+        ({"limits": {"speed": math.inf}}, r"limits\['speed'\] = inf"),
+        ({"states": 0}, "states = 0"),
+        ({"samples": 5}, "samples = 5"),
+        ({"evaluations": 1.5}, "evaluations = 1.5"),
+        ({"seed": -1}, "seed = -1"),
+        ({"nodes": 1}, "nodes = 1"),
+    ],
+)
+def test_bad_arguments_are_refused(change, message):
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
+        vi.design(OSC, **{**GOOD, **QUICK, **change})
