@@ -877,6 +877,31 @@ subroutine perform(n, parameters, places, settling, keep, max_events, threads, p
       ends, counts, status, progress)
 end subroutine perform
 
+!> Displacements of vertices of a zone's boundary for changed parameters; rows and codes as in
+!! vi_boundary_shift.
+subroutine shift_boundary(n, v, most, s, xi, mu, walls, cycles, sides, symmetric, window, types, &
+   indices, places, x, theta, changes, threads, progress, normals, slopes, shifts, outcomes, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_boundary_shift, only: run => shift_boundary
+   use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_processor, only: usable_threads
+   use vi_zone_request, only: zone_request_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, v, most, s, cycles, sides(n), symmetric, types(v), indices(v), &
+      threads
+   integer(c_int), intent(inout) :: progress(3)
+   real(c_double), intent(in) :: xi, mu, walls(2), window(2, 2), places(2, v), x(most, v), &
+      theta(most, v), changes(6, s)
+   real(c_double), intent(out) :: normals(2, v), slopes(6, v), shifts(s, v)
+   integer(c_int), intent(out) :: outcomes(s, v), status(v)
+
+   call run(zone_request_type(oscillator_type(xi, mu, walls), pattern_type(sides, cycles), &
+      symmetric /= 0, window(:, 1), window(:, 2)), types, indices, places, x, theta, changes, &
+      usable_threads(threads), normals, slopes, shifts, outcomes, status, progress)
+end subroutine shift_boundary
+
 !> Both equispaced motions at each (clearance, r) of a grid; rows as in vi_chart.
 subroutine equispaced_chart(m, n, xi, mu, walls, r, clearance, cycles, with_multipliers, threads, &
    scalars, multipliers, verdicts, status)

@@ -42,6 +42,7 @@ from .structure_zone import StructurePiece, StructureZone, zone_structure
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
+from .studies.boundary_band import BoundaryBand, boundary_bands
 from .studies.branch import Branch, Branches, SpecialPoint, branch
 from .studies.chart import Chart, chart
 from .studies.decay import Decay, decay
@@ -57,6 +58,7 @@ from .studies.structure_sweep import (
     bifurcation_structure,
     response_structure,
 )
+from .studies.uncertainty import LimitProbability, Uncertainty, limit_probability, uncertainty
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .trajectory import Trajectory, simulate
 from .units import Units
@@ -69,6 +71,7 @@ __all__ = [
     "BasinAttractor",
     "Basins",
     "BifurcationDiagram",
+    "BoundaryBand",
     "Branch",
     "Branches",
     "Bundle",
@@ -80,6 +83,7 @@ __all__ = [
     "FoundMotions",
     "Gap",
     "Gradient",
+    "LimitProbability",
     "Load",
     "Lyapunov",
     "MissingExtraError",
@@ -123,6 +127,7 @@ __all__ = [
     "StudyInterrupted",
     "TabulatedRestitution",
     "Trajectory",
+    "Uncertainty",
     "Units",
     "VibroimpactError",
     "Zone",
@@ -134,6 +139,7 @@ __all__ = [
     "basins_structure",
     "bifurcation_diagram",
     "bifurcation_structure",
+    "boundary_bands",
     "branch",
     "branch_structure",
     "chart",
@@ -147,6 +153,7 @@ __all__ = [
     "find",
     "find_structure",
     "is_symmetric",
+    "limit_probability",
     "linear_system",
     "load",
     "lyapunov",
@@ -169,6 +176,7 @@ __all__ = [
     "stability_flags",
     "standard_motion",
     "status_text",
+    "uncertainty",
     "zone",
     "zone_structure",
 ]

@@ -502,6 +502,32 @@ class _SettleStructure(Protocol):
     ) -> tuple[_Integer, _Integer, _Real, _Real, _Real, _Real, _Complex, _Real, _Integer, int]: ...
 
 @type_check_only
+class _ShiftBoundary(Protocol):
+    # normals, slopes, shifts, outcomes, status
+    def __call__(
+        self,
+        xi: float,
+        mu: float,
+        walls: ArrayLike,
+        cycles: int,
+        sides: ArrayLike,
+        symmetric: int,
+        window: ArrayLike,
+        types: ArrayLike,
+        indices: ArrayLike,
+        places: ArrayLike,
+        x: ArrayLike,
+        theta: ArrayLike,
+        changes: ArrayLike,
+        threads: int,
+        progress: _Integer,
+        n: int = ...,
+        v: int = ...,
+        most: int = ...,
+        s: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Integer, _Integer]: ...
+
+@type_check_only
 class _SidePatterns(Protocol):
     # n, impacts, cycles, sides
     def __call__(
@@ -740,6 +766,7 @@ sample: _Sample
 sample_structure: _SampleStructure
 sample_trajectory: _SampleTrajectory
 settle_structure: _SettleStructure
+shift_boundary: _ShiftBoundary
 side_patterns: _SidePatterns
 simulate: _Simulate
 simulate_bundle: _SimulateBundle

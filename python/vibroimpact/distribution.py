@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import checks
 from .errors import ParameterError, ParameterTypeError
+from .model import Oscillator
 
 #: Parameters of an oscillator and its clearance that may be uncertain, and the names of their ranges.
 RANGE_OF = {
@@ -22,6 +23,10 @@ CUT = 6.0
 #: Number of quantiles that represent a distribution of SciPy that is neither normal nor uniform, and the share
 #: taken for 0 at its lower end and for 1 less at its upper end.
 QUANTILES, TAIL = 1001, 1e-9
+#: Nominal values that a point gives, and that may be uncertain by a factor.
+FACTORS = ("r", "clearance", "load")
+#: Rows of `systems`.
+ROWS = ("r", "clearance", "xi", "mu", "R1", "R2")
 
 
 @dataclass(frozen=True)
@@ -116,8 +121,10 @@ def _of_scipy(distribution: Any) -> Uncertain:
     return Uncertain(tuple(float(value) for value in distribution.ppf(shares)))
 
 
-def uncertain_parameters(given: Any, name: str) -> dict[str, Uncertain]:
+def uncertain_parameters(given: Any, name: str, factors: bool = False) -> dict[str, Uncertain]:
     """Uncertain parameters by name; `restitution` stands for that of both walls, which is then the same.
+
+    With `factors`, those of a point (r, clearance, load) are factors of their nominal values.
 
     Raises
     ------
@@ -128,14 +135,105 @@ def uncertain_parameters(given: Any, name: str) -> dict[str, Uncertain]:
         raise ParameterTypeError(
             f"{name} = {given!r}: must be a dict of parameters, not {type(given).__name__}"
         )
+    names = tuple(RANGE_OF | dict.fromkeys(FACTORS)) if factors else tuple(RANGE_OF)
     for key in given:
-        if key not in RANGE_OF:
+        if key not in names:
             raise ParameterError(
-                f"{name}: unknown parameter {key!r}: must be one of {', '.join(RANGE_OF)}"
+                f"{name}: unknown parameter {key!r}: must be one of {', '.join(names)}"
             )
     if "restitution" in given and ("R1" in given or "R2" in given):
         raise ParameterError(f"{name}: must have restitution, or R1 and R2, not both")
-    return {key: uncertain(value, f"{name}[{key!r}]") for key, value in given.items()}
+    found = {key: uncertain(value, f"{name}[{key!r}]") for key, value in given.items()}
+    for key, item in found.items() if factors else ():
+        if key not in FACTORS:
+            in_range(key, item.low, item.high, f"{name}[{key!r}]")
+        elif not 0 < item.low <= 1 <= item.high:
+            raise ParameterError(
+                f"{name}[{key!r}] = {given[key]!r}: must be factors of the nominal {key}, above 0, "
+                f"with low <= 1 <= high; here {item.low:g} to {item.high:g}"
+            )
+    return found
+
+
+def shares(count: int, items: int, random: np.random.Generator) -> NDArray[np.float64]:
+    """A Latin hypercube: (items, count) numbers between 0 and 1, one in each of `count` equal parts of each row.
+
+    The variance of a mean over its columns is at most count/(count - 1) times that over independent ones.
+    """
+    order = random.permuted(np.tile(np.arange(count), (items, 1)), axis=1)
+    return np.asarray((order + random.random((items, count))) / count)
+
+
+def systems(
+    osc: Oscillator, parameters: Mapping[str, Uncertain], where: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Systems whose uncertain parameters are at some quantiles.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        With the nominal values.
+    parameters : dict of Uncertain
+        As of `uncertain_parameters` with `factors`.
+    where : ndarray (parameters, n)
+        Shares between 0 and 1.
+
+    Returns
+    -------
+    ndarray (6, n)
+        Rows `ROWS`: factors of r and of the clearance over the load, then xi, mu, R1, R2.
+    """
+    nominal = np.array([1.0, 1.0, osc.xi, osc.mu, *osc.restitution])
+    found = np.repeat(nominal[:, None], where.shape[1], axis=1)
+    for share, (key, item) in zip(where, parameters.items(), strict=True):
+        values = item.at(share)
+        if key == "load":
+            found[1] /= values
+        elif key in FACTORS:
+            found[ROWS.index(key)] *= values
+        else:
+            for row in ("R1", "R2") if key == "restitution" else (key,):
+                found[ROWS.index(row)] = values
+    return found
+
+
+def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
+    """The interval of Clopper and Pearson for a probability, from independent trials.
+
+    Parameters
+    ----------
+    holds, count : int
+        Successes, and trials, at least one.
+    confidence : float
+        Least probability with which such an interval contains the true one.
+
+    Examples
+    --------
+    >>> from vibroimpact.distribution import interval
+    >>> [round(end, 4) for end in interval(95, 100)]
+    [0.8872, 0.9836]
+    """
+    logs = np.concatenate([[0.0], np.cumsum(np.log(np.arange(1, count + 1)))])
+    rest = 0.5 * (1 - confidence)
+
+    def at_least(successes: int, p: float) -> float:
+        """The probability of at least so many successes."""
+        j = np.arange(successes, count + 1)
+        exponents = (
+            logs[-1] - logs[j] - logs[count - j] + j * np.log(p) + (count - j) * np.log1p(-p)
+        )
+        return float(np.exp(exponents).sum())
+
+    def solved(successes: int, wanted: float) -> float:
+        """The probability of a trial at which `at_least` has a value, which it increases to."""
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if at_least(successes, middle) > wanted else (middle, high)
+        return 0.5 * (low + high)
+
+    low = 0.0 if holds == 0 else solved(holds, rest)
+    return low, 1.0 if holds == count else solved(holds + 1, 1 - rest)
 
 
 def in_range(key: str, low: float, high: float, name: str) -> None:

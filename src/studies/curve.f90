@@ -18,7 +18,7 @@ module vi_curve
    implicit none (type, external)
    private
 
-   public :: correct, distance_from, condition_slope, tangent_at
+   public :: correct, distance_from, condition_slope, equations, tangent_at
    public :: curve_type, parameters_of, point_size, unknowns_of
 
    !> How Newton's method converged.

@@ -9,9 +9,9 @@ from scipy import stats
 from vibroimpact.design_hosts import DecayHost, StructureHost, extent
 from vibroimpact.design_problem import OscillatorHost, Problem
 from vibroimpact.design_search import grid, judged
-from vibroimpact.distribution import uncertain
+from vibroimpact.distribution import interval, uncertain
 from vibroimpact.performance import perform
-from vibroimpact.studies.design import asked_by, interval
+from vibroimpact.studies.design import asked_by
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 QUICK = {"samples": 0, "evaluations": 16, "units": 4, "nodes": 3, "settling": 120, "keep": 16}

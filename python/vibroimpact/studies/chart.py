@@ -244,6 +244,22 @@ def chart(
     107
     """
     xarray("charts")
+    options = {"slots": slots, "guesses": guesses, "seeds": seeds}
+    try:
+        found = compute_chart(
+            osc, pattern, r, clearance, symmetric, multipliers, threads, progress, **options
+        )
+    except StudyInterrupted as stop:
+        raise StudyInterrupted(stop.result.to_xarray()) from None
+    return found.to_xarray()
+
+
+def compute_chart(
+    osc: Oscillator, pattern: Pattern | str, r: ArrayLike, clearance: ArrayLike, symmetric: bool | None,
+    multipliers: bool, threads: int | None, progress: door.Progress | None, *, slots: int = 4,
+    guesses: int = 32, seeds: int = 12,
+) -> Chart:  # fmt: skip
+    """The result of `chart`, for which xarray is not needed."""
     checks.instance(osc, "osc", Oscillator)
     pattern = plain_pattern(pattern)
     with_multipliers = checks.truth(multipliers, "multipliers")
@@ -255,10 +271,6 @@ def chart(
     }  # fmt: skip
     names = {"r_points": "r", "clearance_points": "clearance", "r_min": "r[0]", "r_max": "r[-1]"}
     names |= {"clearance_min": "clearance[0]", "clearance_max": "clearance[-1]"}
-    try:
-        found = door.run(
-            Chart, osc, keys, threads=threads, progress=progress, parameters={**names, **WORDS}
-        )
-    except StudyInterrupted as stop:
-        raise StudyInterrupted(stop.result.to_xarray()) from None
-    return found.to_xarray()
+    return door.run(
+        Chart, osc, keys, threads=threads, progress=progress, parameters={**names, **WORDS}
+    )

@@ -15,7 +15,7 @@ from ..design_hosts import FIGURES, DecayHost, StructureHost
 from ..design_hosts import TARGETS as OF_STRUCTURES
 from ..design_problem import LIMITED, OscillatorHost, Problem
 from ..design_search import Archive, grid, refined, search
-from ..distribution import Uncertain, uncertain
+from ..distribution import Uncertain, interval, uncertain
 from ..errors import ParameterError, ParameterTypeError
 from ..model import Oscillator
 from ..namelist import keys_of
@@ -36,23 +36,6 @@ CHUNK = 10_000
 FEW, ROUNDS = 2000, 2
 #: The core's codes of verdicts.
 CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
-
-
-def interval(good: int, samples: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """The interval of Clopper and Pearson of a probability, from the number of good samples.
-
-    Examples
-    --------
-    >>> from vibroimpact.studies.design import interval
-    >>> [round(end, 4) for end in interval(95, 100)]
-    [0.8872, 0.9836]
-    """
-    from scipy.stats import beta
-
-    tail = 0.5 * (1 - confidence)
-    low = float(beta.ppf(tail, good, samples - good + 1)) if good else 0.0
-    high = float(beta.ppf(1 - tail, good + 1, samples - good)) if good < samples else 1.0
-    return low, high
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,118 @@
+"""Maps of probabilities, and bands on the boundaries of zones."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import checks
+from ..errors import ParameterError
+from .chart import _edges
+from .style import (
+    ABOVE,
+    CLEARANCE_LABEL,
+    FREE,
+    LOAD_LABEL,
+    ONE_COLUMN,
+    R_LABEL,
+    SETTINGS,
+    add_legend,
+    identify,
+    is_geometric,
+    log_scale,
+    pyplot,
+    system,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..studies.boundary_band import BoundaryBand
+    from ..studies.uncertainty import Uncertainty
+
+__all__ = ["draw_bands", "draw_uncertainty"]
+
+LABELS = {
+    "probability": "probability of a stable motion",
+    "within": "probability within the limits",
+}
+
+
+def draw_uncertainty(
+    found: Uncertainty, ax: Any = None, inverse: bool = False, what: str = "probability"
+) -> Any:
+    """Draw the map of a probability with the nominal boundary and the bands on it; see `Uncertainty.plot`."""
+    checks.choice(what, "what", tuple(LABELS))
+    values = getattr(found, what)
+    if values is None:
+        raise ParameterError(f"what = {what!r}: must be 'probability', there were no limits")
+    plt = pyplot()
+    y = 1 / found.clearance if inverse else found.clearance
+    with plt.rc_context(SETTINGS):
+        if ax is None:
+            _, ax = plt.subplots(figsize=(ONE_COLUMN + 1.5, 3.4), layout="constrained")
+            identify(ax, system(found.osc), f"{found.pattern.sides}/{found.pattern.cycles}")
+        image = ax.pcolormesh(
+            _edges(found.r), _edges(y), values, cmap="cividis", vmin=0, vmax=1, rasterized=True
+        )
+        ax.figure.colorbar(image, ax=ax, label=LABELS[what])
+        if is_geometric(y):
+            log_scale(ax, "y")
+        limits = ax.get_xlim(), ax.get_ylim()
+        if found.zone is not None:
+            first = True
+            for piece in found.zone.boundary:
+                if piece.type == "window":
+                    continue
+                line = 1 / piece.clearance if inverse else piece.clearance
+                ax.plot(piece.r, line, color="white", lw=1.6)
+                ax.plot(
+                    piece.r, line, color="black", lw=0.8, label="nominal boundary" if first else ""
+                )
+                first = False
+            draw_bands(
+                found.bands, ax, inverse, color=FREE, label=band_label(found.quantiles), fill=False
+            )
+        ax.set(xlim=limits[0], ylim=limits[1], xlabel=R_LABEL)
+        ax.set_ylabel(LOAD_LABEL if inverse else CLEARANCE_LABEL)
+        if found.zone is not None:
+            add_legend(ax, **ABOVE | {"ncols": 2})
+    return ax
+
+
+def band_label(quantiles: tuple[float, float]) -> str:
+    """How a band between two quantiles is named in a legend."""
+    return f"band of {100 * (quantiles[1] - quantiles[0]):g} %"
+
+
+def draw_bands(
+    bands: Sequence[BoundaryBand], ax: Any, inverse: bool = False, *, color: str = FREE, label: str = "",
+    fill: bool = True,
+) -> None:  # fmt: skip
+    """Draw bands: sampled ones solid, to first order dashed; crosses where first order does not hold."""
+    names = {"sampled": label, "first": "to first order", "off": "first order does not hold"}
+    if not label:
+        names = dict.fromkeys(names, "")
+    for band in bands:
+        for kind, line in (("sampled", "-"), ("first_order", (0, (3, 2)))):
+            r, clearance = band.edges(kind)
+            y = 1 / clearance if inverse else clearance
+            if fill and kind == "sampled":
+                good = np.isfinite(r).all(axis=0).reshape(-1)
+                for part in np.split(np.arange(len(band)), np.flatnonzero(np.diff(good)) + 1):
+                    if good[part].all() and len(part) > 1:
+                        around = np.r_[part, part[::-1]], np.repeat([0, 1], len(part))
+                        ax.fill(r[around[::-1]], y[around[::-1]], color=color, alpha=0.3, lw=0)
+            name = names.pop("sampled" if kind == "sampled" else "first", "")
+            for i in (0, 1):
+                ax.plot(
+                    r[i], y[i], color=color, lw=0.8, ls=line, label=name if i == 0 else "",
+                    alpha=1.0 if kind == "sampled" else 0.7,
+                )  # fmt: skip
+        off = ~band.holds
+        if off.any():
+            y = 1 / band.clearance if inverse else band.clearance
+            ax.plot(
+                band.r[off], y[off], "x", color=color, ms=2.5, mew=0.6, label=names.pop("off", "")
+            )

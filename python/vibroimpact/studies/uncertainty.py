@@ -1,0 +1,573 @@
+"""What uncertain parameters do to zones of stable motions, and to limits on what the system does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import checks, door
+from ..distribution import Uncertain, interval, shares, systems, uncertain_parameters
+from ..errors import ParameterError, ParameterTypeError
+from ..libraries import xarray
+from ..model import Oscillator, Pattern, pattern_of
+from ..performance import FIGURES, perform
+from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
+from .chart import compute_chart
+from .zone import Zone, zone
+
+__all__ = [
+    "LimitProbability", "Uncertainty", "limit_probability", "uncertainty",
+]  # fmt: skip
+
+_Array = NDArray[np.float64]
+#: Quantities of a motion of a zone that can be limited.
+OF_MOTION = ("attenuation", "displacement", "multiplier")
+#: Quantities on an attractor that can be limited.
+OF_ATTRACTOR = ("attenuation", *FIGURES[:-1])
+#: How much farther than the outermost points the window of a zone with rest reaches.
+MARGIN = 1e-9
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Uncertainty:
+    """The probability that motions of a pattern are stable and admissible, and bands on the boundary.
+
+    Attributes
+    ----------
+    osc : Oscillator
+        With the nominal values.
+    pattern : Pattern
+    symmetric : bool or None
+        As of `Zone`.
+    uncertain : dict of Uncertain
+        The distributions by name.
+    samples : int
+        Number of samples.
+    r, clearance : ndarray (m,), (n,)
+        Nominal values at the points of the map.
+    probability : ndarray (n, m)
+        Share of the samples for which there is a stable and admissible motion.
+    undecided : ndarray (n, m)
+        Share of the samples without such a motion, but with one whose verdict is unknown.
+    limit : dict of float
+        Greatest allowed quantities.
+    within : ndarray (n, m) or None
+        Share of the samples for which there are stable and admissible motions, all within the limits; None without
+        limits.
+    zone : Zone or None
+        The nominal zone, if bands were wanted.
+    bands : list of BoundaryBand
+    quantiles : (float, float)
+        Those of the bands.
+    """
+
+    osc: Oscillator
+    pattern: Pattern
+    symmetric: bool | None
+    uncertain: dict[str, Uncertain]
+    samples: int
+    r: _Array
+    clearance: _Array
+    probability: _Array
+    undecided: _Array
+    limit: dict[str, float]
+    within: _Array | None
+    zone: Zone | None
+    bands: list[BoundaryBand]
+    quantiles: tuple[float, float]
+
+    @property
+    def standard_error(self) -> _Array:
+        """A bound on the standard error of `probability`; 0 where all samples agree."""
+        return error_of(self.probability, self.samples)
+
+    def to_xarray(self) -> Any:
+        """The maps as an xarray.Dataset with the coordinates clearance and r (extra `data`).
+
+        Vertices of all bands follow along the dimension `vertex`, with the number of their `band`.
+        """
+        grid, vertex = ("clearance", "r"), ("vertex",)
+        maps = {"probability": (self.probability, "share of samples with a stable motion"),
+                "standard_error": (self.standard_error, "bound on the standard error of probability"),
+                "undecided": (self.undecided, "share of samples without a verdict")}  # fmt: skip
+        if self.within is not None:
+            maps["within"] = self.within, "share of samples with stable motions within the limits"
+        items: dict[str, Any] = {
+            name: (grid, values, {"long_name": meaning, "units": "1"})
+            for name, (values, meaning) in maps.items()
+        }
+        if self.bands:
+            both = ("quantile", "vertex")
+            for name in ("r", "clearance", "found", "holds"):
+                values = np.concatenate([getattr(band, name) for band in self.bands])
+                items[f"vertex_{name}" if name in grid else name] = (vertex, values)
+            for name, dims in (
+                ("normal", ("axis", "vertex")),
+                ("first_order", both),
+                ("sampled", both),
+            ):
+                items[name] = (
+                    dims,
+                    np.concatenate([getattr(band, name) for band in self.bands], axis=1),
+                )
+            for name in self.uncertain:
+                values = np.concatenate([band.sensitivity[name] for band in self.bands])
+                items[f"by_{name}"] = (vertex, values)
+            number = np.repeat(np.arange(len(self.bands)), [len(band) for band in self.bands])
+            items["band"] = (vertex, number)
+            items["type"] = (vertex, np.array([self.bands[i].type for i in number]))
+        coords: dict[str, Any] = {
+            "r": ("r", self.r, {"long_name": "nominal frequency ratio Omega/omega", "units": "1"}),
+            "clearance": ("clearance", self.clearance, {"long_name": "nominal d K/F0", "units": "1"}),
+        }  # fmt: skip
+        if self.bands:
+            coords |= {"quantile": np.array(self.quantiles), "axis": ["r", "log clearance"]}
+        right, left = self.osc.restitution
+        attrs = {
+            "xi": self.osc.xi, "mu": self.osc.mu, "R1": right, "R2": left, "sides": self.pattern.sides,
+            "cycles": self.pattern.cycles, "samples": self.samples,
+        }  # fmt: skip
+        attrs |= {f"limit_{name}": value for name, value in self.limit.items()}
+        return xarray("maps").Dataset(items, coords, attrs)
+
+    def plot(self, ax: Any = None, inverse: bool = False, what: str = "probability") -> Any:
+        """Draw the map as colours, the nominal boundary, and the bands (extra `plot`).
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        inverse : bool
+            F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
+        what : {"probability", "within"}
+
+        Returns
+        -------
+        Axes
+        """
+        from ..plot.uncertainty import draw_uncertainty
+
+        return draw_uncertainty(self, ax, inverse, what)
+
+    def __repr__(self) -> str:
+        held = sum(int(band.holds.sum()) for band in self.bands)
+        bands = f", first order holds at {held} of {sum(map(len, self.bands))} vertices"
+        return (
+            f"<Uncertainty of {self.pattern.sides}/{self.pattern.cycles}: {len(self.r)} frequency ratios, "
+            f"{len(self.clearance)} clearances, {self.samples} samples{bands if self.bands else ''}>"
+        )
+
+
+def uncertainty(
+    osc: Oscillator,
+    pattern: Pattern | str,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    uncertain: Mapping[str, Any],
+    symmetric: bool | None = None,
+    *,
+    limit: Mapping[str, float] | None = None,
+    samples: int = 64,
+    bands: bool = True,
+    vertices: int = 40,
+    quantiles: tuple[float, float] = (0.025, 0.975),
+    seed: int = 0,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Uncertainty:
+    """How probable it is that motions of a pattern are stable where parameters are uncertain.
+
+    The samples are a Latin hypercube, so that the standard error is at most that of independent samples. Each
+    gives a chart of the pattern, or its zone if the pattern has rest.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        With the nominal values.
+    pattern : Pattern or str
+    r, clearance : array_like
+        Increasing nominal frequency ratios and clearances d K/F0. Bands need two of each or more: the outermost
+        ones are the window of the nominal zone.
+    uncertain : dict
+        For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
+        load factors of their nominal values: a gap of 0.0105 +- 0.001 in is
+        ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Each is a pair (low, high) between which all
+        values are equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
+    symmetric : bool, optional
+        As of `zone` and `chart`.
+    limit : dict, optional
+        Greatest allowed attenuation (max|x|/A), displacement (max|x|) or multiplier (modulus) of the motions.
+    samples : int
+        1 to 100000. Each takes as long as a chart.
+    bands : bool
+        Whether to trace the nominal zone and to find the bands, as `boundary_bands` does.
+    vertices, quantiles
+        As of `boundary_bands`.
+    seed : int
+        Of the random numbers; the same seed gives the same result, for any number of threads.
+    threads : int, optional
+        Default: one for each processor.
+    progress : callable, optional
+        As of `chart`; an exception of it ends the computation.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> found = vi.uncertainty(
+    ...     osc, "RL", np.linspace(0.9, 1.1, 11), np.geomspace(5, 100, 9),
+    ...     dict(xi=(0.0109, 0.0119), clearance=(0.905, 1.095)), symmetric=True, samples=16,
+    ... )
+    >>> found.probability.shape, found.zone.closed
+    ((9, 11), True)
+    >>> bool((found.probability[found.zone.contains(found.r, found.clearance[:, None])] > 0.3).all())
+    True
+    """
+    checks.instance(osc, "osc", Oscillator)
+    pattern = pattern_of(pattern)
+    parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
+    limits = limits_of(limit, OF_MOTION)
+    count = checks.integer(samples, "samples", 1, 100_000)
+    wanted = checks.truth(bands, "bands")
+    ends = quantile_pair(quantiles)
+    number = checks.integer(seed, "seed", 0, 2**31 - 1)
+    axes = axis(r, "r"), axis(clearance, "clearance")
+    if wanted and min(map(len, axes)) < 2:
+        raise ParameterError(
+            "bands = True: must have at least two values of r and of the clearance, the window of the zone"
+        )
+    if limits and pattern.has_rest:
+        raise ParameterError("limit: must be without a pattern with rest, which has no chart")
+    changes = systems(
+        osc, parameters, shares(count, len(parameters), np.random.default_rng(number))
+    )
+    for values, factors, name in zip(axes, changes, ("r", "clearance"), strict=False):
+        for value in (values[0] * factors.min(), values[-1] * factors.max()):
+            checks.number(float(value), name)
+    if wanted:
+        keeps_symmetry(osc, changes)
+    told = Told(progress, 0.8 if wanted else 1.0)
+    different, times = np.unique(changes, axis=1, return_counts=True)
+    total = np.zeros((3, len(axes[1]), len(axes[0])))
+    for i, (change, weight) in enumerate(zip(different.T, times, strict=True)):
+        told.part(i, len(times), "samples")
+        total += weight * verdicts(osc, pattern, axes, change, symmetric, limits, threads, told)
+    total /= count
+    nominal, found = None, []
+    if wanted:
+        nominal = zone(osc, pattern, window_of(axes[0]), window_of(axes[1]), symmetric=symmetric)
+        found = bands_of(nominal, parameters, changes, vertices, ends, threads, told.last)
+    return Uncertainty(
+        osc, pattern, symmetric, parameters, count, axes[0], axes[1], total[0], total[1], limits,
+        total[2] if limits else None, nominal, found, ends,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LimitProbability:
+    """The probability that a system keeps within limits, whatever attractor it settles on.
+
+    Attributes
+    ----------
+    r, clearance : ndarray
+        Nominal values of the points; all arrays have their shape.
+    probability : ndarray
+        Share of the samples that keep within all limits.
+    low, high : ndarray
+        The interval of Clopper and Pearson; samples that failed count as outside for `low` and inside for `high`.
+    failed : ndarray of int
+        Samples without an answer, for example because of too many events.
+    samples, starts : int
+    confidence : float
+        Of the interval.
+    limit : dict of float
+    """
+
+    r: _Array
+    clearance: _Array
+    probability: _Array
+    low: _Array
+    high: _Array
+    failed: NDArray[np.int64]
+    samples: int
+    starts: int
+    confidence: float
+    limit: dict[str, float]
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name} <= {value:g}" for name, value in self.limit.items())
+        return (
+            f"<LimitProbability of {shown}: {self.probability.size} points, {self.samples} samples>"
+        )
+
+    def to_xarray(self) -> Any:
+        """The arrays as an xarray.Dataset with the dimension `point` (extra `data`)."""
+        items = {
+            name: (("point",), np.ravel(getattr(self, name)))
+            for name in ("probability", "low", "high", "failed", "r", "clearance")
+        }
+        attrs = {
+            "samples": self.samples, "starts": self.starts, "confidence": self.confidence,
+            **{f"limit_{name}": value for name, value in self.limit.items()},
+        }  # fmt: skip
+        return xarray("probabilities").Dataset(items, attrs=attrs)
+
+
+def limit_probability(
+    osc: Oscillator,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    uncertain: Mapping[str, Any],
+    limit: Mapping[str, float],
+    *,
+    samples: int = 1000,
+    starts: int = 1,
+    confidence: float = 0.95,
+    settling: int = 400,
+    max_events: int = 1_000_000,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> LimitProbability:
+    """The probability that a system with uncertain parameters keeps within limits.
+
+    Each sample is an independent system, simulated from random initial states until it settles. With one start a
+    sample chooses its attractor as a random disturbance would; with more, all attractors that they reach must be
+    within the limits.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        With the nominal values.
+    r, clearance : array_like
+        Nominal values of the points, broadcast against each other.
+    uncertain : dict
+        As of `uncertainty`.
+    limit : dict
+        Greatest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
+        approach speed of impacts, or modulus of the multipliers (0 without impacts; without a period it is not
+        kept), in the units of `Motion`.
+    samples : int
+        For each point, 1 to 1000000.
+    starts : int
+        Initial states for each sample, 1 to 1000.
+    confidence : float
+        Of the interval for the probability, between 0 and 1.
+    settling : int
+        Load cycles after which a simulation without a period counts as settled, 8 to 1000000.
+    max_events : int
+        Events after which a simulation fails, 1000 to 1000000000.
+    seed, threads, progress
+        As of `uncertainty`.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> found = vi.limit_probability(
+    ...     osc, 1.04, 25.0, dict(restitution=(0.68, 0.75)), dict(attenuation=0.6), samples=50
+    ... )
+    >>> float(found.probability), float(found.low) > 0.9
+    (1.0, True)
+    """
+    checks.instance(osc, "osc", Oscillator)
+    parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
+    limits = limits_of(limit, OF_ATTRACTOR)
+    if not limits:
+        raise ParameterError(
+            f"limit = {limit!r}: must have at least one of {', '.join(OF_ATTRACTOR)}"
+        )
+    count = checks.integer(samples, "samples", 1, 1_000_000)
+    tries = checks.integer(starts, "starts", 1, 1000)
+    share = checks.to_float(confidence, "confidence", "a number between 0 and 1")
+    if not 0 < share < 1:
+        raise ParameterError(f"confidence = {confidence!r}: must be a number between 0 and 1")
+    cycles = checks.integer(settling, "settling", 8, 1_000_000)
+    events = checks.integer(max_events, "max_events", 1000, 10**9)
+    random = np.random.default_rng(checks.integer(seed, "seed", 0, 2**31 - 1))
+    try:
+        points = np.broadcast_arrays(
+            checks.real_array(r, "r", "numbers"),
+            checks.real_array(clearance, "clearance", "numbers"),
+        )
+    except ValueError:
+        raise ParameterError(
+            f"r, clearance of shapes {np.shape(r)}, {np.shape(clearance)}: must be broadcastable"
+        ) from None
+    if not 0 < points[0].size * count * tries <= checks.MOST_NUMBERS:
+        raise ParameterError(
+            f"r, clearance, samples, starts: {points[0].size} points, {count} samples and {tries} starts are "
+            f"{points[0].size * count * tries} simulations: must be 1 to {checks.MOST_NUMBERS}"
+        )
+    changes = systems(osc, parameters, random.random((len(parameters), count)))
+    for values, factors, name in zip(points, changes, ("r", "clearance"), strict=False):
+        for value in (values.min() * factors.min(), values.max() * factors.max()):
+            checks.number(float(value), name)
+    places = random.uniform(-1, 1, (4, count * tries))
+    told = Told(progress, 1.0)
+    answers = []
+    for i, (x, y) in enumerate(zip(points[0].flat, points[1].flat, strict=True)):
+        here = changes.copy()
+        here[0] *= x
+        here[1] *= y
+        if osc.xi == 0 or here[2].min() == 0:
+            for value in here[0, here[2] == 0]:
+                checks.frequency_ratio(float(value), 0.0)
+        told.part(i, points[0].size, "points")
+        done = perform(
+            np.repeat(here, tries, axis=1),
+            places,
+            cycles,
+            64,
+            events,
+            threads,
+            told.inner,
+            "simulate",
+        )
+        good = done.status == 0
+        kept = good.copy()
+        for name, greatest in limits.items():
+            values = (
+                done.displacement / done.amplitude if name == "attenuation" else getattr(done, name)
+            )
+            if name == "multiplier":
+                values = np.where(done.impacts == 0, 0.0, values)
+            kept &= values <= greatest
+        whole = kept.reshape(count, tries).all(axis=1)
+        lost = ~good.reshape(count, tries).all(axis=1) & (kept | ~good).reshape(count, tries).all(
+            axis=1
+        )
+        low, _ = interval(int(whole.sum()), count, share)
+        _, high = interval(int((whole | lost).sum()), count, share)
+        answers.append((whole.mean(), low, high, lost.sum()))
+    table = np.array(answers, dtype=np.float64).T.reshape(4, *points[0].shape)
+    return LimitProbability(
+        points[0].copy(), points[1].copy(), table[0], table[1], table[2], table[3].astype(np.int64), count,
+        tries, share, limits,
+    )  # fmt: skip
+
+
+def error_of(probability: _Array, samples: int) -> _Array:
+    """The standard error of a share of independent samples, a bound for those of a Latin hypercube."""
+    return np.sqrt(probability * (1 - probability) / max(1, samples - 1))
+
+
+def limits_of(limit: Any, names: tuple[str, ...]) -> dict[str, float]:
+    """Limits by name, each a positive number."""
+    if limit is None:
+        return {}
+    if not isinstance(limit, Mapping):
+        raise ParameterTypeError(
+            f"limit = {limit!r}: must be a dict of limits, not {type(limit).__name__}"
+        )
+    found = {}
+    for key, value in limit.items():
+        if key not in names:
+            raise ParameterError(
+                f"limit: unknown quantity {key!r}: must be one of {', '.join(names)}"
+            )
+        found[key] = checks.to_float(value, f"limit[{key!r}]", "a positive number")
+        if not 0 < found[key] < np.inf:
+            raise ParameterError(f"limit[{key!r}] = {value!r}: must be a positive number")
+    return found
+
+
+def axis(values: ArrayLike, name: str) -> _Array:
+    """Increasing numbers, as an array that a caller cannot change."""
+    wanted = "increasing numbers, one list"
+    found = np.atleast_1d(checks.real_array(values, name, wanted)).copy()
+    if found.ndim != 1 or found.size == 0 or not (np.diff(found) > 0).all():
+        raise ParameterError(f"{name} of shape {found.shape}: must be {wanted}")
+    for value in (found[0], found[-1]):
+        checks.number(float(value), name)
+    found.flags.writeable = False
+    return found
+
+
+def window_of(values: _Array, margin: float = 0.0) -> tuple[float, float]:
+    """The lowest and the highest of some values, moved apart by a share of themselves."""
+    return float(values[0]) * (1 - margin), float(values[-1]) * (1 + margin)
+
+
+def verdicts(
+    osc: Oscillator, pattern: Pattern, axes: tuple[_Array, _Array], change: _Array, symmetric: bool | None,
+    limits: Mapping[str, float], threads: int | None, told: Told,
+) -> _Array:  # fmt: skip
+    """For one sample: a stable motion exists, this is unknown, all are within the limits (3, n, m)."""
+    system = Oscillator(
+        xi=float(change[2]), mu=float(change[3]), restitution=tuple(change[4:].tolist())
+    )
+    r, clearance = axes[0] * change[0], axes[1] * change[1]
+    if pattern.has_rest:
+        window = window_of(r, MARGIN), window_of(clearance, MARGIN)
+        found = zone(system, pattern, *window, symmetric=symmetric, progress=told.inner)
+        points = r[None, :], clearance[:, None]
+        inside = found._turns(*points) > 0
+        return np.stack([inside, found.undecided(*points), inside])
+    chart = compute_chart(
+        system, pattern, r, clearance, symmetric, "multiplier" in limits, threads, told.inner
+    ).variables
+    exists = chart["status"].values == 0
+    admissible, stable = (chart[name].values for name in ("admissible", "stable"))
+    good = exists & (chart["consistent"].values == 1) & (admissible == 1) & (stable == 1)
+    unknown = exists & (admissible != 0) & (stable != 0) & ~good
+    kept = np.ones_like(good)
+    of_motion: dict[str, Callable[[], _Array]] = {
+        "attenuation": lambda: chart["attenuation"].values,
+        "displacement": lambda: np.maximum(-chart["x_min"].values, chart["x_max"].values),
+        "multiplier": lambda: chart["multiplier_modulus"].values[0],
+    }
+    for name, greatest in limits.items():
+        kept &= of_motion[name]() <= greatest
+    there = good.any(axis=0)
+    return np.stack(
+        [there, ~there & unknown.any(axis=0), there & (kept | ~good).all(axis=0)]
+    ).astype(np.float64)
+
+
+class Told:
+    """What a caller's progress function is told: shares of a computation in parts."""
+
+    def __init__(self, progress: door.Progress | None, first: float) -> None:
+        if progress is not None and not callable(progress):
+            raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
+        self.progress = progress
+        self.first = first
+        self.begin = self.length = 0.0
+        self.note = ""
+
+    def part(self, i: int, parts: int, note: str) -> None:
+        """Part i of some parts begins."""
+        self.begin, self.length = self.first * i / parts, self.first / parts
+        self.note = f"{note} {i + 1}/{parts}"
+
+    @property
+    def inner(self) -> door.Progress | None:
+        """A progress function for a part."""
+        if self.progress is None:
+            return None
+        return lambda share, _: self._tell(self.begin + self.length * share, self.note)
+
+    @property
+    def last(self) -> door.Progress | None:
+        """A progress function for the bands, which come last."""
+        if self.progress is None:
+            return None
+        return lambda share, _: self._tell(self.first + (1 - self.first) * share, "bands")
+
+    def _tell(self, share: float, note: str) -> None:
+        assert self.progress is not None
+        self.progress(share, note)

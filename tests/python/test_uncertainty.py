@@ -1,0 +1,481 @@
+"""Uncertain parameters: maps against charts, bands against zones of other systems, exact probabilities."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_systems import FIGURE6, RIG
+from shared_zones import motion_at
+from vibroimpact.distribution import interval, shares, systems, uncertain_parameters
+
+stats = pytest.importorskip("scipy.stats")
+
+WINDOW = ((0.8, 1.2), (2, 200))
+R, D = np.linspace(0.85, 1.15, 25), np.geomspace(3, 150, 21)
+#: Directions in which all parameters move at once, relative to their nominal values.
+RELATIVE = {"xi": 1.0, "clearance": 1.0, "restitution": -0.7, "mu": 0.8}
+
+
+@pytest.fixture(scope="module")
+def zones():
+    """Zones whose boundaries have all types of pieces, by name."""
+    return {
+        "pair": vi.zone(FIGURE6, "RL", *WINDOW, symmetric=True),
+        "unequal phases": vi.zone(FIGURE6, "RL", *WINDOW, symmetric=False),
+        "three": vi.zone(FIGURE6, "RRL", *WINDOW),
+        "four": vi.zone(FIGURE6, "RRLL", *WINDOW),
+        "rig": vi.zone(RIG, "RRL", *WINDOW),
+        "rest": vi.zone(RIG, "RL*", (0.75, 1.2), (0.5, 20)),
+    }
+
+
+def given(osc, width):
+    """Uniform distributions of a relative width around the nominal values."""
+    found = {}
+    for name, by in RELATIVE.items():
+        nominal = {"xi": osc.xi, "mu": osc.mu, "clearance": 1.0}.get(name, osc.restitution[0])
+        if name == "restitution" and osc.restitution[0] != osc.restitution[1]:
+            for wall, value in zip(("R1", "R2"), osc.restitution, strict=True):
+                found[wall] = (value * (1 - abs(by) * width), value * (1 + abs(by) * width))
+        else:
+            found[name] = (nominal * (1 - abs(by) * width), nominal * (1 + abs(by) * width))
+    return found
+
+
+# -- maps
+
+
+@pytest.mark.parametrize(("pattern", "symmetric"), [("RL", True), ("RL", False), ("RRL", None)])
+def test_a_certain_map_is_the_chart(pattern, symmetric):
+    """With distributions of no width the map has the verdicts of the chart, exactly."""
+    certain = {"xi": 0.0114, "clearance": 1.0, "restitution": (0.75, 0.75), "r": 1, "load": 1}
+    found = vi.uncertainty(FIGURE6, pattern, R, D, certain, symmetric, bands=False, samples=7)
+    pytest.importorskip("xarray")
+    data = vi.chart(FIGURE6, pattern, R, D, symmetric)
+    good = (data.consistent == 1) & (data.admissible == 1) & (data.stable == 1)
+    assert np.array_equal(found.probability, good.any("motion").values.astype(float))
+    assert set(np.unique(found.probability)) == {0.0, 1.0}
+    assert not found.standard_error.any()
+    assert not found.undecided.any()
+
+
+def test_the_probability_of_an_uncertain_clearance_is_the_covered_share():
+    """With one uncertain factor of the clearance it is the share of the factors that fall into the zone: an exact
+    value for each point, from the places where the boundary crosses its line of constant r."""
+    low, high, samples = 0.8, 1.3, 200
+    r = R[::3]
+    found = vi.uncertainty(
+        FIGURE6, "RL", r, D, {"clearance": (low, high)}, True, bands=False, samples=samples
+    )
+    zone = vi.zone(FIGURE6, "RL", (0.8, 1.2), (1, 400), symmetric=True)
+    factors = np.linspace(low, high, 801)
+    inside = zone.contains(r[None, :, None], D[:, None, None] * factors).astype(float)
+    exact = np.trapezoid(inside, dx=1 / 800, axis=-1)
+    some = (exact > 0.05) & (exact < 0.95)
+    assert some.sum() > 20
+    # a stratified sample of one parameter differs by at most one of the samples for each boundary
+    assert abs(found.probability - exact)[some].max() < 2 / samples + 2 / 800
+    assert np.array_equal(found.probability[exact == 1] == 1, np.ones((exact == 1).sum(), bool))
+
+
+def test_factors_move_a_point():
+    """A factor of the load is one of the inverse clearance; one of r moves along r."""
+    at = {"samples": 1, "bands": False, "symmetric": True}
+    load = vi.uncertainty(FIGURE6, "RL", R, D, {"load": stats.uniform(0.5, 1e-12 + 0.5)}, **at)
+    gap = vi.uncertainty(FIGURE6, "RL", R, D, {"clearance": (1, 1)}, **at)
+    assert load.probability.shape == gap.probability.shape
+    changes = systems(
+        FIGURE6, uncertain_parameters({"load": (0.5, 1.0)}, "u", True), np.array([[0.0]])
+    )
+    assert changes[1, 0] == 2.0
+    shifted = systems(
+        FIGURE6, uncertain_parameters({"r": (0.9, 1.0)}, "u", True), np.array([[0.0]])
+    )
+    assert shifted[0, 0] == 0.9
+
+
+def test_limits_lower_the_probability():
+    """Within the limits is never more probable than stable; a limit that all keep changes nothing."""
+    uncertain = {"xi": (0.0109, 0.0119), "clearance": (0.9, 1.1)}
+    options = {"symmetric": True, "bands": False, "samples": 16}
+    loose = vi.uncertainty(FIGURE6, "RL", R, D, uncertain, limit={"attenuation": 1e6}, **options)
+    tight = vi.uncertainty(
+        FIGURE6, "RL", R, D, uncertain, limit={"attenuation": 0.5, "multiplier": 0.97}, **options
+    )
+    assert np.array_equal(loose.within, loose.probability)
+    assert np.array_equal(tight.probability, loose.probability)
+    assert (tight.within <= tight.probability).all()
+    assert 0 < tight.within.sum() < tight.probability.sum()
+    certain = vi.uncertainty(FIGURE6, "RL", R, D, {}, limit={"attenuation": 0.5}, **options)
+    data = vi.chart(FIGURE6, "RL", R, D, True)
+    good = (data.admissible == 1) & (data.stable == 1)
+    kept = (good & (data.attenuation <= 0.5)).any("motion") & ~(
+        good & (data.attenuation > 0.5)
+    ).any("motion")
+    assert np.array_equal(certain.within == 1, kept.values)
+
+
+def test_threads_and_seeds():
+    """Any number of threads gives the same bits; another seed gives other samples."""
+    uncertain = {"restitution": stats.norm(0.75, 0.01), "clearance": (0.95, 1.05)}
+    first, second = (
+        vi.uncertainty(FIGURE6, "RRL", R[::4], D[::4], uncertain, samples=6, threads=n, vertices=9)
+        for n in (1, 3)
+    )
+    other = vi.uncertainty(FIGURE6, "RRL", R[::4], D[::4], uncertain, samples=6, vertices=9, seed=1)
+    assert np.array_equal(first.probability, second.probability)
+    for a, b in zip(first.bands, second.bands, strict=True):
+        assert np.array_equal(a.sampled, b.sampled, equal_nan=True)
+    assert any(
+        not np.array_equal(a.sampled, b.sampled)
+        for a, b in zip(first.bands, other.bands, strict=True)
+    )
+
+
+def test_a_pattern_with_rest_has_a_map():
+    """Its samples are zones: without width the map is what the zone contains."""
+    r, clearance = np.linspace(0.86, 0.92, 4), np.geomspace(5, 7, 5)
+    found = vi.uncertainty(RIG, "RL*", r, clearance, {}, samples=2, bands=False)
+    zone = vi.zone(RIG, "RL*", (0.8, 1.0), (4, 9))
+    assert np.array_equal(found.probability, zone.contains(r, clearance[:, None]).astype(float))
+    assert 0 < found.probability.sum() < found.probability.size
+
+
+# -- bands
+
+
+@pytest.mark.parametrize("name", ["pair", "unequal phases", "three", "four", "rig", "rest"])
+def test_first_order_and_samples_agree_to_second_order(zones, name):
+    """A tenth of the width divides the difference of both bands by a hundred, for all types of boundaries."""
+    zone = zones[name]
+    largest = 1e-4 if name == "rest" else 1e-3
+    wide, narrow = (
+        vi.boundary_bands(zone, given(zone.osc, width), samples=12, vertices=9)
+        for width in (largest, 0.1 * largest)
+    )
+    assert {band.type for band in wide} == {piece.type for piece in zone.boundary} - {"window"}
+    for a, b in zip(wide, narrow, strict=True):
+        # beside a corner, the other condition bounds the zone for some samples
+        assert b.holds[1:-1].mean() > 0.8
+        good = a.holds & b.holds
+        off = [abs(band.first_order - band.sampled).max(axis=0)[good] for band in (a, b)]
+        width = np.ptp(b.sampled, axis=0)[good]
+        assert np.median(off[1] / width) < 2e-3
+        assert (off[1] < 0.03 * off[0] + 1e-5 * width + 1e-11).mean() > 0.9
+
+
+def test_a_zone_that_vanishes(zones):
+    """Where the zone no longer exists for 2 % less R1, first order is said not to hold."""
+    for band in vi.boundary_bands(zones["rest"], {"R1": (0.735, 0.75)}, samples=6, vertices=3):
+        assert not band.holds.any()
+        assert (band.found < 1).all()
+    other = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.735, 0.61))
+    assert not vi.zone(other, "RL*", (0.75, 1.2), (0.5, 20))
+
+
+def test_sampled_bands_are_the_boundaries_of_other_systems(zones):
+    """The displaced vertices lie on the zone that is traced from the beginning for the displaced system."""
+    zone = zones["pair"]
+    for name, value in (("xi", 0.0119), ("restitution", 0.70), ("mu", 0.03)):
+        bands = vi.boundary_bands(zone, {name: value}, samples=1, vertices=15)
+        values = {"xi": 0.0114, "mu": 0.028, "restitution": 0.75, name: value}
+        other = vi.zone(vi.Oscillator(**values), "RL", (0.78, 1.22), (1.5, 250), symmetric=True)
+        away = []
+        for band in bands:
+            r, clearance = (edge[0] for edge in band.edges())
+            on = band.found == 1
+            for x, y in zip(r[on], np.log(clearance[on]), strict=True):
+                away.append(nearest(other, x, y))
+        assert len(away) > 30
+        assert max(away) < 2e-6, name
+
+
+def nearest(zone, r, log_clearance):
+    """Distance to the boundary, the window being the unit square, by the polygons of the loops."""
+    best = math.inf
+    scale = np.array([np.ptp(zone.r), np.ptp(np.log(zone.clearance))])
+    for loop in zone.loops:
+        ring = np.c_[loop[:, 0], np.log(loop[:, 1])] / scale
+        start, step = ring, np.roll(ring, -1, axis=0) - ring
+        gap = np.array([r, log_clearance]) / scale - start
+        along = np.clip((gap * step).sum(1) / np.maximum((step**2).sum(1), 1e-300), 0, 1)
+        best = min(best, float(np.linalg.norm(gap - along[:, None] * step, axis=1).min()))
+    return best
+
+
+def test_first_order_is_that_of_the_derivatives_of_multipliers(zones):
+    """On a Neimark-Sacker boundary 1 - max|lambda| is zero: its derivatives by r, D and a parameter, from
+    `Motion.gradient`, give the displacement along the normal."""
+    zone = zones["pair"]
+    piece = next(piece for piece in zone.boundary if piece.type == "neimark_sacker")
+    bands = vi.boundary_bands(zone, given(FIGURE6, 1e-4), samples=2, vertices=len(piece))
+    band = next(band for band in bands if band.type == "neimark_sacker")
+    assert len(band) == len(piece)
+    for j in range(2, len(piece) - 2, 7):
+        motion = motion_at(zone, piece, j)
+        by = motion.gradient()
+        normal = band.normal[:, j]
+        rate = by["stability_margin", "r"] * normal[0]
+        rate += by["stability_margin", "clearance"] * motion.clearance * normal[1]
+        for name, key in (("xi", "xi"), ("mu", "mu"), ("R", "restitution")):
+            wanted = -by["stability_margin", name] / rate
+            assert band.sensitivity[key][j] == pytest.approx(float(wanted), rel=1e-5), (j, name)
+        assert band.sensitivity["clearance"][j] == pytest.approx(
+            float(-by["stability_margin", "clearance"] * motion.clearance / rate), rel=1e-5
+        )
+
+
+def test_where_first_order_fails_it_is_said():
+    """At the end of a fold, where the zone is a narrow tongue, large changes move the boundary off the normal."""
+    zone = vi.zone(FIGURE6, "RL", *WINDOW, symmetric=True)
+    bands = vi.boundary_bands(
+        zone, {"restitution": (0.6825, 0.75), "clearance": (0.9, 1.1)}, samples=32
+    )
+    flags = np.concatenate([band.holds for band in bands])
+    found = np.concatenate([band.found for band in bands])
+    assert 0.5 < flags.mean() < 1
+    assert found.min() < 0.9
+    assert not flags[found < 1].any()
+    for band in bands:
+        apart = abs(band.first_order - band.sampled).max(axis=0)
+        assert (apart <= 0.1 * np.ptp(band.sampled, axis=0) + 1e-12)[band.holds].all()
+
+
+def test_displacements_point_out_of_the_zone(zones):
+    """A step along the normal leaves the zone, one against it enters it."""
+    for name in ("pair", "three"):
+        zone = zones[name]
+        for band in vi.boundary_bands(zone, {"xi": (0.011, 0.012)}, samples=1, vertices=15):
+            inner = slice(2, -2)
+            r, clearance, normal = band.r[inner], band.clearance[inner], band.normal[:, inner]
+            for part, inside in ((1e-4, False), (-1e-4, True)):
+                at = r + part * normal[0], clearance * np.exp(part * normal[1])
+                assert (zone.contains(*at) == inside).mean() > 0.85
+
+
+def test_more_clearance_moves_boundaries_along_it_alone(zones):
+    """If the true clearance is 1 % greater, the boundary lies at a nominal clearance that is 1 % less."""
+    for band in vi.boundary_bands(
+        zones["three"], {"clearance": (1.0, 1.01)}, samples=1, vertices=15
+    ):
+        sample = systems(
+            FIGURE6, uncertain_parameters({"clearance": (1.0, 1.01)}, "u", True),
+            shares(1, 1, np.random.default_rng(0)),
+        )  # fmt: skip
+        factor = sample[1, 0]
+        on = band.found == 1
+        assert on.any()
+        r, clearance = (edge[0, on] for edge in band.edges())
+        away = [
+            nearest(zones["three"], x, y)
+            for x, y in zip(r, np.log(clearance * factor), strict=True)
+        ]
+        assert max(away) < 2e-6
+
+
+# -- limits on attractors
+
+
+def test_limit_probability_agrees_with_the_attractor_of_each_sample():
+    """A system without uncertainty keeps a limit always or never; the interval has the stated ends."""
+    samples = 40
+    for greatest, expected in ((10.0, 1.0), (1e-3, 0.0)):
+        found = vi.limit_probability(
+            FIGURE6, 1.0, 25.0, {}, {"attenuation": greatest}, samples=samples
+        )
+        assert found.probability == expected
+        assert not found.failed
+        assert found.low <= expected <= found.high
+    assert found.high == pytest.approx(1 - 0.025 ** (1 / samples))
+    both = vi.limit_probability(
+        FIGURE6, [1.0, 1.02], [[25.0], [30.0]], {"xi": (0.01, 0.012)}, {"speed": 5.0}, samples=10
+    )
+    assert both.probability.shape == both.low.shape == (2, 2)
+
+
+def test_limit_probability_is_that_of_an_exact_case():
+    """One uncertain parameter, one attractor: its largest displacement falls with xi, and the limit is that at the
+    30 % quantile of xi, so that 70 % of the systems keep it."""
+    low, high, r, clearance = 0.02, 0.06, 1.02, 20.0
+    at = {}
+    for share in (0.1, 0.3, 0.7):
+        osc = vi.Oscillator(xi=low + share * (high - low), mu=0.028, restitution=0.75)
+        at[share] = max(
+            motion.x_max
+            for motion in vi.find(osc, r, clearance, 4, 1)
+            if motion.stable and motion.admissible
+        )
+    assert at[0.1] > at[0.3] > at[0.7]
+    osc = vi.Oscillator(xi=0.04, mu=0.028, restitution=0.75)
+    found = vi.limit_probability(
+        osc,
+        r,
+        clearance,
+        {"xi": (low, high)},
+        {"displacement": at[0.3]},
+        samples=600,
+        confidence=0.999,
+    )
+    assert found.low < 0.7 < found.high
+    assert found.high - found.low < 0.15
+    again = vi.limit_probability(
+        osc,
+        r,
+        clearance,
+        {"xi": (low, high)},
+        {"displacement": at[0.3]},
+        samples=600,
+        starts=2,
+        threads=1,
+    )
+    assert again.probability <= found.probability + 0.1
+
+
+@pytest.mark.parametrize(("holds", "count"), [(0, 20), (7, 20), (20, 20), (993, 1000)])
+def test_intervals_are_those_of_scipy(holds, count):
+    """The interval of Clopper and Pearson, against quantiles of the beta distribution."""
+    for share in (0.9, 0.99):
+        low, high = interval(holds, count, share)
+        wanted = stats.binomtest(holds, count).proportion_ci(share, "exact")
+        assert (low, high) == pytest.approx((wanted.low, wanted.high), abs=1e-12)
+
+
+def test_a_latin_hypercube_has_one_share_in_each_part():
+    """Every row has exactly one number in each of n equal parts."""
+    found = shares(50, 3, np.random.default_rng(4))
+    assert np.array_equal(np.sort(np.floor(found * 50), axis=1), np.tile(np.arange(50), (3, 1)))
+
+
+# -- results and bad input
+
+
+def test_results_as_datasets_and_pictures():
+    """Labelled maps with the vertices of the bands; a picture with the map, the boundary and the bands."""
+    pytest.importorskip("xarray")
+    pytest.importorskip("matplotlib").use("Agg")
+    found = vi.uncertainty(
+        FIGURE6,
+        "RL",
+        R,
+        D,
+        given(FIGURE6, 0.03),
+        True,
+        limit={"attenuation": 0.4},
+        samples=8,
+        vertices=12,
+    )
+    data = found.to_xarray()
+    assert data.probability.dims == ("clearance", "r")
+    assert data.sizes["vertex"] == sum(map(len, found.bands))
+    assert np.array_equal(data.within, found.within)
+    assert data.attrs["limit_attenuation"] == 0.4
+    assert {f"by_{name}" for name in found.uncertain} <= set(data.data_vars)
+    ax = found.plot(inverse=True)
+    assert ax.get_ylabel() == "$F_0/(dK)$"
+    labels = ax.get_legend_handles_labels()[1]
+    assert labels.count("nominal boundary") == labels.count("band of 95 %") == 1
+    assert found.plot(what="within").get_xlabel() == ax.get_xlabel()
+    point = vi.limit_probability(FIGURE6, [1.0, 1.1], 25.0, {}, {"rms": 1.0}, samples=3)
+    assert point.to_xarray().sizes == {"point": 2}
+    with pytest.raises(AttributeError):
+        found.samples = 3
+
+
+def test_progress_is_told_and_stops():
+    """Shares rise to 1; an exception of the function ends the computation."""
+    told = []
+    vi.uncertainty(
+        FIGURE6, "RL", R, D, {"xi": (0.01, 0.02)}, True, samples=4,
+        progress=lambda share, note: told.append((share, note)),
+    )  # fmt: skip
+    rising = [share for share, _ in told]
+    assert rising == sorted(rising)
+    assert 0.99 < rising[-1] <= 1
+    assert told[-1][1] == "bands"
+
+    class EnoughError(Exception):
+        pass
+
+    def stop(share, note):
+        raise EnoughError
+
+    for call in (
+        lambda: vi.uncertainty(FIGURE6, "RRL", R, D, {"xi": (0.01, 0.02)}, progress=stop),
+        lambda: vi.limit_probability(
+            FIGURE6, 1.0, 25.0, {}, {"rms": 1.0}, samples=5000, progress=stop
+        ),
+    ):
+        with pytest.raises(EnoughError):
+            call()
+
+
+BAD = [
+    ({"uncertain": 3}, "uncertain = 3: must be a dict"),
+    ({"uncertain": {"gap": (1, 2)}}, "unknown parameter 'gap': must be one of xi, mu"),
+    (
+        {"uncertain": {"xi": (0.5, 1.5)}},
+        r"uncertain\['xi'\] = 1.5: must be a number with 0 <= .* < 1",
+    ),
+    ({"uncertain": {"xi": "wide"}}, "must be a number, a range"),
+    ({"uncertain": {"xi": (0.02, 0.01)}}, "low <= high"),
+    ({"uncertain": {"xi": (0.01, math.nan)}}, "low <= high"),
+    ({"uncertain": {"restitution": 0.7, "R1": 0.7}}, "not both"),
+    ({"uncertain": {"clearance": (9.5, 11.5)}}, "factors of the nominal clearance"),
+    ({"uncertain": {"load": (0.0, 1.0)}}, "factors of the nominal load, above 0"),
+    ({"uncertain": {"R1": (0.7, 0.75)}, "symmetric": None}, "lose their symmetry"),
+    ({"r": [1.1, 0.9]}, "r of shape"),
+    ({"r": []}, "r of shape"),
+    ({"clearance": [1.0, math.inf]}, "clearance = inf"),
+    ({"clearance": [5.0]}, "bands = True: must have at least two"),
+    ({"limit": {"noise": 1}}, "limit: unknown quantity 'noise'"),
+    ({"limit": {"attenuation": -1}}, r"limit\['attenuation'\] = -1: must be a positive"),
+    ({"limit": 0.3}, "limit = 0.3: must be a dict"),
+    ({"samples": 0}, "samples = 0: must be a whole number"),
+    ({"quantiles": (0.9, 0.1)}, "quantiles = "),
+    ({"seed": -1}, "seed = -1"),
+    ({"vertices": 1}, "vertices = 1"),
+    ({"progress": 3}, "progress = 3: must be None or callable"),
+    ({"bands": 1}, "bands = 1: must be True or False"),
+    ({"threads": 0}, "threads = 0"),
+]
+
+
+@pytest.mark.parametrize(("options", "message"), BAD)
+def test_bad_input_is_named(options, message):
+    """Each error names the parameter, its value and what is allowed."""
+    good = {
+        "r": R[::8], "clearance": D[::8], "uncertain": {"xi": (0.01, 0.012)}, "symmetric": True, "samples": 2
+    }  # fmt: skip
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
+        vi.uncertainty(FIGURE6, "RL", **good | options)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"limit": {}}, "limit = {}: must have at least one"),
+        ({"confidence": 1.0}, "confidence = 1.0: must be a number between 0 and 1"),
+        ({"starts": 0}, "starts = 0"),
+        ({"settling": 1}, "settling = 1"),
+        ({"r": [1, 2], "clearance": [1, 2, 3]}, "must be broadcastable"),
+        ({"r": []}, "0 points"),
+        ({"clearance": math.nan}, "clearance = nan"),
+        ({"samples": 10**6, "starts": 1000}, "simulations: must be 1 to"),
+    ],
+)
+def test_bad_input_of_limits_is_named(options, message):
+    """Each error names the parameter, its value and what is allowed."""
+    good = {"r": 1.0, "clearance": 25.0, "uncertain": {}, "limit": {"rms": 1.0}, "samples": 2}
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
+        vi.limit_probability(FIGURE6, **good | options)
+
+
+def test_bands_need_a_zone():
+    """Other objects and unknown kinds of edges are refused."""
+    with pytest.raises(vi.ParameterTypeError, match="zone"):
+        vi.boundary_bands("RL", {})
+    zone = vi.zone(FIGURE6, "RL", *WINDOW, symmetric=True)
+    band = vi.boundary_bands(zone, {"xi": (0.011, 0.012)}, samples=2, vertices=5)[0]
+    with pytest.raises(vi.ParameterError, match="kind"):
+        band.edges("third")
