@@ -16,7 +16,7 @@ module vi_modes
    private
 
    public :: advance, advance_pair, bound_on, new_interval, new_steps, prepare, step_functions, &
-      steady_response
+      steady_response, steady_slope
 
    !> Pairs of a structure.
    type, public :: modes_type
@@ -368,5 +368,25 @@ contains
       x = ((turn + 2*damping)*drift + force)/divisor
       v = (turn*force - stiffness*drift)/divisor
    end subroutine steady_response
+
+   !> The derivative of the steady response of a pair by the frequency.
+   elemental subroutine steady_slope(stiffness, damping, frequency, drift, force, x, v)
+      !> As in `steady_response`.
+      real(wp), intent(in) :: stiffness, damping, frequency
+      !> Complex amplitudes of p and f.
+      complex(wp), intent(in) :: drift, force
+      !> The derivatives of x and v; 0 at a resonance.
+      complex(wp), intent(out) :: x, v
+      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+      complex(wp) :: divisor, slope
+      logical :: resonant
+
+      call steady_response(stiffness, damping, frequency, drift, force, x, v, resonant)
+      if (resonant .or. .not. abs(drift) + abs(force) > 0) return
+      divisor = cmplx(stiffness - frequency**2, 2*damping*frequency, wp)
+      slope = cmplx(-2*frequency, 2*damping, wp)
+      x = (i*drift - slope*x)/divisor
+      v = (i*force - slope*v)/divisor
+   end subroutine steady_slope
 
 end module vi_modes

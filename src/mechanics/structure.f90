@@ -15,7 +15,7 @@ module vi_structure
    implicit none (type, external)
    private
 
-   public :: check_structure, is_extreme, new_load, new_regime, new_structure, restitution_of, &
+   public :: check_structure, inputs_of, is_extreme, new_load, new_regime, new_structure, restitution_of, &
       state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
@@ -82,6 +82,8 @@ module vi_structure
       real(wp), allocatable :: offset(:)
       !> (n, harmonics) Steady motion and its velocity: Re(.. e^(i h Omega t)).
       complex(wp), allocatable, dimension(:, :) :: steady, steady_rate
+      !> (m, harmonics) Complex amplitudes of p and f of the pairs under the harmonics.
+      complex(wp), allocatable, dimension(:, :) :: wave_drift, wave_force
       !> (rows, m) Coefficients of x and v in each row, and in its rate.
       real(wp), allocatable, dimension(:, :) :: position, velocity, rate_position, rate_velocity
       !> (rows) Constants of each row and of its rate.
@@ -270,10 +272,12 @@ contains
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates;
       !! `stat%extreme_units`.
       integer, intent(out) :: status
-      !> Whether contacts will be searched in it, which takes tables; true if it is left out.
+      !> Whether contacts will be searched in it and its coordinates evaluated, which takes tables;
+      !! true if it is left out.
       logical, intent(in), optional :: searched
       type(decoupled_type) :: parts
       real(wp), allocatable :: basis(:, :), inverse(:, :), forces(:, :), drifts(:, :)
+      logical :: with_tables
       integer :: h
 
       regime%resting = resting
@@ -311,17 +315,16 @@ contains
          forces(:, 2:harmonics + 1) = load%cosine
          forces(:, harmonics + 2:) = load%sine
          if (size(resting) > 0) forces = matmul(transpose(basis), forces)
-         call solve(between(structure%mass), forces, status)
+         call inputs_of(between(structure%mass), parts%xd, parts%vd, forces, drifts, status)
          if (status /= stat%ok) return
-         drifts = matmul(parts%xd, forces)
-         forces = matmul(parts%vd, forces)
          regime%modes%drift = drifts(:, 1)
          regime%modes%force = forces(:, 1)
+         regime%wave_drift = cmplx(drifts(:, 2:harmonics + 1), -drifts(:, harmonics + 2:), wp)
+         regime%wave_force = cmplx(forces(:, 2:harmonics + 1), -forces(:, harmonics + 2:), wp)
          allocate (regime%steady(size(basis, 1), harmonics), &
             regime%steady_rate(size(basis, 1), harmonics))
          do h = 1, harmonics
-            call steady_motion(regime, h, cmplx(drifts(:, h + 1), -drifts(:, harmonics + h + 1), &
-               wp), cmplx(forces(:, h + 1), -forces(:, harmonics + h + 1), wp), status)
+            call steady_motion(regime, h, status)
             if (status /= stat%ok) return
          end do
       end associate
@@ -340,7 +343,9 @@ contains
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
-      call set_rates(regime)
+      with_tables = .true.
+      if (present(searched)) with_tables = searched
+      call set_rates(regime, with_tables)
       if (.not. regime%unit >= shortest_unit) status = stat%extreme_units
       associate (openings => structure%openings)
          if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &
@@ -348,10 +353,7 @@ contains
             any(is_extreme(structure%effective))) status = stat%extreme_units
       end associate
       if (status /= stat%ok) return
-      if (present(searched)) then
-         if (.not. searched) return
-      end if
-      call set_tables(regime)
+      if (with_tables) call set_tables(regime)
    contains
       !> A matrix of the structure between the vectors of the basis.
       pure function between(matrix) result(reduced)
@@ -368,6 +370,23 @@ contains
          end if
       end function between
    end subroutine new_regime
+
+   !> The inputs p and f of the pairs due to forces.
+   pure subroutine inputs_of(mass, xd, vd, forces, drifts, status)
+      !> (n, n) M; (m, n) x and v of the pairs from velocities.
+      real(wp), intent(in) :: mass(:, :), xd(:, :), vd(:, :)
+      !> In: (n, columns) forces. Out: (m, columns) f.
+      real(wp), allocatable, intent(inout) :: forces(:, :)
+      !> (m, columns) p.
+      real(wp), allocatable, intent(out) :: drifts(:, :)
+      !> `stat%ok` or `stat%singular`.
+      integer, intent(out) :: status
+
+      call solve(mass, forces, status)
+      if (status /= stat%ok) return
+      drifts = matmul(xd, forces)
+      forces = matmul(vd, forces)
+   end subroutine inputs_of
 
    !> A matrix times one that consists mostly of zeros.
    pure function sparse_product(left, right) result(product)
@@ -480,21 +499,18 @@ contains
    end subroutine constraint
 
    !> The steady motion under one harmonic of the load.
-   pure subroutine steady_motion(regime, h, drift, force, status)
+   pure subroutine steady_motion(regime, h, status)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
       !> The harmonic, from 1.
       integer, intent(in) :: h
-      !> (m) Complex amplitudes of the inputs of the pairs.
-      complex(wp), intent(in) :: drift(:), force(:)
       !> `stat%ok`, or `stat%resonance` where an undamped mode resonates.
       integer, intent(out) :: status
-      complex(wp) :: x(size(force)), v(size(force))
-      logical :: resonant(size(force))
+      complex(wp), dimension(size(regime%modes%stiffness)) :: x, v
+      logical :: resonant(size(x))
 
       call steady_response(regime%modes%stiffness, regime%modes%damping, h*regime%frequency, &
-         drift, &
-         force, x, v, resonant)
+         regime%wave_drift(:, h), regime%wave_force(:, h), x, v, resonant)
       status = merge(stat%resonance, stat%ok, any(resonant))
       regime%steady(:, h) = cmplx(matmul(regime%qx, x%re) + matmul(regime%qv, v%re), &
          matmul(regime%qx, x%im) + matmul(regime%qv, v%im), wp)
@@ -580,13 +596,15 @@ contains
    end subroutine set_rows
 
    !> The rows for fast evaluation, and the shortest time scale.
-   pure subroutine set_rates(regime)
+   pure subroutine set_rates(regime, coordinates)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
+      !> Whether the coordinates are wanted, too.
+      logical, intent(in) :: coordinates
 
       call new_rows(regime%modes, regime%position, regime%velocity, regime%row_offset, &
          regime%ripple, regime%frequency, regime%rows)
-      call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, regime%steady, &
+      if (coordinates) call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, regime%steady, &
          regime%frequency, regime%coordinates, regime%dx, regime%dv)
       associate (speeds => [sqrt(regime%modes%stiffness), 2*regime%modes%damping, &
          regime%frequency])

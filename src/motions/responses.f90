@@ -13,7 +13,7 @@ module vi_responses
    private
 
    public :: forced_row, jumps_of, offset_pairs, pair_response, periodic_pair, ripple_row, &
-      row_of_gap, steady_pairs
+      row_of_gap, steady_pairs, stretched_response
 
    !> A pair and a period, and what all its periodic responses share.
    type, public :: periodic_pair_type
@@ -161,7 +161,7 @@ contains
       real(wp), intent(in) :: time
       !> Derivatives of order 0 to 2 of x and v.
       real(wp), intent(out) :: x(0:2), v(0:2)
-      real(wp) :: u, w, first(2), share
+      real(wp) :: u, w, first(2), share, slope
 
       if (pair%stiffness > 0) then
          first = in_x*pair%from_x + in_v*pair%from_v
@@ -172,7 +172,7 @@ contains
          v(1) = -pair%stiffness*x(0) - 2*pair%damping*v(0)
       else
          share = time/pair%period
-         call drifting_response(2*pair%damping, pair%period, share, x(0), v(0))
+         call drifting_response(2*pair%damping, pair%period, share, x(0), v(0), slope)
          x(0) = in_v*x(0) - in_x*share
          v(0) = in_v*v(0) - in_x/pair%period
          x(1) = v(0)
@@ -182,17 +182,52 @@ contains
       v(2) = -pair%stiffness*x(1) - 2*pair%damping*v(1)
    end subroutine pair_response
 
+   !> The derivatives of the response of a pair, and of its rate, by the logarithm of a factor of all
+   !! times.
+   !!
+   !! A longer period leaves more of a pair's motion at its end: the response changes by that to a
+   !! jump by the rate just before the next jump.
+   pure subroutine stretched_response(pair, in_x, in_v, time, by_x, by_v)
+      !> As in `pair_response`.
+      type(periodic_pair_type), intent(in) :: pair
+      !> The jumps.
+      real(wp), intent(in) :: in_x, in_v
+      !> The time after the jumps.
+      real(wp), intent(in) :: time
+      !> The derivatives of x and v, and of their rates.
+      real(wp), intent(out) :: by_x(0:1), by_v(0:1)
+      real(wp), dimension(0:2) :: x, v, last_x, last_v
+      real(wp) :: slope
+
+      associate (period => pair%period, drag => 2*pair%damping)
+         if (pair%stiffness > 0) then
+            call pair_response(pair, in_x, in_v, period, last_x, last_v)
+            call pair_response(pair, last_x(1), last_v(1), time, x, v)
+            by_x = period*x(:1)
+            by_v = period*v(:1)
+            call pair_response(pair, in_x, in_v, time, x, v)
+            by_x = by_x + time*x(1:)
+            by_v = by_v + time*v(1:)
+         else
+            call drifting_response(drag, period, time/period, x(0), v(0), slope)
+            by_v(0) = in_v*drag*period*slope + in_x/period
+            by_x = [-in_v*period*slope, by_v(0)]
+            by_v(1) = -drag*(by_v(0) - in_x/period) + in_v/period
+         end if
+      end associate
+   end subroutine stretched_response
+
    !> x and v of a pair of frequency 0 after a unit jump of v, less its mean over the period; x up
    !! to a constant.
    !!
    !! With a drag c, v = e^(-c t)/(1 - e^(-c T)) - 1/(c T). For a small c T this is a series of
    !! Bernoulli polynomials B_n(1 - t/T) (c T)^(n - 1)/n! from n = 1, since z e^(s z)/(e^z - 1) is
    !! their generating function.
-   pure subroutine drifting_response(drag, period, share, x, v)
+   pure subroutine drifting_response(drag, period, share, x, v, slope)
       !> c = 2 sigma, the period, and the part of it since the jump, 0 to 1.
       real(wp), intent(in) :: drag, period, share
-      !> The response.
-      real(wp), intent(out) :: x, v
+      !> The response, and the derivative of v by c T.
+      real(wp), intent(out) :: x, v, slope
       integer, parameter :: terms = 15
       !> B_i/i! of the Bernoulli numbers B_0 to B_15.
       real(wp), parameter :: bernoulli(0:terms) = [1.0_wp, -0.5_wp, 1.0_wp/12, 0.0_wp, &
@@ -205,6 +240,7 @@ contains
       if (z >= 0.5_wp) then
          v = exp(-z*share)/(1 - exp(-z)) - 1/z
          x = -(v + share - 0.5_wp)/drag
+         slope = 1/z**2 - exp(-z*share)/(1 - exp(-z))*(share + exp(-z)/(1 - exp(-z)))
          return
       end if
       s = 1 - share
@@ -221,7 +257,9 @@ contains
       end do
       v = 0
       x = 0
+      slope = 0
       do n = last, 2, -1
+         slope = slope*z + (n - 1)*polynomial(n)
          v = v*z + polynomial(n)
          x = x*z - polynomial(n)
       end do

@@ -14,6 +14,7 @@ module vi_curve
    use vi_rest_family, only: measure_type, rest_period, rest_period_type
    use vi_structure_conditions, only: structure_slope
    use vi_structure_family, only: member_equations, member_type, set_member
+   use vi_structure_slopes, only: equations_by_parameter
    use vi_slopes, only: has_slope, value_and_slope
    implicit none (type, external)
    private
@@ -233,8 +234,7 @@ contains
       if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
    end subroutine rest_equations
 
-   !> As `equations`, for motions of a structure; the derivatives with respect to parameters are
-   !! central differences.
+   !> As `equations`, for motions of a structure.
    pure subroutine structure_equations(curve, conditions, point, b, a)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -245,54 +245,35 @@ contains
       !> Out: b(1, j): residual j, or huge where there is no motion; a(:, j): its gradient with
       !! respect to the coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
-      real(wp), parameter :: h = 1.0e-6_wp
       type(member_type) :: member
-      real(wp) :: c(n_parameters), ahead(unknown_count(curve%frame)), behind(size(ahead)), &
-         jacobian(size(ahead), size(ahead))
+      real(wp) :: c(n_parameters), slope(unknown_count(curve%frame)), &
+         jacobian(size(slope), size(slope))
       integer :: j, k, m
-      logical :: exists
+      logical :: good
 
-      m = size(ahead)
+      m = size(slope)
       b(1, :m + size(conditions)) = at_fault
       a(:size(point), :m + size(conditions)) = 0
-      associate (s => curve%frame%structure, family => curve%frame%family)
-         c = parameters_of(curve, point)
-         call set_member(s, family, point(:m), c(:size(s%path%changes)), member)
+      c = parameters_of(curve, point)
+      associate (s => curve%frame%structure, family => curve%frame%family, &
+         shares => c(:size(curve%frame%structure%path%changes)))
+         call set_member(s, family, point(:m), shares, member)
          if (.not. member%exists) return
-         call member_equations(s, family, member, ahead, jacobian)
-         b(1, :m) = ahead
+         call member_equations(s, family, member, slope, jacobian)
+         b(1, :m) = slope
          a(:m, :m) = jacobian
          do k = 1, size(curve%active)
-            c = parameters_of(curve, point)
-            associate (active => curve%active(k))
-               c(active) = c(active) + h
-               call values_at(c, ahead, exists)
-               if (.not. exists) return
-               c(active) = c(active) - 2*h
-               call values_at(c, behind, exists)
-               if (.not. exists) return
-            end associate
-            a(m + k, :m) = curve%scale(k)*(ahead - behind)/(2*h)
+            call equations_by_parameter(s, family, point(:m), shares, member, curve%active(k), &
+               slope, good)
+            if (.not. good) b(1, :m) = at_fault
+            if (.not. good) return
+            a(m + k, :m) = curve%scale(k)*slope
          end do
       end associate
       do j = 1, size(conditions)
-         call condition_slope(curve, conditions(j), point, b(1, m + j), a(:size(point), m + j))
+         call member_slope(curve, conditions(j), point, member, b(1, m + j), &
+            a(:size(point), m + j))
       end do
-   contains
-      !> The residuals at other parameters.
-      pure subroutine values_at(c, values, exists)
-         !> The parameters.
-         real(wp), intent(in) :: c(:)
-         !> The residuals, and whether there are motions.
-         real(wp), intent(out) :: values(:)
-         logical, intent(out) :: exists
-         type(member_type) :: near
-
-         call set_member(curve%frame%structure, curve%frame%family, point(:m), &
-            c(:size(curve%frame%structure%path%changes)), near)
-         exists = near%exists
-         if (exists) call member_equations(curve%frame%structure, curve%frame%family, near, values)
-      end subroutine values_at
    end subroutine structure_equations
 
    !> The derivatives of the equations of motions with rest with respect to parameters other than r
@@ -357,6 +338,7 @@ contains
       real(wp), intent(in) :: point(:)
       !> The value, and the gradient (as `point`).
       real(wp), intent(out) :: value, slope(:)
+      type(member_type) :: member
       type(orbit_type) :: o
       real(wp) :: c(n_parameters), whole(most)
 
@@ -365,16 +347,11 @@ contains
          call rest_slope(curve, condition, point, c, value, slope)
       else if (allocated(curve%frame%structure)) then
          if (condition%kind == edge) then
-            value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
-            slope = 0
-            where (curve%active == condition%index) slope(size(slope) - size(curve%active) + 1:) = &
-               condition%side*curve%scale
+            call member_slope(curve, condition, point, member, value, slope)
          else
-            call structure_slope(curve%frame, unknowns_of(curve, point), c, condition, &
-               curve%active, value, slope)
-            associate (by => slope(size(slope) - size(curve%active) + 1:))
-               by = curve%scale*by
-            end associate
+            call set_member(curve%frame%structure, curve%frame%family, unknowns_of(curve, point), &
+               c(:size(curve%frame%structure%path%changes)), member)
+            call member_slope(curve, condition, point, member, value, slope)
          end if
       else
          call set_orbit(curve%frame%family, unknowns_of(curve, point), c, o)
@@ -382,6 +359,34 @@ contains
          slope = whole(:size(slope))
       end if
    end subroutine condition_slope
+
+   !> As `condition_slope`, for a motion of a structure.
+   pure subroutine member_slope(curve, condition, point, member, value, slope)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+      !> A point of the curve.
+      real(wp), intent(in) :: point(:)
+      !> In and out: the motion, as in `structure_slope`; not used for an edge.
+      type(member_type), intent(inout) :: member
+      !> The value, and the gradient (as `point`).
+      real(wp), intent(out) :: value, slope(:)
+      real(wp) :: c(n_parameters)
+
+      c = parameters_of(curve, point)
+      associate (by => slope(size(slope) - size(curve%active) + 1:))
+         if (condition%kind == edge) then
+            value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
+            slope = 0
+            where (curve%active == condition%index) by = condition%side*curve%scale
+         else
+            call structure_slope(curve%frame, unknowns_of(curve, point), c, condition, &
+               curve%active, member, value, slope)
+            by = curve%scale*by
+         end if
+      end associate
+   end subroutine member_slope
 
    !> As `condition_slope`, for a motion with rest.
    pure subroutine rest_slope(curve, condition, point, c, value, slope)

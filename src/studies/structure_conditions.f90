@@ -13,8 +13,8 @@ module vi_structure_conditions
    use vi_modes, only: advance
    use vi_rows, only: row_values
    use vi_spectrum, only: outside_circle, spectrum_type
-   use vi_structure_family, only: flight_duration, member_multipliers, member_type, set_flights, &
-      set_member, set_unknowns
+   use vi_structure_family, only: flight_duration, member_multipliers, member_type, move_member, &
+      set_flights, set_member
    implicit none (type, external)
    private
 
@@ -86,7 +86,7 @@ contains
    end function structure_condition
 
    !> The value of one condition, and its derivatives by central differences.
-   pure subroutine structure_slope(frame, unknowns, c, condition, active, value, slope)
+   pure subroutine structure_slope(frame, unknowns, c, condition, active, member, value, slope)
       !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
       !> (m) Unknowns of the motion, and the parameters as shares.
@@ -95,12 +95,15 @@ contains
       type(condition_type), intent(in) :: condition
       !> The parameters of which the derivatives are wanted.
       integer, intent(in) :: active(:)
+      !> In and out: the member with these unknowns and parameters; its flights are others on
+      !! return.
+      type(member_type), intent(inout) :: member
       !> The value.
       real(wp), intent(out) :: value
       !> (m + active) The derivatives by the unknowns and by these parameters.
       real(wp), intent(out) :: slope(:)
       real(wp), parameter :: h = 1.0e-6_wp
-      type(member_type) :: member
+      type(member_type) :: near
       real(wp) :: moved(size(unknowns)), shares(size(frame%structure%path%changes)), both(2)
       integer :: i, j, m
 
@@ -110,13 +113,12 @@ contains
       do j = 1, size(active)
          do i = 1, 2
             shares(active(j)) = c(active(j)) + (3 - 2*i)*h
-            call set_member(frame%structure, frame%family, unknowns, shares, member)
-            call value_of_member(frame, unknowns, member, condition, both(i))
+            call set_member(frame%structure, frame%family, unknowns, shares, near)
+            call value_of_member(frame, unknowns, near, condition, both(i))
          end do
          shares(active(j)) = c(active(j))
          slope(m + j) = (both(1) - both(2))/(2*h)
       end do
-      call set_member(frame%structure, frame%family, unknowns, shares, member)
       call value_of_member(frame, unknowns, member, condition, value)
       if (.not. member%exists) return
       if (condition%kind == zero_approach) then
@@ -129,11 +131,12 @@ contains
             do i = 1, 2
                moved = unknowns
                moved(j) = unknowns(j) + (3 - 2*i)*h
-               call set_unknowns(frame%structure, frame%family, moved, member)
+               call move_member(frame%structure, frame%family, moved, member)
                call value_of_member(frame, moved, member, condition, both(i))
             end do
             slope(j) = (both(1) - both(2))/(2*h)
          end do
+         call move_member(frame%structure, frame%family, unknowns, member)
       end if
    end subroutine structure_slope
 

@@ -21,8 +21,8 @@ module vi_structure_family
    implicit none (type, external)
    private
 
-   public :: flight_duration, free_unknowns, member_equations, member_multipliers, set_flights, &
-      set_member, set_unknowns
+   public :: flight_duration, free_unknowns, member_equations, member_multipliers, &
+      move_member, rows_of_family, set_flights, set_member
 
    !> What the members of a family have in common, besides the impacts (`family_type`, where a side
    !! is the number of a channel with the sign of its wall).
@@ -109,7 +109,7 @@ contains
       call set_unknowns(s, family, unknowns, member)
    end subroutine set_member
 
-   !> Another member at the same parameters.
+   !> The times, speeds and offsets of a member, and its equations.
    pure subroutine set_unknowns(s, family, unknowns, member)
       !> The structure.
       type(structure_family_type), intent(in) :: s
@@ -117,7 +117,7 @@ contains
       type(family_type), intent(in) :: family
       !> Its unknowns.
       real(wp), intent(in) :: unknowns(:)
-      !> In and out: a member at these parameters; its flights are not set.
+      !> In and out: its structure and regime are set.
       type(member_type), intent(inout) :: member
       real(wp), allocatable :: whole(:)
       integer :: sides(size(family%sides)*merge(2, 1, family%mirror))
@@ -134,14 +134,45 @@ contains
             member%equations, status)
       end associate
       if (status /= stat%ok) return
-      member%speeds = s%speed*sign(1, sides)*whole(:n)
-      if (family%mirror) then
-         member%offsets = spread(0.0_wp, 1, s%p)
-      else
-         member%offsets = matmul(member%turn, whole(2*n + 1:))
-      end if
+      allocate (member%speeds(n), member%offsets(s%p))
+      call move_member(s, family, unknowns, member)
       member%exists = .true.
    end subroutine set_unknowns
+
+   !> Another member at the same parameters, without its equations.
+   pure subroutine move_member(s, family, unknowns, member)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      !> In and out: a member at these parameters; of its equations the times alone are set, and its
+      !! flights are not set.
+      type(member_type), intent(inout) :: member
+      real(wp), allocatable :: whole(:)
+      integer :: n
+
+      n = size(member%speeds)
+      allocate (whole, source=whole_unknowns(family, unknowns))
+      member%equations%times = whole(n + 1:2*n)/member%regime%frequency
+      member%speeds = s%speed*member%structure%wall(member%equations%gaps)*whole(:n)
+      member%offsets = 0
+      if (.not. family%mirror) member%offsets = matmul(member%turn, whole(2*n + 1:))
+   end subroutine move_member
+
+   !> Which of the equations of a period are those of a member: of mirror images the first half.
+   pure function rows_of_family(family, impacts, equations) result(rows)
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> Number of impacts in a period, and of equations of the member.
+      integer, intent(in) :: impacts, equations
+      integer :: rows(equations), i
+
+      associate (n => size(family%sides))
+         rows = [(i, i=1, n), (impacts + i, i=1, n), (2*impacts + i, i=1, equations - 2*n)]
+      end associate
+   end function rows_of_family
 
    !> The equations of a member: gaps, approach speeds, and balances of modes of frequency 0.
    pure subroutine member_equations(s, family, member, value, jacobian)
@@ -162,9 +193,7 @@ contains
 
       n = size(family%sides)
       m = size(member%speeds)
-      rows(:n) = [(i, i=1, n)]
-      rows(n + 1:2*n) = [(m + i, i=1, n)]
-      rows(2*n + 1:) = [(2*m + i, i=1, size(value) - 2*n)]
+      rows = rows_of_family(family, m, size(value))
       if (.not. present(jacobian)) then
          call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
             scale)

@@ -10,7 +10,7 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, is_odd, new_change, new_function, value_at
+   public :: changed, is_odd, new_change, new_function, rates_of, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
    !! load.
@@ -43,6 +43,18 @@ module vi_structure_path
       type(load_type) :: load
       type(change_type), allocatable :: changes(:)
    end type structure_path_type
+
+   !> The derivatives of a structure and its load by a parameter.
+   type, public :: rates_type
+      !> (gaps) Those of the openings and of the coefficients of restitution at speed 0.
+      real(wp), allocatable :: openings(:), restitution(:)
+      !> That of the frequency.
+      real(wp) :: frequency = 0
+      !> (n, 1 + 2 harmonics) Those of the constant forces, the cosines and the sines.
+      real(wp), allocatable :: forces(:, :)
+      !> Whether the matrices or the directions change; their derivatives are not given.
+      logical :: modes = .false.
+   end type rates_type
 
 contains
 
@@ -105,6 +117,73 @@ contains
       end do
       value = here*one - two + series(0)
    end function entry_at
+
+   !> The derivative of an entry by the share.
+   pure real(wp) function entry_rate(change, series, share) result(rate)
+      !> The parameter.
+      type(change_type), intent(in) :: change
+      !> (0:degree) Its coefficients for this entry.
+      real(wp), intent(in) :: series(0:)
+      !> As in `value_at`.
+      real(wp), intent(in) :: share
+      real(wp) :: here, one, two, next
+      integer :: i
+
+      if (.not. change%chebyshev) then
+         rate = series(1)*(change%high - change%low)
+         return
+      end if
+      ! Clenshaw's recurrence of the polynomials of the second kind: T_i' = i U_(i - 1)
+      here = 2*share - 1
+      one = 0
+      two = 0
+      do i = ubound(series, 1), 1, -1
+         next = 2*here*one - two + i*series(i)
+         two = one
+         one = next
+      end do
+      rate = 2*one
+   end function entry_rate
+
+   !> The derivatives of the structure and its load by a parameter, as a share.
+   pure subroutine rates_of(path, k, share, rates)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+      !> Number of the parameter.
+      integer, intent(in) :: k
+      !> Its value, as a share of the way between its bounds.
+      real(wp), intent(in) :: share
+      !> The derivatives.
+      type(rates_type), intent(out) :: rates
+      real(wp) :: rate
+      integer :: harmonics, m
+
+      harmonics = size(path%load%sine, 2)
+      allocate (rates%openings(size(path%structure%openings)), &
+         rates%restitution(size(path%structure%openings)), &
+         rates%forces(size(path%load%constant), 1 + 2*harmonics), source=0.0_wp)
+      do m = 1, size(path%changes(k)%entries, 2)
+         rate = entry_rate(path%changes(k), path%changes(k)%series(:, m), share)
+         associate (i => path%changes(k)%entries(2, m), j => path%changes(k)%entries(3, m))
+            select case (path%changes(k)%entries(1, m))
+            case (of_opening)
+               rates%openings(i) = rate
+            case (of_restitution)
+               rates%restitution(i) = rate
+            case (of_frequency)
+               rates%frequency = rate
+            case (of_constant)
+               rates%forces(i, 1) = rate
+            case (of_cosine)
+               rates%forces(i, 1 + j) = rate
+            case (of_sine)
+               rates%forces(i, 1 + harmonics + j) = rate
+            case default
+               rates%modes = .true.
+            end select
+         end associate
+      end do
+   end subroutine rates_of
 
    !> Sets an entry.
    pure subroutine set(structure, load, entry, value)
@@ -183,7 +262,7 @@ contains
    end function get
 
    !> A parameter from its name.
-   pure subroutine new_change(name, bounds, structure, load, change, message)
+   pure subroutine new_change(name, bounds, structure, load, change, message, bound)
       !> One of the names of `parameter_takes`.
       character(*), intent(in) :: name
       !> Its bounds.
@@ -196,11 +275,14 @@ contains
       type(change_type), intent(out) :: change
       !> What is wrong with it; empty if nothing is.
       character(:), allocatable, intent(out) :: message
+      !> The bound with which that is wrong, 1 or 2; 0 if it is the name.
+      integer, intent(out), optional :: bound
       character(:), allocatable :: word
       integer, allocatable :: entries(:, :)
       integer :: places(2), i, j, kind, n, gaps
       logical :: factor, good
 
+      if (present(bound)) bound = 0
       n = size(structure%mass, 1)
       gaps = size(structure%openings)
       message = ''
@@ -270,11 +352,11 @@ contains
             'the restitution of the gap is a table'
       end if
       call move_alloc(entries, change%entries)
-      call check_range(kind, factor, change, message)
+      call check_range(kind, factor, change, message, bound)
    end subroutine new_change
 
    !> Checks that the bounds are values that the parameter can have.
-   pure subroutine check_range(kind, factor, change, message)
+   pure subroutine check_range(kind, factor, change, message, bound)
       !> Kind of entry.
       integer, intent(in) :: kind
       !> Whether the parameter is a factor.
@@ -283,15 +365,20 @@ contains
       type(change_type), intent(in) :: change
       !> Out: what is wrong, if anything is.
       character(:), allocatable, intent(inout) :: message
+      !> Out: the bound with which that is wrong.
+      integer, intent(inout), optional :: bound
 
       if (kind == of_restitution .and. .not. (change%low >= 0 .and. change%high <= 1)) then
          message = 'a coefficient of restitution lies between 0 and 1'
+         if (present(bound)) bound = merge(2, 1, change%low >= 0)
+         return
       else if (kind == of_frequency .and. .not. change%low > 0) then
          message = 'a frequency must be above 0'
       else if (factor .and. any(kind == [of_damping, of_stiffness]) .and. .not. change%low >= 0) &
          then
          message = 'this factor must be at least 0'
       end if
+      if (present(bound) .and. len(message) > 0) bound = 1
    end subroutine check_range
 
    !> The entries that are not 0.
@@ -395,6 +482,12 @@ contains
             message = 'there is no entry of kind '//whole(entries(1, i))//' at '// &
                whole(entries(2, i))//', '//whole(entries(3, i))
             return
+         end if
+         if (entries(1, i) == of_restitution) then
+            if (structure%laws(entries(2, i))%kind == table_law) then
+               message = 'the restitution of gap '//whole(entries(2, i) - 1)//' is a table'
+               return
+            end if
          end if
       end do
       change%entries = entries

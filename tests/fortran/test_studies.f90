@@ -13,6 +13,7 @@ program test_studies
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
    use studies_structures, only: test_structures
+   use studies_structure_slopes, only: test_structure_slopes
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_kinds, only: wp
@@ -51,6 +52,7 @@ program test_studies
    call test_rest()
    call test_rows()
    call test_structures()
+   call test_structure_slopes()
    call test_attractors()
    call finish()
 
