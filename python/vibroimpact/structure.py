@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import checks
-from .errors import ParameterError, SingularError
+from .errors import ParameterError, ParameterTypeError, SingularError
 from .restitution import (
     ByValue,
     PowerLaw,
@@ -391,8 +391,13 @@ def or_structure(
     def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
-            if any(isinstance(x, kind or Structure) for x in (*args[:1], *kwargs.values())):
+            given = (*args[:1], *kwargs.values())
+            if any(isinstance(x, kind or Structure) for x in given):
                 return of_structure(*args, **kwargs)
+            if kind and any(isinstance(x, Structure) for x in given):
+                raise ParameterTypeError(
+                    f"motion = {given[0]!r}: must be a vibroimpact.{kind.__name__}, not Structure"
+                )
             return of_oscillator(*args, **kwargs)
 
         return either

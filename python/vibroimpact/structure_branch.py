@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, overload
+from typing import Any, ClassVar, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from .structure_trajectory import structure_of
 __all__ = ["StructureBranch", "StructureSpecialPoint", "branch_structure"]
 
 _Array = NDArray[np.float64]
+_Found = TypeVar("_Found", bound="Followed")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -237,7 +238,8 @@ def branch_structure(
     Parameters
     ----------
     motion : StructureMotion
-        Without rest, with at most 24 impacts (23 if a mode has frequency 0).
+        Consistent and without rest, with at most 24 impacts (23 if a mode has frequency 0). It need be neither
+        stable nor admissible.
     parameter : str or function
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant
         forces and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
@@ -282,7 +284,22 @@ def branch_structure(
     keys = keys_of_parameter(
         motion.structure, motion.load, parameter, bounds, at, "parameter"
     ) | {"longest_step": longest_step, "max_points": max_points}  # fmt: skip
-    found = door.run_text(StructureBranch, case_from(motion, "branch", keys), progress=progress)
+    names = {"low": "bounds[0]", "high": "bounds[1]"}
+    return run_from(motion, StructureBranch, keys, names, progress)
+
+
+def run_from(
+    motion: StructureMotion, noun: type[_Found], keys: dict[str, Any], names: dict[str, str],
+    progress: door.Progress | None,
+) -> _Found:  # fmt: skip
+    """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
+    study = noun.study
+    group = study.removesuffix("_structure")
+    try:
+        found = door.run_text(noun, case_from(motion, group, keys), progress=progress)
+    except ParameterError as error:
+        message = str(error).removeprefix(f"&{group} ")
+        raise ParameterError(door.translated(message, names)) from None
     found.require()
     return found
 
@@ -291,6 +308,11 @@ def case_from(motion: StructureMotion, group: str, keys: dict[str, Any]) -> str:
     """The case of a study that starts from a motion."""
     if len(motion.rests):
         raise ParameterError(f"motion = {motion!r}: must be one without rest")
+    if motion.consistent is False:
+        raise ParameterError(
+            f"motion = {motion!r}: must be consistent, with a residual of rounding; "
+            "exact(structure, load, motion) gives the exact motion near it"
+        )
     study = f"{group}_structure"
     values = {name: door.plain(study, name, value, name) for name, value in keys.items()}
     start = {

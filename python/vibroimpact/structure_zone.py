@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import checks, door
 from .errors import ParameterError, SingularError
 from .structure import Load, Structure
-from .structure_branch import Followed, case_from
+from .structure_branch import Followed, run_from
 from .structure_motion import StructureMotion, exact_structure
 from .structure_path import Parameter, Path, keys_of_parameter
 from .studies.geometry import signed_area, winding
@@ -268,7 +268,8 @@ def zone_structure(
     Parameters
     ----------
     motion : StructureMotion
-        Without rest, with at most 24 impacts (23 if a mode has frequency 0); it need not be stable.
+        Consistent and without rest, with at most 24 impacts (23 if a mode has frequency 0). It need be neither
+        stable nor admissible.
     x, y : (parameter, float, float)
         Each a parameter, as in `vibroimpact.branch`, with its lowest and highest value.
     lines : int
@@ -306,6 +307,7 @@ def zone_structure(
     """
     checks.instance(motion, "motion", StructureMotion)
     keys: dict[str, Any] = {}
+    names: dict[str, str] = {}
     for name, axis, start in (("x", x, x_at), ("y", y, y_at)):
         wanted = "(parameter, lowest, highest)"
         if not isinstance(axis, tuple) or len(axis) != 3:
@@ -313,7 +315,6 @@ def zone_structure(
         keys |= keys_of_parameter(
             motion.structure, motion.load, axis[0], axis[1:], start, name, f"{name}_"
         )
+        names |= {name: f"{name}[0]", f"{name}_low": f"{name}[1]", f"{name}_high": f"{name}[2]"}
     keys |= {"lines": lines, "max_points": max_points}
-    found = door.run_text(StructureZone, case_from(motion, "zone", keys), progress=progress)
-    found.require()
-    return found
+    return run_from(motion, StructureZone, keys, names, progress)

@@ -4,7 +4,7 @@ module vi_printout
    use vi_oscillator, only: lag
    use vi_result, only: filled_type, result_type
    use vi_status, only: stat, status_text
-   use vi_text, only: append, line_type, shown, whole
+   use vi_text, only: append, counted, line_type, shown
    implicit none (type, external)
    private
 
@@ -70,8 +70,8 @@ contains
       impacts = size(each('X'))
       associate (sides => result%columns(result%place('motions', 'sides')), &
          cycles => result%columns(result%place('motions', 'cycles')))
-         call append(lines, whole(impacts)//' impacts in '//whole(cycles%k(i))// &
-            ' cycle(s), sides '//sides%words(sides%k(i))%text)
+         call append(lines, counted(impacts, 'impact')//' in '//counted(cycles%k(i), 'cycle')// &
+            ', sides '//sides%words(sides%k(i))%text)
       end associate
       call append(lines, row('alpha_i/pi', each('phase')/pi, 'f12.4'))
       call append(lines, row('Omega t_1/pi', [wrapped(tau + lag(one('xi'), one('r')))/pi], 'f12.4'))

@@ -68,31 +68,35 @@ contains
       type(case_type), intent(inout) :: case
       type(structure_path_type) :: path
       character(:), allocatable :: message
+      character(9), parameter :: keys(0:2) = [character(9) :: 'parameter', 'low', 'high']
+      integer :: bound
 
       if (len(case%study%fault) > 0) return
       call check_start_state(case)
       call needs_frequency(case, 'parameter')
       call check_sweep(case%study, case%coordinates)
       if (len(case%study%fault) > 0) return
-      call find_path(case, path, message)
-      if (len(message) > 0) call case%study%refuse('parameter', message)
+      call find_path(case, path, message, bound)
+      if (len(message) > 0) call case%study%refuse(trim(keys(bound)), message)
    end subroutine check_bifurcation
 
    !> The structure and its load as functions of the parameter.
-   subroutine find_path(case, path, message)
+   subroutine find_path(case, path, message, bound)
       !> The case.
       type(case_type), intent(in) :: case
       !> The path.
       type(structure_path_type), intent(out) :: path
       !> What is wrong with the parameter; empty if nothing is.
       character(:), allocatable, intent(out) :: message
+      !> The bound with which that is wrong, 1 or 2; 0 if it is another key.
+      integer, intent(out) :: bound
       type(change_type) :: change
       type(structure_type) :: structure
       type(load_type) :: load
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
-      call parameter_change(case%study, 'parameter', '', structure, load, change, message)
+      call parameter_change(case%study, 'parameter', '', structure, load, change, message, bound)
       path%structure = structure
       path%load = load
       allocate (path%changes(1))
@@ -124,12 +128,12 @@ contains
       type(cell_type), allocatable :: cells(:)
       character(:), allocatable :: message
       integer, allocatable :: owners(:)
-      integer :: i, n
+      integer :: bound, i, n
 
       associate (not_used => threads)    ! the state is carried from value to value
       end associate
       n = case%coordinates
-      call find_path(case, path, message)
+      call find_path(case, path, message, bound)
       call run_sweep(case%study, path, case%study%whole_number('points'), cells, result, progress)
       call put_cells(result, path, case%study, cells)
       owners = [(spread(i, 1, size(cells(i)%strobes, 2)), i=1, size(cells))]

@@ -18,7 +18,7 @@ module vi_branch_study
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, &
       study_type, truths, values_type, verdicts, wholes, words
-   use vi_text, only: line_type, number_text, whole
+   use vi_text, only: counted, line_type, number_text, whole
    implicit none (type, external)
    private
 
@@ -480,7 +480,7 @@ contains
          'neimark_sacker', 'grazing', 'zero_approach']
       integer :: i, k, count
 
-      text = whole(branch%n)//' points'
+      text = counted(branch%n, 'point')
       do i = 1, size(names)
          count = 0
          do k = 1, branch%n

@@ -56,14 +56,14 @@ contains
       !> The parameter, if there is no fault.
       type(change_type), intent(out) :: change
       character(:), allocatable :: message, word
-      integer :: m
+      integer :: bound, m
 
       if (len(group%fault) > 0) return
       call group%text(name, word)
       if (word == 'function') then
          m = size(group%numbers(prefix//'entries'))
          if (modulo(m, 3) /= 0) then
-            call group%refuse(prefix//'entries', whole(m)//' numbers are given')
+            call group%refuse(prefix//'entries', counted(m, 'number')//' in all')
          else if (modulo(size(group%numbers(prefix//'series')), m/3) /= 0) then
             call group%refuse(prefix//'series', 'there are '//counted(m/3, 'place')//' and '// &
                counted(size(group%numbers(prefix//'series')), 'number'))
@@ -73,8 +73,11 @@ contains
          call group%refuse(prefix//'high')
       end if
       if (len(group%fault) > 0) return
-      call parameter_change(group, name, prefix, structure, load, change, message)
+      call parameter_change(group, name, prefix, structure, load, change, message, bound)
       if (len(message) > 0) then
+         ! the first fault counts
+         if (bound == 1) call group%refuse(prefix//'low', message)
+         if (bound == 2) call group%refuse(prefix//'high', message)
          if (word == 'function') call group%refuse(prefix//'entries', message)
          call group%refuse(name, message)
          return
@@ -85,7 +88,7 @@ contains
    end subroutine check_parameter
 
    !> The parameter of a case.
-   pure subroutine parameter_change(group, name, prefix, structure, load, change, message)
+   pure subroutine parameter_change(group, name, prefix, structure, load, change, message, bound)
       !> The group.
       type(values_type), intent(in) :: group
       !> The key of the parameter, and what its other keys begin with.
@@ -98,12 +101,15 @@ contains
       type(change_type), intent(out) :: change
       !> What is wrong with it; empty if nothing is.
       character(:), allocatable, intent(out) :: message
+      !> The bound with which that is wrong, 1 or 2; 0 if it is another key.
+      integer, intent(out), optional :: bound
       character(:), allocatable :: word
       real(wp) :: bounds(2)
       integer :: m
 
       bounds = [group%number(prefix//'low'), group%number(prefix//'high')]
       call group%text(name, word)
+      if (present(bound)) bound = 0
       if (word == 'function') then
          associate (entries => group%numbers(prefix//'entries'), &
             series => group%numbers(prefix//'series'))
@@ -112,7 +118,7 @@ contains
                m]), bounds, group%number(prefix//'at'), structure, load, change, message)
          end associate
       else
-         call new_change(word, bounds, structure, load, change, message)
+         call new_change(word, bounds, structure, load, change, message, bound)
       end if
    end subroutine parameter_change
 

@@ -188,7 +188,7 @@ def test_pictures(diagram):
         ({"parameter": "weight"}, "parameter = 'weight': must be 'frequency'"),
         ({"parameter": "opening_3"}, "parameter = 'opening_3': must be"),
         ({"parameter": 3}, "parameter = 3: must be a name"),
-        ({"parameter": "restitution", "values": [0.5, 1.5]}, "parameter = 'restitution': must be"),
+        ({"parameter": "restitution", "values": [0.5, 1.5]}, "values[-1] = 1.5: must be"),
         ({"values": [1.0]}, "values of shape (1,): must be at least two evenly spaced"),
         ({"values": [1.0, 1.1, 1.3]}, "values of shape (3,): must be"),
         ({"values": [1.2, 1.1]}, "values of shape (2,): must be"),

@@ -26,6 +26,8 @@ __all__ = [
 ]
 
 _Array = NDArray[np.float64]
+#: What the core calls the ends of the values.
+ENDS = {"low": "values[0]", "high": "values[-1]"}
 
 
 class _Sweep(StructureNoun):
@@ -262,7 +264,7 @@ def bifurcation_structure(
         **chosen, "values": array.size, "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
         "settling": settling, "keep": keep, "points": points, "max_events": max_events,
     }  # fmt: skip
-    return run_structure(StructureBifurcation, structure, load, keys, None, progress)
+    return run_structure(StructureBifurcation, structure, load, keys, None, progress, ENDS)
 
 
 def response_structure(
@@ -320,4 +322,4 @@ def response_structure(
         "low": array[0], "high": array[-1], "values": array.size, "sweep": sweep, "q": start["q"],
         "q_dot": start["q_dot"], "settling": settling, "keep": keep, "max_events": max_events,
     }  # fmt: skip
-    return run_structure(StructureResponse, structure, load, keys, threads, progress)
+    return run_structure(StructureResponse, structure, load, keys, threads, progress, ENDS)
