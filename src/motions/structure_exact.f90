@@ -1,6 +1,7 @@
 !> Exact periodic motions of a structure: Newton's method on the impact times, the approach speeds
 !! and the offsets of pairs of frequency 0, all derivatives in closed form.
 module vi_structure_exact
+   use vi_exact, only: exact_acceptance
    use vi_kinds, only: wp
    use vi_lapack, only: solve
    use vi_status, only: stat
@@ -64,6 +65,11 @@ contains
             return
          end if
          call scaled_solve(jacobian, value, scale, step, status)
+         if (status == stat%singular .and. residual <= exact_acceptance) then
+            ! a motion at a fold or a pitchfork
+            status = stat%ok
+            return
+         end if
          if (status /= stat%ok) return
          share = 1
          do i = 1, n
@@ -79,6 +85,8 @@ contains
          change = maxval(abs(step(:n)))/period
          if (maxval(abs(speeds)) > 0) change = max(change, maxval(abs(step(n + 1:2*n)))/ &
             maxval(abs(speeds)))
+         ! near a fold or a pitchfork rounding alone gives such a step
+         if (residual <= at_rounding .and. change > small) exit
          times = times + step(:n)
          speeds = speeds + step(n + 1:2*n)
          offsets = offsets + step(2*n + 1:)

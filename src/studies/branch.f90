@@ -79,7 +79,8 @@ contains
       type(stride_type), intent(in) :: stride
       !> The motion at the start: unknowns, then the parameter over its range (0 to 1).
       real(wp), intent(in) :: point(:)
-      !> +1 or -1: the direction in which the parameter changes first.
+      !> +1 or -1: the direction in which the parameter changes first, or at a fold another
+      !! coordinate.
       integer, intent(in) :: way
       !> Largest number of points.
       integer, intent(in) :: most
@@ -94,13 +95,18 @@ contains
       type(condition_type) :: none(0)
       type(place_type) :: before, now, next
       real(wp) :: along(size(point))
+      integer :: i
       logical :: good, done, unsure
 
       allocate (branch%points(size(point), most), branch%special(most))
       branch%reason = end_stuck
-      along = 0
-      along(size(point)) = way
-      call begin_walk(curve, none, point, along, 0.1_wp*stride%longest, now, good)
+      do i = size(point), 1, -1
+         ! at a fold the parameter does not change at first
+         along = 0
+         along(i) = way
+         call begin_walk(curve, none, point, along, 0.1_wp*stride%longest, now, good)
+         if (good) exit
+      end do
       if (.not. good) return
       call append(branch, now, condition_type())
       if (on_bound(curve, now, way)) then

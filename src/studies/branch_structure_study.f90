@@ -17,11 +17,11 @@ module vi_branch_structure_study
    use vi_structure_path, only: change_type, parameter_takes, value_at
    use vi_structure_period, only: structure_motion_type
    use vi_structure_return, only: settled_type
-   use vi_structure_start, only: motion_at, start_curve
+   use vi_structure_start, only: motion_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_word, case_type, column_type, complexes, key_type, result_type, &
       study_type, values_type, verdicts, wholes, words
-   use vi_text, only: line_type, number_text, whole
+   use vi_text, only: counted, line_type, number_text, whole
    implicit none (type, external)
    private
 
@@ -254,11 +254,13 @@ contains
       character(14), parameter :: names(7) = [character(14) :: 'fold', 'pitchfork', 'flip', &
          'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous']
       character(:), allocatable :: text
-      real(wp) :: values(size(motions))
+      real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions))
+      real(wp), parameter :: turn = 2*acos(-1.0_wp)
       integer :: i, k, n
 
       n = size(motions)
       do i = 1, n
+         phases(:, i) = phases_at(curve, points(:, i))
          values(i) = value_at(change, points(size(points, 1), i))
          associate (condition => conditions(i))
             special(i)%text = ''
@@ -269,8 +271,7 @@ contains
             if (condition%kind == grazing .and. condition%share >= 1) special(i)%text = &
                'simultaneous'
             call touch_detail(curve, condition, [trim(name)], detail(i)%text)
-            if (condition%kind == edge) values(i) = merge(change%low, change%high, &
-               condition%side > 0)
+            if (condition%kind == edge) values(i) = value_at(change, condition%bound)
          end associate
       end do
       call result%open('points', 'point', [n])
@@ -283,7 +284,8 @@ contains
       call result%put('points', 'residual', motions%residual)
       call result%put('points', 'q_min', [extremes(:, :, 1)])
       call result%put('points', 'q_max', [extremes(:, :, 2)])
-      call result%put('points', 'phases', [(motions(i)%phases, i=1, n)])
+      ! continuous along the branch, and none below 0
+      call result%put('points', 'phases', [phases - turn*min(0, floor(minval(phases)/turn))])
       call result%put('points', 'speeds', [(motions(i)%speeds, i=1, n)])
       call result%put('points', 'impulses', [(motions(i)%impulses, i=1, n)])
       call result%put_text('points', 'special', special)
@@ -296,7 +298,7 @@ contains
       ends(2)%text = end_text(reasons(2))
       call result%put_text('branch', 'first_end', ends(1:1))
       call result%put_text('branch', 'last_end', ends(2:2))
-      text = whole(n)//' points'
+      text = counted(n, 'point')
       do i = 1, size(names)
          k = count([(special(k)%text == names(i), k=1, n)])
          if (k > 0) text = text//', '//whole(k)//' '//trim(names(i))

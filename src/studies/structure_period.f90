@@ -109,6 +109,9 @@ contains
       integer :: i
 
       motion%phases = regime%frequency*equations%times
+      ! whole cycles later the load is the same, and simulations begin at times from 0 on
+      if (motion%phases(1) < 0) motion%phases = motion%phases &
+         + two_pi*ceiling(-motion%phases(1)/two_pi)
       allocate (motion%impulses(size(motion%speeds)), motion%states(2*size(x), size(motion%speeds)))
       do i = 1, size(motion%speeds)
          call impulse_of(structure, equations%gaps(i), motion%speeds(i), motion%impulses(i), slope)

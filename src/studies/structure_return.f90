@@ -198,7 +198,9 @@ contains
       !> How far the motion may be from the simulated one: in phase (rad), and in speed relative to
       !! the largest one.
       real(wp), parameter :: near = 0.05_wp
+      real(wp), parameter :: turn = 2*acos(-1.0_wp)
       type(structure_type) :: own
+      real(wp), allocatable :: apart(:)
       integer :: n
 
       call one_cycle(run, state, found%cycles, elapsed, events, n, status)
@@ -215,7 +217,8 @@ contains
             found%cycles, exact, found%motion, status)
          if (status /= stat%ok) return
          ! another motion is not the one on which the simulation settles
-         if (any(abs(found%motion%phases - phases_of(run, events(:n))) > near) .or. &
+         apart = found%motion%phases - phases_of(run, events(:n))
+         if (any(abs(apart - turn*nint(apart(1)/turn)) > near) .or. &
             any(abs(found%motion%speeds - events(:n)%speed) > near*maxval(events(:n)%speed))) then
             status = stat%no_convergence
          end if

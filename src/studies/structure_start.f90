@@ -1,7 +1,7 @@
 !> The family of a known motion of a structure, and its place in it: where branches and zones start.
 module vi_structure_start
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
-   use vi_family, only: new_family, repetition_distance, repetition_type
+   use vi_family, only: new_family, repetition_distance, repetition_type, whole_unknowns
    use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
    use vi_linear, only: most
@@ -17,14 +17,17 @@ module vi_structure_start
    use vi_structure_motion, only: relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
    use vi_structure_return, only: settled_type
-   use vi_text, only: whole
+   use vi_text, only: counted, whole
    implicit none (type, external)
    private
 
-   public :: motion_at, start_curve
+   public :: motion_at, phases_at, start_curve
 
    !> A motion nearer than this to one that repeats itself is that one.
    real(wp), parameter :: same = 1.0e-6_wp
+   !> Where a bound is a resonance, motions end this share of the range before it. They are
+   !! continuous there, but their equations are not.
+   real(wp), parameter :: inset = 1.0e-6_wp
 
 contains
 
@@ -70,7 +73,7 @@ contains
       regime%frequency = load%frequency
       allocate (pairs, source=offset_pairs(regime))
       if (n > most_impacts .or. 2*n + size(pairs) + 2 > most) then
-         message = 'the motion has '//whole(n)//' impacts, and at most '// &
+         message = 'the motion has '//counted(n, 'impact')//', and at most '// &
             whole(min(most_impacts, (most - 2 - size(pairs))/2))//' can be followed'
          return
       end if
@@ -97,8 +100,8 @@ contains
       do i = 1, size(repetitions)
          if (repetition_distance(family, repetitions(i), unknowns) > same) cycle
          if (repetitions(i)%sign > 0) then
-            message = 'the motion repeats itself within its '//whole(found%cycles)// &
-               ' load cycles; start from the shorter period'
+            message = 'the motion repeats itself within its '//counted(found%cycles, 'load cycle')// &
+               '; start from the shorter period'
             return
          end if
          symmetric = .true.
@@ -116,11 +119,49 @@ contains
          curve%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=0.0_wp)
          curve%frame%edges(2*i) = condition_type(edge, i, -1, bound=1.0_wp)
       end do
+      do i = 1, size(curve%frame%edges)
+         call avoid_resonance(curve%frame%structure, family, unknowns, shares, &
+            curve%frame%edges(i))
+      end do
       curve%active = [(i, i=1, size(changes))]
       curve%origin = spread(0.0_wp, 1, size(changes))
       curve%scale = spread(1.0_wp, 1, size(changes))
       point = [unknowns, shares]
    end subroutine start_curve
+
+   !> Moves a bound at which there are no motions of the family a little inwards.
+   pure subroutine avoid_resonance(s, family, unknowns, shares, bound)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> The motion at the start, and the parameters there as shares.
+      real(wp), intent(in) :: unknowns(:), shares(:)
+      !> In and out: the bound.
+      type(condition_type), intent(inout) :: bound
+      type(member_type) :: member
+      real(wp) :: place(size(shares))
+
+      place = shares
+      place(bound%index) = bound%bound
+      call set_member(s, family, unknowns, place, member)
+      if (.not. member%exists) bound%bound = bound%bound + bound%side*inset
+   end subroutine avoid_resonance
+
+   !> The load phases of the impacts of a period at a point of a curve, which are continuous along
+   !! it.
+   pure function phases_at(curve, point) result(phases)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The point.
+      real(wp), intent(in) :: point(:)
+      real(wp), allocatable :: phases(:), whole(:)
+
+      allocate (whole, source=whole_unknowns(curve%frame%family, unknowns_of(curve, point)))
+      associate (n => size(curve%frame%family%sides)*merge(2, 1, curve%frame%family%mirror))
+         allocate (phases, source=whole(n + 1:2*n))
+      end associate
+   end function phases_at
 
    !> The motion at a point of a curve, with its verdicts.
    pure subroutine motion_at(curve, point, condition, motion, extremes)

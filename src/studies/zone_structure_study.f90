@@ -255,12 +255,19 @@ contains
       pure subroutine to_parameters(place)
          !> In: the share of x, and the exponential of that of y. Out: both parameters.
          real(wp), intent(inout) :: place(2)
-         real(wp) :: share
+         real(wp), parameter :: rounding = 1.0e-13_wp
+         real(wp) :: share(2)
+         integer :: axis
 
-         ! places on the border are exactly there
-         share = log(place(2))
-         if (abs(share - 1) < 1.0e-14_wp) share = 1
-         place = [value_at(changes(1), place(1)), value_at(changes(2), share)]
+         share = [place(1), log(place(2))]
+         do axis = 1, 2
+            associate (bounds => surface%frame%edges(2*axis - 1:2*axis)%bound)
+               ! places on the border are exactly there
+               if (abs(share(axis) - bounds(1)) < rounding) share(axis) = 0
+               if (abs(share(axis) - bounds(2)) < rounding) share(axis) = 1
+            end associate
+            place(axis) = value_at(changes(axis), share(axis))
+         end do
       end subroutine to_parameters
    end subroutine in_parameters
 

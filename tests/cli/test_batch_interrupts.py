@@ -14,6 +14,16 @@ SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n
 SHORT = "&simulate clearance = 6, cycles = 10 /\n"
 LONG = "&simulate clearance = 5, cycles = 2000000, max_events = 50000000 /\n"
 
+#: A damper in the second of two coupled masses, and the motion on which it settles.
+DAMPER = """&structure mass = 1, 1, 0.1, damping = 0.1, -0.05, 0,  -0.05, 0.05, 0,  0, 0, 0
+  stiffness = 2, -1, 0,  -1, 1, 0,  0, 0, 0 /
+&gap direction = 0, -1, 1, opening = 6, restitution = 0.7 /
+&gap direction = 0, 1, -1, opening = 6, restitution = 0.7 /
+&load frequency = 0.65, sine = 0, 0.5, 0 /
+&simulate cycles = 10 /
+&motion kind = 'settled' /
+"""
+
 
 @contextlib.contextmanager
 def started(binary, folder, interrupt=signal.SIG_DFL):
@@ -48,6 +58,30 @@ def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
         assert "# ! cut short: the simulation was stopped after" in head
         whole = (tmp_path / "out/case_1.csv").read_text()
         assert "cut short" not in whole
+
+
+@pytest.mark.parametrize(
+    ("study", "fault", "kept"),
+    [
+        ("zone x = 'frequency', x_low = 0.3, x_high = 3.2, y = 'load', y_low = 0.1, y_high = 9, lines = 129",
+         "it was stopped before all boundaries were followed", 1),
+        ("branch parameter = 'frequency', low = 0.3, high = 3.2, longest_step = 1e-5, max_points = 100000",
+         r"frequency from [\d.]+ to [\d.]+ was reached", 2),
+    ],
+)  # fmt: skip
+def test_studies_of_structures_are_interrupted(study, fault, kept, binary, tmp_path):
+    """Of a branch the points so far are kept; a part of a zone is none."""
+    write(tmp_path / "case.nml", f"{DAMPER}&{study} /\n")
+    with started(binary, tmp_path) as process:
+        wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
+        time.sleep(0.2)
+        begin = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, faults = process.communicate(timeout=60)
+    assert time.monotonic() - begin < 20
+    assert process.returncode == 1
+    assert re.search(f"case_2: interrupted: {fault}", faults)
+    assert len([*(tmp_path / "out").iterdir()]) == kept
 
 
 def test_a_second_interrupt_ends_the_program_at_once(binary, tmp_path):

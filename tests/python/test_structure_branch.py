@@ -104,6 +104,35 @@ def law_of(kind, branch, i):
     return 0.0
 
 
+def test_motions_of_branches_are_starts(pair):
+    """The motion of any point, at a fold too, begins simulations, exact motions and branches."""
+    shifted = ([phase - 2 * math.pi for phase in PHASES], [0, 1])
+    motion = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), shifted)
+    assert motion.phases == pytest.approx(pair[0].phases, abs=1e-12)
+    branches = [vi.branch(motion, "frequency", (0.8, 1.2))]
+    branches += [
+        branch for name, branch in followed([0, 1]) if name in ("frequency", "restitution_1")
+    ]
+    kinds = set()
+    for branch in branches:
+        assert branch.phases.min() >= 0
+        special = {point.index: point.type for point in branch.special_points}
+        for i in sorted({*range(0, len(branch), 20), *special}):
+            here = branch[i]
+            kinds.add(special.get(i, ""))
+            start, omega = here.phases[0] / here.load.frequency, here.load.frequency
+            same = vi.exact(here.structure, here.load, here)
+            assert same.phases == pytest.approx(here.phases, abs=1e-5)
+            assert len(vi.branch(here, "frequency", (0.995 * omega, 1.005 * omega))) > 1
+            if special.get(i) != "simultaneous":
+                state = (here.q, here.q_dot)
+                run = vi.simulate(
+                    here.structure, here.load, duration=1e-3, start=start, state=state
+                )
+                assert run.start == start
+    assert {"", "fold", "flip", "pitchfork", "grazing"} <= kinds
+
+
 @pytest.mark.slow
 def test_special_points_of_random_structures():
     """Each special point meets its law; verdicts change only at special points; grazes touch."""
@@ -208,10 +237,13 @@ def test_restitution_that_depends_on_the_speed():
         ({"parameter": "mass_0"}, ["mass_0", "row and column"]),
         ({"parameter": "frequency_1"}, ["frequency_1", "no numbers"]),
         ({"parameter": "constant"}, ["constant", "nothing"]),
-        ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["restitution", "between 0 and 1"]),
-        ({"parameter": "frequency", "bounds": (-1, 2)}, ["frequency", "above 0"]),
-        ({"bounds": (20, 30)}, ["low", "18.5"]), ({"bounds": (30, 20)}, ["high", "20"]),
-        ({"bounds": (math.nan, 30)}, ["low", "nan"]), ({"bounds": 3}, ["bounds", "3"]),
+        ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["bounds[1] = 1.2", "between 0 and 1"]),
+        ({"parameter": "restitution", "bounds": (-0.1, 1)}, ["bounds[0] = -0.1", "between 0 and 1"]),
+        ({"parameter": "frequency", "bounds": (-1, 2)}, ["bounds[0] = -1.0", "above 0"]),
+        ({"parameter": "damping", "bounds": (-1, 2)}, ["bounds[0] = -1.0", "at least 0"]),
+        ({"bounds": (20, 30)}, ["bounds[0] = 20", "18.5"]),
+        ({"bounds": (30, 20)}, ["bounds[1] = 20", "above bounds[0]"]),
+        ({"bounds": (math.nan, 30)}, ["bounds[0]", "nan"]), ({"bounds": 3}, ["bounds", "3"]),
         ({"parameter": ""}, ["parameter", "no such name"]),
         ({"at": 1.0}, ["at", "function"]), ({"parameter": rotor}, ["at"]),
         ({"parameter": rotor, "bounds": (-1, 1), "at": 0.5}, ["at", "0.5", "another structure"]),
@@ -300,6 +332,23 @@ def test_a_motion_in_a_zone_is_the_stable_one():
     assert inside > 10
 
 
+def test_a_zone_up_to_a_resonance():
+    """Motions are continuous at a resonance of an undamped mode, their equations are not: a zone ends there."""
+    undamped = vi.Structure([1], [0], [1], [vi.Gap([1], 1, 0.8)])
+    load = vi.Load(1.3, cosine=[1])
+    motion = vi.exact(undamped, load, vi.simulate(undamped, load, cycles=500))
+    until, beyond = (
+        vi.zone(motion, x=("frequency", low, 3.0), y=("load", 0.3, 2.0)) for low in (1.0, 0.9)
+    )
+    assert until.closed
+    assert until.loops[0][:, 0].min() == 1.0
+    x, y = np.random.default_rng(4).uniform((1.0, 0.3), (3.0, 2.0), (2000, 2)).T
+    assert (until.contains(x, y) == beyond.contains(x, y)).all()
+    branch = vi.branch(motion, "frequency", (1.0, 3.0))
+    assert branch.ends == ("bound of the parameter",) * 2
+    assert branch.values.min() == pytest.approx(1.0, abs=1e-5)
+
+
 def test_words_of_arguments(pair):
     """A structure's motion can be given by its keyword, and a column to draw must be a name."""
     path = vi.branch(motion=pair[0], parameter="opening", bounds=(18, 19))
@@ -320,6 +369,12 @@ def test_motions_that_cannot_be_followed_are_named():
     repeats = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), twice)
     with pytest.raises(SingularError, match="repeats itself"):
         vi.branch(repeats, "opening", (5, 30))
+    presumed = vi.periodic(damper(), vi.Load(0.94, sine=[1, 0]), [1.6, 6.0], [0, 1])
+    for study in (vi.branch, lambda *x: vi.zone(x[0], ("frequency", 0.8, 1.2), ("opening", 5, 30))):
+        with pytest.raises(ParameterError, match=r"residual 0\..*must be consistent"):
+            study(presumed, "opening", (5, 30))
+        with pytest.raises(ParameterTypeError, match="StructureMotion"):
+            study(damper(), "opening", (5, 30))
 
 
 @pytest.fixture(scope="module")
@@ -430,11 +485,13 @@ def test_zones_hold_what_simulation_finds():
 
 def test_bad_axes_are_named(pair):
     for options, word in (
-        ({"x": ("frequency", 0.8, 1.2), "y": ("frequency", 0.8, 1.2)}, "what x changes"),
-        ({"x": ("opening_0", 10, 20), "y": ("opening", 10, 20)}, "what x changes"),
+        ({"x": ("frequency", 0.8, 1.2), "y": ("frequency", 0.8, 1.2)}, "y.*what x"),
+        ({"x": ("opening_0", 10, 20), "y": ("opening", 10, 20)}, "y.*what x"),
         ({"x": ("frequency", 0.8), "y": ("opening", 10, 20)}, "x"),
-        ({"x": ("frequency", 1.0, 1.2), "y": ("opening", 10, 20)}, "x_low"),
-        ({"x": ("frequency", 0.8, 1.2), "y": ("opening", 10, 15)}, "y_high"),
+        ({"x": ("frequency", 1.0, 1.2), "y": ("opening", 10, 20)}, r"x\[1\] = 1.0"),
+        ({"x": ("frequency", 0.8, 1.2), "y": ("opening", 10, 15)}, r"y\[2\] = 15"),
+        ({"x": ("frequency", 0, 1.2), "y": ("opening", 10, 20)}, r"x\[1\] = 0.*above 0"),
+        ({"x": ("width", 0, 1.2), "y": ("opening", 10, 20)}, r"x\[0\] = 'width'"),
         ({"x": ("frequency", 0.8, 1.2), "y": ("opening", 10, 20), "lines": 2}, "lines"),
     ):
         with pytest.raises(ParameterError, match=word):
