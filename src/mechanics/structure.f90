@@ -15,8 +15,8 @@ module vi_structure
    implicit none (type, external)
    private
 
-   public :: check_structure, inputs_of, is_extreme, new_load, new_regime, new_structure, restitution_of, &
-      state_of, to_pairs
+   public :: check_structure, inputs_of, is_extreme, new_load, new_regime, new_structure, &
+      restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
@@ -604,8 +604,8 @@ contains
 
       call new_rows(regime%modes, regime%position, regime%velocity, regime%row_offset, &
          regime%ripple, regime%frequency, regime%rows)
-      if (coordinates) call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, regime%steady, &
-         regime%frequency, regime%coordinates, regime%dx, regime%dv)
+      if (coordinates) call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, &
+         regime%steady, regime%frequency, regime%coordinates, regime%dx, regime%dv)
       associate (speeds => [sqrt(regime%modes%stiffness), 2*regime%modes%damping, &
          regime%frequency])
          if (any(speeds > 0)) regime%unit = 1/maxval(speeds)

@@ -182,8 +182,8 @@ contains
       v(2) = -pair%stiffness*x(1) - 2*pair%damping*v(1)
    end subroutine pair_response
 
-   !> The derivatives of the response of a pair, and of its rate, by the logarithm of a factor of all
-   !! times.
+   !> The derivatives of the response of a pair, and of its rate, by the logarithm of a factor of
+   !! all times.
    !!
    !! A longer period leaves more of a pair's motion at its end: the response changes by that to a
    !! jump by the rate just before the next jump.

@@ -100,8 +100,8 @@ contains
       do i = 1, size(repetitions)
          if (repetition_distance(family, repetitions(i), unknowns) > same) cycle
          if (repetitions(i)%sign > 0) then
-            message = 'the motion repeats itself within its '//counted(found%cycles, 'load cycle')// &
-               '; start from the shorter period'
+            message = 'the motion repeats itself within its '//counted(found%cycles, &
+               'load cycle')//'; start from the shorter period'
             return
          end if
          symmetric = .true.
