@@ -32,6 +32,7 @@ PURPOSES = {
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
     "explorer": "the explorer in a browser (`vibroimpact explore`)",
     "film": "MP4 films, where the program ffmpeg is missing",
+    "jax": "derivatives in JAX (`vibroimpact.jax`)",
     "matlab": "MATLAB files",
     "plot": "pictures",
     "reproduce": "`vibroimpact reproduce`",
