@@ -18,8 +18,10 @@ from .errors import (
 from .events import Sample
 from .flags import StabilityFlags, stability_flags
 from .formats.load import load
+from .formats.measured import read_record
 from .gradient import Gradient
 from .likeness import is_symmetric, motion_images, same_motion, standard_motion
+from .measured import SensorRecord, VirtualRig, virtual_record
 from .model import Oscillator, Pattern
 from .motion import Motion, Motions
 from .newton import exact
@@ -48,6 +50,7 @@ from .studies.chart import Chart, chart
 from .studies.decay import Decay, decay
 from .studies.design import Design, design
 from .studies.find import Findings, FoundMotions, Search, find
+from .studies.identify import Identification, identify
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
@@ -83,6 +86,7 @@ __all__ = [
     "FoundMotions",
     "Gap",
     "Gradient",
+    "Identification",
     "LimitProbability",
     "Load",
     "Lyapunov",
@@ -106,6 +110,7 @@ __all__ = [
     "RunLog",
     "Sample",
     "Search",
+    "SensorRecord",
     "Signal",
     "SingularError",
     "SpecialPoint",
@@ -130,6 +135,7 @@ __all__ = [
     "Uncertainty",
     "Units",
     "VibroimpactError",
+    "VirtualRig",
     "Zone",
     "ZoneSearch",
     "atlas",
@@ -152,6 +158,7 @@ __all__ = [
     "exact_structure",
     "find",
     "find_structure",
+    "identify",
     "is_symmetric",
     "limit_probability",
     "linear_system",
@@ -164,6 +171,7 @@ __all__ = [
     "periodic_structure",
     "physical",
     "read_namelist",
+    "read_record",
     "response",
     "response_structure",
     "run_namelists",
@@ -177,6 +185,7 @@ __all__ = [
     "standard_motion",
     "status_text",
     "uncertainty",
+    "virtual_record",
     "zone",
     "zone_structure",
 ]

@@ -29,7 +29,7 @@ INTERRUPT = "Ctrl-C: what is finished is kept, status 1"
 UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
 )
-WITHOUT_UNITS = ("explore", "reproduce", "init", "doctor", "bench", "completion")
+WITHOUT_UNITS = ("explore", "identify", "reproduce", "init", "doctor", "bench", "completion")
 #: Commands that compute nothing that is saved.
 WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
 

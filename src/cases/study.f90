@@ -38,12 +38,13 @@ module vi_study
       logical :: has_load = .true.
       !> Whether the frequency ratio is a part of its result; &system has none then.
       logical :: finds_r = .false.
-      !> Whether its cases are computed by the Python package, which has libraries that the core has
-      !! not. The declaration is the same, keys, checks and columns; `run` stays null, and the core
-      !! says who computes the case. In Python the class of the result (`Noun`) has the class method
-      !! `computed(case, progress)`: it takes the checked values from `case.keys` and `case.osc`,
-      !! and returns an object of the class, filled by `tables.made(study, case.text, tables)` with
-      !! the columns that are declared here. Command, formats and pages need nothing else.
+      !> Whether its cases are computed by the Python package, which has libraries that the core
+      !! has not. Keys, checks and columns are declared as of any other study; `run` stays null, and
+      !! the core says who computes the case. In Python the class of the result (a `Noun`) has the
+      !! class method `computed(case, progress)`, which takes the checked values from `case.keys`
+      !! and `case.osc` and returns an object of the class, whose tables are those of
+      !! `tables.made(study, case.text, tables, notes=...)` with the columns declared here.
+      !! Commands, formats and pages need nothing else.
       logical :: in_python = .false.
       !> The group before it from which it starts; empty if there is none.
       character(group_length) :: starts_from = ''

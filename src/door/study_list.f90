@@ -13,6 +13,7 @@ module vi_study_list
    use vi_design_study, only: declare_design
    use vi_find_structure_study, only: declare_find_structure
    use vi_find_study, only: declare_find
+   use vi_identify_study, only: declare_identify
    use vi_kinds, only: wp
    use vi_lyapunov_structure_study, only: declare_lyapunov_structure
    use vi_lyapunov_study, only: declare_lyapunov
@@ -61,6 +62,7 @@ contains
          declare_type(declare_decay), &
          declare_type(declare_design), &
          declare_type(declare_basins), &
+         declare_type(declare_identify), &
          declare_type(declare_simulate_structure), &
          declare_type(declare_motion_structure), &
          declare_type(declare_find_structure), &

@@ -22,6 +22,12 @@ import numpy as np
 
 BIN = Path(sys.executable).parent
 ROOT = Path(__file__).resolve().parents[2]
+#: Studies that the Python package computes, and the namelists that come with the project without their cases.
+IN_PYTHON = ("design", "identify")
+INPUTS = sorted(
+    path for path in (ROOT / "inputs").glob("*.nml")
+    if not any(f"&{group}\n" in path.read_text(encoding="utf-8") for group in IN_PYTHON)
+)  # fmt: skip
 OTHER_BUILD = bool(os.environ.get("VIBROIMPACT_BATCH"))
 
 SYSTEM = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"

@@ -22,12 +22,12 @@ from attractors import (
     case_of,
     told,
 )
-from programs import ROOT, assert_refused, column, contents, rows, write
+from programs import IN_PYTHON, ROOT, assert_refused, column, contents, rows, write
 from vibroimpact.case import read_namelist
 from vibroimpact.commands import STUDIES
 
 #: Studies whose inputs are run by other tests.
-ELSEWHERE = ("simulate", "find", "chart", "branch", "zone", "atlas")
+ELSEWHERE = ("simulate", "find", "chart", "branch", "zone", "atlas", *IN_PYTHON)
 
 
 def assert_diagram(table, result):

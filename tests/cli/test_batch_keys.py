@@ -12,7 +12,7 @@ from functools import partial
 
 import pytest
 import vibroimpact as vi
-from programs import ROOT, SYSTEM, find_batch
+from programs import IN_PYTHON, ROOT, SYSTEM, find_batch
 from vibroimpact import checks
 from vibroimpact.command import module_of, parser_of
 from vibroimpact.commands import STUDIES as COMMANDS
@@ -94,7 +94,7 @@ CALLS = {
         else {"states": 9 if states is None else states}) | keys),
     "branch": lambda osc, **keys: vi.branch(
         vi.equispaced(osc, 0.94, 37)[0], bounds=(10, 60), **keys),
-    **{name: partial(call, name) for name in OTHERS},
+    **{name: partial(call, name) for name in OTHERS if name not in IN_PYTHON},
 }  # fmt: skip
 
 #: The smallest case of each group that has a command, as options without the oscillator.
@@ -110,7 +110,7 @@ OPTIONS = {
     "basins": "--r 0.94 --clearance 37 --plane x -1 1 2 z_dot -1 1 2",
     **{
         name: " ".join(
-            f"--{key.replace('_', '-')} {value}".replace(",", "")
+            f"--{key.replace('_', '-')} {value}".replace(",", "").replace("'", "")
             for key, value in needed(name).items()
         )
         for name in OTHERS
@@ -208,7 +208,7 @@ def test_range_of_a_number(group, name, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "group", [group for group in STUDIES if group not in ("motion", "bifurcation")]
+    "group", [group for group in STUDIES if group not in ("motion", "bifurcation", *IN_PYTHON)]
 )
 def test_python_has_the_same_defaults(group):
     """A key left out has the same default in a call from Python as in a namelist."""
@@ -393,6 +393,7 @@ def test_keys_of_a_group_for_people(batch):
 def test_a_study_has_all_its_parts(study):
     """Each study has a meaning, rows for the CSV, a case in inputs/, and an entry in inputs/README.md."""
     message = LANGUAGE["results"][study]
+    assert message["in_python"] == (study in IN_PYTHON)
     assert message["meaning"]
     assert message["row"] in {column["table"] for column in message["columns"]}
     inputs = [path.read_text(encoding="utf-8") for path in (ROOT / "inputs").glob("*.nml")]

@@ -6,6 +6,7 @@ import sys
 import pytest
 import vibroimpact as vi
 from programs import (
+    INPUTS,
     PAIR,
     POINT,
     ROOT,
@@ -24,7 +25,6 @@ from vibroimpact.case import read_namelist
 
 SIMULATION = SYSTEM + "&simulate clearance = 37, cycles = 20, x = 3.5, z_dot = -2 /\n"
 MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
-INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import re
 
 import pytest
 import vibroimpact as vi
-from programs import Runner, contents, find_batch, find_command, kinds, write
+from programs import IN_PYTHON, Runner, contents, find_batch, find_command, kinds, write
 from vibroimpact.case import read_namelist
 
 
@@ -40,15 +40,30 @@ def test_every_kind_of_case_has_one(tool):
 
 
 def test_templates_run_through_all_doors(templates, tool, same_build):
-    """Each template runs by command, program and Python, with its kind, the same bytes and status 0."""
-    names = [f"{name}.nml" for name in kinds()]
+    """Each template runs by command, program and Python, with its kind, the same bytes and status 0.
+
+    Those of studies that Python computes run by the command alone, and the program says so.
+    """
+    batch = Runner([find_batch()], templates)
+    for name in IN_PYTHON:
+        done = tool("run", f"{name}.nml", "-o", "ours")
+        assert (done.status, done.err, sorted(contents(templates / "ours"))) == (
+            0,
+            b"",
+            [f"{name}.csv"],
+        )
+        refused = batch(f"{name}.nml", "-o", "refused")
+        assert refused.status == 1
+        assert refused.faults == [
+            f"{name}: &{name} is computed by the Python package: vibroimpact run FILE.nml"
+        ]
+    names = [f"{name}.nml" for name in kinds() if name not in IN_PYTHON]
     done = tool("run", *names, "-o", "command")
     assert (done.status, done.err) == (0, b"")
-    batch = Runner([find_batch()], templates)
     assert batch(*names, "-o", "batch") == done
     assert vi.run_namelists([templates / name for name in names], templates / "python").status == 0
     found = contents(templates / "command")
-    assert sorted(found) == sorted(f"{name}.csv" for name in kinds())
+    assert sorted(found) == sorted(name.replace(".nml", ".csv") for name in names)
     assert contents(templates / "batch") == contents(templates / "python") == found
     for name in kinds():
         (case,) = read_namelist(templates / f"{name}.nml")

@@ -80,9 +80,9 @@ class Option(NamedTuple):
                 "type": str.strip,
                 "metavar": self.metavars * key["most"],
             }
-        if key["words"]:
-            return arguments | {"choices": key["words"].split(), "metavar": None}
         many = {} if key["most"] == 1 else {"nargs": "+"}
+        if key["words"]:
+            return arguments | many | {"choices": key["words"].split(), "metavar": None}
         return arguments | many | {"type": TYPES[key["kind"]]}
 
 

@@ -12,6 +12,7 @@ from .decay import draw_decay
 from .design import draw_design
 from .found import draw_found
 from .history import draw
+from .identify import draw_identification
 from .structure import draw_structure
 from .structure_attractor import (
     draw_exponents,
@@ -27,7 +28,8 @@ from .zone import draw_atlas, draw_zone
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "Findings": draw_found,
-    "Lyapunov": draw_lyapunov, "Motion": draw, "Response": draw_response, "StructureBasins": draw_structure_basins,
+    "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
+    "Response": draw_response, "StructureBasins": draw_structure_basins,
     "StructureBifurcation": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
     "StructureLyapunov": draw_exponents, "StructureMotions": draw_multipliers,
     "StructureResponse": draw_structure_response, "StructureTrajectory": draw_structure,

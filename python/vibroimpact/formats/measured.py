@@ -1,0 +1,428 @@
+"""Records of sensors from files: CSV, WAV, MATLAB, netCDF, SEP005 and universal files (UFF)."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks, libraries
+from ..errors import MissingExtraError, ParameterError, ParameterTypeError
+from ..measured import SI, UNITS, SensorRecord
+from ..units import positive
+from .matlab import scipy_io
+
+_Array = NDArray[np.float64]
+#: What a channel may be called, in lower case; the first one is its name here.
+NAMES = {
+    "load": ("load", "force", "excitation", "f", "input"),
+    "acceleration": ("acceleration", "accel", "acc", "a"),
+    "velocity": ("velocity", "vel", "v"),
+    "displacement": ("displacement", "disp", "position", "x"),
+    "time": ("time", "t"),
+}
+RATES = ("rate", "fs", "sampling_rate", "sample_rate", "samplerate")
+#: The quantity of a data set of a universal file, by its code of specific data.
+UFF_CODES = {8: "displacement", 9: "load", 11: "velocity", 12: "acceleration", 13: "load"}
+#: Largest relative difference of the steps of time of regular samples.
+REGULAR = 1e-3
+
+
+class Channel(NamedTuple):
+    """A channel of a file: its name and unit as they are there, and its samples."""
+
+    name: str
+    unit: str
+    values: _Array
+
+
+class Content(NamedTuple):
+    """What a file has: channels, times if it has them, a rate if it has one."""
+
+    channels: list[Channel]
+    times: _Array | None = None
+    rate: float | None = None
+    bandwidth: float | None = None
+
+
+def read_record(
+    path: str | os.PathLike[str] | Mapping[str, Any] | list[Mapping[str, Any]],
+    rate: float | None = None,
+    channels: str | Sequence[str] | None = None,
+    units: str | Sequence[str] | None = None,
+    bandwidth: float | None = None,
+    scale: Sequence[float] | None = None,
+) -> SensorRecord:
+    """Read a record of the load and the motion of a rig.
+
+    Channels are known by their names (load or force, acceleration, velocity, displacement and common short
+    forms), or by their units.
+
+    Parameters
+    ----------
+    path : path, dict or list of dict
+        A file: .csv or .txt (columns, with a header such as ``time (s), load (N), acceleration (g)``), .wav and
+        .mat (extra `identify`), .nc (extra `data`), .json (SEP005), .uff, .unv, .uf (universal files, sets 58;
+        extra `uff`). Or signals in memory by SDyPy's SEP005: dicts with name, data, unit_str, and fs or time.
+    rate : float, optional
+        Sampling rate (Hz) of a file that has neither times nor a rate.
+    channels : str or sequence of str, optional
+        What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
+    units : str or sequence of str, optional
+        Their units, in their order; by default those of the file, else SI.
+    bandwidth : float, optional
+        -3 dB frequency of the sensors, as of `SensorRecord`.
+    scale : sequence of float, optional
+        What 1 in each channel stands for, in its unit, such as the full scale of a .wav file.
+
+    Returns
+    -------
+    SensorRecord
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If there is no such file, it is not of its format, samples are missing or irregular, or a channel is not
+        known.
+    MissingExtraError
+        If the library that reads the format is not installed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "bench.csv"
+    >>> rows = "\\n".join(f"{i / 1000},{i % 7},{i % 5}" for i in range(100))
+    >>> _ = path.write_text("time (s),force (lbf),acc (g)\\n" + rows)
+    >>> vi.read_record(path)
+    <SensorRecord of 100 samples at 1000 Hz, 0.1 s: load, acceleration>
+    """
+    if isinstance(path, (Mapping, list)):
+        return assembled(of_sep005(path), "", rate, channels, units, bandwidth, scale)
+    place = Path(path)
+    suffix = place.suffix.lower()
+    shown = f"path = {str(path)!r}"
+    if suffix not in READERS:
+        raise ParameterError(f"{shown}: must end with one of {', '.join(READERS)}")
+    if not place.is_file():
+        raise ParameterError(f"{shown}: must be a file; there is none")
+    try:
+        content = READERS[suffix](place)
+        return assembled(content, place.name, rate, channels, units, bandwidth, scale)
+    except MissingExtraError:
+        raise
+    except (ParameterError, ParameterTypeError) as error:
+        raise ParameterError(f"{shown}: {error}") from None
+    except Exception as error:  # whatever a library says of a broken file
+        reason = str(error).strip().split("\n")[0] or type(error).__name__
+        raise ParameterError(
+            f"{shown}: must be a record in the format of {suffix}; {reason}"
+        ) from None
+
+
+def assembled(
+    content: Content, name: str, rate: float | None, channels: str | Sequence[str] | None,
+    units: str | Sequence[str] | None, bandwidth: float | None, scale: Sequence[float] | None,
+) -> SensorRecord:  # fmt: skip
+    """The record of some channels."""
+    found = content.channels
+    labels = as_list(channels, "channels", len(found))
+    given_units = as_list(units, "units", len(found))
+    factors = None if scale is None else checks.real_array(scale, "scale", "numbers, one a channel")
+    if factors is not None and factors.shape != (len(found),):
+        raise ParameterError(
+            f"scale = {scale!r}: must be {len(found)} numbers, one for each channel"
+        )
+    times = content.times
+    arrays: dict[str, _Array] = {}
+    of_units: dict[str, str] = {}
+    for i, channel in enumerate(found):
+        unit = given_units[i] if given_units else channel.unit
+        if labels is None:
+            label = label_of(channel.name, unit)
+        else:
+            label = checks.choice(labels[i], f"channels[{i}]", (*SI, "time", "none"))
+        if label == "time":
+            times = channel.values
+        if label in (None, "none", "time"):
+            continue
+        if label in arrays:
+            raise ParameterError(
+                f"channel {channel.name!r}: is a second {label}; must be one, or channels given"
+            )
+        assert label is not None
+        arrays[label] = channel.values * (1.0 if factors is None else factors[i])
+        if unit:
+            of_units[label] = unit
+    if not arrays:
+        names = ", ".join(repr(channel.name) for channel in found) or "none"
+        raise ParameterError(
+            f"channels {names}: must be named as one of {', '.join(SI)}, or channels given"
+        )
+    start = 0.0
+    if times is not None:
+        own, start = rate_of(times)
+        rate = own if rate is None else rate
+    if rate is None:
+        rate = content.rate
+    if rate is None:
+        raise ParameterError(
+            "rate = None: must be the sampling rate in Hz; the record has neither times nor a rate"
+        )
+    bandwidth = content.bandwidth if bandwidth is None else bandwidth
+    return SensorRecord(rate, units=of_units, bandwidth=bandwidth, start=start, name=name, **arrays)
+
+
+def as_list(value: Any, name: str, count: int) -> list[str] | None:
+    """Words for each channel, or one for the only one."""
+    if value is None:
+        return None
+    words = [value] if isinstance(value, str) else list(value)
+    if len(words) != count:
+        raise ParameterError(f"{name} = {value!r}: must be {count} words, one for each channel")
+    for word in words:
+        if not isinstance(word, str):
+            raise ParameterTypeError(f"{name} = {value!r}: must be words")
+    return words
+
+
+def label_of(name: str, unit: str) -> str | None:
+    """What a channel is, by its name, or by its unit if only one quantity has it."""
+    plain = re.split(r"[\s(\[_:,.-]", name.strip().lower())[0]
+    for label, names in NAMES.items():
+        if plain in names:
+            return label
+    stripped = unit.strip().strip("[]()")
+    fitting = [label for label, known in UNITS.items() if stripped and stripped in known]
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def rate_of(times: _Array) -> tuple[float, float]:
+    """Sampling rate and first time of regular samples."""
+    steps = np.diff(times)
+    if times.ndim != 1 or times.size < 2 or not np.isfinite(times).all():
+        missing = int(np.argmax(~np.isfinite(times))) if times.size else 0
+        raise ParameterError(f"time[{missing}]: must be a finite number")
+    step = float(np.median(steps))
+    if not step > 0:
+        raise ParameterError("time: must increase")
+    off = abs(steps - step) > max(REGULAR * step, 4 * np.spacing(abs(times).max()))
+    # digits of a text round times
+    if (
+        off.any()
+        and np.max(
+            abs(
+                times - times[0] - np.arange(times.size) * (times[-1] - times[0]) / (times.size - 1)
+            )
+        )
+        > 0.1 * step
+    ):
+        i = int(np.argmax(off))
+        count = round(float(steps[i]) / step) - 1
+        what = f"{count} samples are missing" if count > 0 else "samples are irregular"
+        raise ParameterError(
+            f"time[{i + 1}] = {times[i + 1]:.9g} after {times[i]:.9g}: must be {step:.6g} later; {what}"
+        )
+    return (times.size - 1) / float(times[-1] - times[0]), float(times[0])
+
+
+def read_csv(path: Path) -> Content:
+    """Columns of numbers, with or without a header; lines that begin with # are comments."""
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    lines = [
+        line
+        for line in text.splitlines()
+        if line.strip() and not line.lstrip().startswith(("#", "!"))
+    ]
+    if not lines:
+        raise ParameterError("no rows: must have samples")
+    separator = next((mark for mark in (";", "\t", ",") if mark in lines[0]), None)
+    rows = [[cell.strip().strip('"') for cell in line.split(separator)] for line in lines]
+    width = len(rows[0])
+    header = None if all(number(cell) is not None for cell in rows[0]) else rows.pop(0)
+    table = np.full((len(rows), width), math.nan)
+    for i, row in enumerate(rows):
+        if len(row) != width:
+            raise ParameterError(f"row {i + 1} with {len(row)} values: must have {width}")
+        for j, cell in enumerate(row):
+            value = number(cell.replace(",", ".") if separator in (";", "\t") else cell)
+            if value is None:
+                raise ParameterError(f"row {i + 1}: {cell!r} must be a number")
+            table[i, j] = value
+    names = header or [f"column {j + 1}" for j in range(width)]
+    found = [re.match(r"^(.*?)\s*[(\[](.*?)[)\]]\s*$", name) for name in names]
+    parts = [
+        (match[1], match[2]) if match else (name, "")
+        for name, match in zip(names, found, strict=True)
+    ]
+    return Content(
+        [Channel(name, unit, table[:, j].copy()) for j, (name, unit) in enumerate(parts)]
+    )
+
+
+def number(text: str) -> float | None:
+    """The number in a cell, NaN in an empty one; None for other text."""
+    if text == "":
+        return math.nan
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def read_wav(path: Path) -> Content:
+    """Sound; whole numbers become parts of their full scale."""
+    rate, data = scipy_io().wavfile.read(path) if hasattr(scipy_io(), "wavfile") else wavfile(path)
+    values = np.atleast_2d(data.T).astype(np.float64)
+    if data.dtype.kind == "u":
+        values = (values - 128) / 128
+    elif data.dtype.kind == "i":
+        values = values / -float(np.iinfo(data.dtype).min)
+    labels = (
+        ("load", "acceleration")
+        if len(values) == 2
+        else tuple(f"channel {j + 1}" for j in range(len(values)))
+    )
+    return Content(
+        [Channel(label, "", row) for label, row in zip(labels, values, strict=True)],
+        rate=float(rate),
+    )
+
+
+def wavfile(path: Path) -> tuple[int, NDArray[Any]]:
+    """scipy.io.wavfile, which scipy.io does not import by itself."""
+    import importlib
+
+    module = importlib.import_module("scipy.io.wavfile")
+    rate, data = module.read(path)
+    return rate, data
+
+
+def read_mat(path: Path) -> Content:
+    """Variables of a MATLAB file, or the fields of its one struct."""
+    found = {
+        name: value
+        for name, value in scipy_io().loadmat(path, squeeze_me=True).items()
+        if not name.startswith("__")
+    }
+    if len(found) == 1:
+        (only,) = found.values()
+        if getattr(only, "dtype", None) is not None and only.dtype.names:
+            found = {name: only[name].item() for name in only.dtype.names}
+    return of_variables(found)
+
+
+def of_variables(found: Mapping[str, Any]) -> Content:
+    """Channels among variables by their names; `units` may be a struct of texts, `rate` a number."""
+    rate, bandwidth = None, None
+    channels = []
+    for name, value in found.items():
+        array = np.asarray(value)
+        if name.lower() in RATES and array.size == 1:
+            rate = positive(float(array.ravel()[0]), name)
+        elif name.lower() in ("dt", "step") and array.size == 1:
+            rate = 1 / positive(float(array.ravel()[0]), name)
+        elif name.lower() == "bandwidth" and array.size == 1:
+            bandwidth = float(array.ravel()[0])
+        elif array.dtype.kind in "iuf" and array.squeeze().ndim == 1 and array.size > 1:
+            unit = str(found.get(f"{name}_unit", ""))
+            channels.append(Channel(name, unit, array.squeeze().astype(np.float64)))
+    return Content(channels, rate=rate, bandwidth=bandwidth)
+
+
+def read_netcdf(path: Path) -> Content:
+    """Variables along one dimension, with the attribute `units`."""
+    from .netcdf import need_netcdf
+
+    need_netcdf()
+    with libraries.xarray("netCDF files").open_dataset(path, decode_times=False) as data:
+        channels, times = [], None
+        for name, variable in data.variables.items():
+            if variable.ndim != 1 or variable.dtype.kind not in "iuf":
+                continue
+            values = np.asarray(variable.values, dtype=np.float64)
+            unit = str(variable.attrs.get("units", variable.attrs.get("unit", "")))
+            if label_of(str(name), "") == "time":
+                times = values
+            else:
+                channels.append(Channel(str(name), unit, values))
+        rates = [data.attrs[name] for name in RATES if name in data.attrs]
+        return Content(channels, times, float(rates[0]) if rates else None)
+
+
+def read_json(path: Path) -> Content:
+    """SEP005 signals as JSON."""
+    return of_sep005(json.loads(path.read_text(encoding="utf-8")))
+
+
+def of_sep005(signals: Any) -> Content:
+    """Signals of SDyPy's SEP005: dicts with name, data, unit_str, and fs or time; several have one rate."""
+    several = [signals] if isinstance(signals, Mapping) else list(signals)
+    channels: list[Channel] = []
+    rates: list[float] = []
+    for i, signal in enumerate(several):
+        if not isinstance(signal, Mapping) or not {"name", "data"} <= signal.keys():
+            raise ParameterError(
+                f"signal {i}: must be a SEP005 dict with name, data, unit_str, and fs or time"
+            )
+        data = checks.real_array(signal["data"], f"data of signal {signal['name']!r}", "numbers")
+        unit = str(signal.get("unit_str") or "")
+        if signal.get("fs") is not None:
+            rates.append(positive(signal["fs"], f"fs of signal {signal['name']!r}"))
+        elif signal.get("time") is not None:
+            times = checks.real_array(
+                signal["time"], f"time of signal {signal['name']!r}", "numbers"
+            )
+            rates.append(rate_of(times)[0])
+        if data.ndim == 2:  # several channels in one signal
+            names = (
+                signal["name"]
+                if isinstance(signal["name"], (list, tuple))
+                else [signal["name"]] * len(data)
+            )
+            channels += [
+                Channel(str(name), unit, row) for name, row in zip(names, data, strict=False)
+            ]
+        else:
+            channels.append(Channel(str(signal["name"]), unit, data))
+    if rates and max(rates) - min(rates) > 1e-9 * max(rates):
+        raise ParameterError(
+            f"fs from {min(rates):g} to {max(rates):g}: must be the same of all signals"
+        )
+    return Content(channels, rate=rates[0] if rates else None)
+
+
+def read_uff(path: Path) -> Content:
+    """The time histories (data sets 58) of a universal file."""
+    try:
+        import pyuff
+    except ImportError:
+        raise MissingExtraError(
+            "universal files (UFF) need pyuff: pip install 'vibroimpact[uff]'"
+        ) from None
+    sets = pyuff.UFF(str(path)).read_sets()
+    channels, times = [], None
+    for item in [sets] if isinstance(sets, dict) else sets:
+        if item.get("type") != 58 or item.get("func_type", 1) not in (0, 1):
+            continue
+        name = str(item.get("ordinate_axis_lab") or item.get("id1") or "").strip()
+        label = UFF_CODES.get(int(item.get("ordinate_spec_data_type", 0)))
+        unit = str(item.get("ordinate_axis_units_lab") or "").strip()
+        unit = "" if unit.upper() == "NONE" else unit
+        channels.append(
+            Channel(label or name, unit, np.asarray(item["data"]).real.astype(np.float64))
+        )
+        times = np.asarray(item["x"], dtype=np.float64)
+    return Content(channels, times)
+
+
+READERS: dict[str, Callable[[Path], Content]] = {
+    ".csv": read_csv, ".txt": read_csv, ".wav": read_wav, ".mat": read_mat, ".nc": read_netcdf, ".json": read_json,
+    ".uff": read_uff, ".unv": read_uff, ".uf": read_uff,
+}  # fmt: skip

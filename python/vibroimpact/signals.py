@@ -1,0 +1,278 @@
+"""Steps from a sampled record to the impacts in it: the load, the harmonics, the picked impacts and their "
+"pattern."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ParameterError
+from .libraries import scipy_linalg, scipy_signal
+
+_Array = NDArray[np.float64]
+_Complex = NDArray[np.complex128]
+#: Order of the linear prediction that takes load, motion and ringing away and leaves spikes.
+PREDICTION = 24
+#: A sample is a part of a spike above so many standard deviations of the rest, and above this share of large ones.
+LIMIT, SHARE = 7.0, 0.06
+#: Largest number of load cycles in a period, and the greatest difference of phases, in cycles, of one impact.
+MOST_CYCLES, SAME = 8, 0.02
+#: Share of the impacts that repeat in a periodic record.
+REPEATED = 0.9
+#: Harmonics of the load whose band tells a period, places over which a window spreads a line, and the largest
+#: share of the power that is beside the harmonics of a periodic record.
+BAND, SPREAD, UNREPEATED = 40, 2, 0.05
+#: Least number of picked impacts in a load cycle of a record with impacts.
+LEAST_PICKS = 0.1
+#: Places of the spectrum on either side of a harmonic that tell its error.
+BESIDE = 5
+
+
+class Tones(NamedTuple):
+    """Harmonics of a signal: it is Re sum c_n exp(i n omega t), with time 0 in the middle of the record."""
+
+    omega: float
+    #: (count + 1) Coefficients from n = 0 on.
+    values: _Complex
+    #: (count + 1) Standard errors of their real and of their imaginary parts.
+    errors: _Array
+    #: What the frequency is off by, by the same least squares.
+    off: float
+
+    def at(self, t: _Array) -> _Array:
+        """The sum at some times."""
+        total = np.zeros(t.size)
+        for n, value in enumerate(self.values):
+            total += (value * np.exp(1j * n * self.omega * t)).real
+        return total
+
+
+def centred(n: int, rate: float) -> _Array:
+    """Times of samples, 0 in the middle of the record."""
+    return np.asarray((np.arange(n) - (n - 1) / 2) / rate, dtype=np.float64)
+
+
+def whole_periods(n: int, rate: float, omega: float, most: int) -> NDArray[np.int64]:
+    """The ends of blocks of a whole number of periods each, at most so many, in the middle of a record."""
+    period = 2 * math.pi / omega * rate
+    each = max(1, math.ceil(n / period / most))
+    blocks = math.floor(n / period / each)
+    edges = np.rint((n - blocks * each * period) / 2 + np.arange(blocks + 1) * each * period)
+    whole: NDArray[np.int64] = np.clip(edges, 0, n).astype(np.int64)
+    return whole
+
+
+def tones(values: _Array, rate: float, omega: float, count: int) -> Tones:
+    """The harmonics of a frequency by least squares, and their errors by what is left beside each."""
+    edges = whole_periods(values.size, rate, omega, values.size)
+    periods = edges.size - 1
+    if periods < 3:
+        raise ParameterError(
+            f"record of {values.size / rate:.6g} s: must be longer, at least three periods of "
+            f"{2 * math.pi / omega:.6g} s"
+        )
+    t = centred(values.size, rate)[edges[0] : edges[-1]]
+    middle = 0.5 * (t[0] + t[-1])
+    orders = np.arange(count + 1)
+    # exp(i k omega t) as a product: of the first sample of each row of a table, and of the place in a row
+    length = math.ceil(math.sqrt(t.size))
+    rows = np.zeros((math.ceil(t.size / length), length))
+    rows.flat[: t.size] = values[edges[0] : edges[-1]]
+    starts = np.exp(1j * omega * np.outer(t[::length] - middle, orders))
+    within = np.exp(1j * omega / rate * np.outer(orders, np.arange(length)))
+    sums = np.sum(starts.conj() * (rows @ within.conj().T), axis=0)
+    column = kernel(np.arange(2 * count + 1), t.size, omega / rate)
+    both = np.concatenate([sums[:0:-1].conj(), sums])
+    found = 2 * scipy_linalg("the fit of harmonics").solve_toeplitz(column, both)[count:]
+    found[0] = found[0].real / 2
+    rest = (rows - ((starts * found) @ within).real).ravel()[: t.size]
+    by_omega = ((starts * (1j * orders * found)) @ within).real.ravel()[: t.size] * (t - middle)
+    off = float(by_omega @ rest / max(float(by_omega @ by_omega), 1e-300))
+    # the spectrum of the rest, in which harmonic n is at place n periods
+    size = abs(np.fft.rfft(rest)) ** 2
+    beside = np.arange(1, max(2, min(BESIDE, periods // 3)) + 1)
+    places = np.clip(orders[:, None] * periods + np.append(-beside, beside), 1, size.size - 1)
+    squares = size[places].mean(axis=1) * 2 / t.size**2
+    # neighbours have about the same noise
+    ones = np.ones(min(5, count + 1))
+    mean = np.convolve(squares, ones, "same") / np.convolve(np.ones(count + 1), ones, "same")
+    turn = np.exp(-1j * omega * middle * orders)
+    return Tones(omega, found * turn, np.sqrt(mean), off)
+
+
+def kernel(orders: Any, n: int, step: float) -> _Array:
+    """The sum of exp(i k step j) over n values of j that are symmetric about 0."""
+    half = 0.5 * step * np.asarray(orders)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(half == 0, float(n), np.sin(n * half) / np.sin(half))
+
+
+def load_frequency(values: _Array, rate: float, near: float | None = None) -> float:
+    """The frequency (radians a second) of the strongest sine of a signal, or of that near a given one."""
+    n = values.size
+    window = np.hanning(n)
+    spectrum = abs(np.fft.rfft((values - values.mean()) * window))
+    spectrum[0] = 0
+    k = int(np.argmax(spectrum))
+    if near is not None:
+        here = near * n / rate / (2 * math.pi)
+        low, high = (
+            max(1, math.floor(0.98 * here) - 1),
+            min(spectrum.size, math.ceil(1.02 * here) + 2),
+        )
+        if low >= high:
+            return near
+        k = low + int(np.argmax(spectrum[low:high]))
+    if not 0 < k < spectrum.size - 1 or spectrum[k] == 0:
+        raise ParameterError(
+            "load without a frequency: must be a sine of several cycles within the record"
+        )
+    a, b, c = np.log(np.maximum(spectrum[k - 1 : k + 2], 1e-300))
+    omega = 2 * math.pi * rate / n * (k + 0.5 * (a - c) / (a - 2 * b + c))
+    t = centred(n, rate)
+    # the slope of the phase from block to block is what the frequency is off by
+    for _ in range(3):
+        edges = whole_periods(n, rate, omega, 16)
+        if edges.size < 4:
+            break
+        turned = (values - values.mean()) * np.exp(-1j * omega * t)
+        sums = np.add.reduceat(turned[: edges[-1]], edges[:-1])
+        middles = 0.5 * (t[edges[:-1]] + t[edges[1:] - 1])
+        omega += np.polyfit(middles, np.unwrap(np.angle(sums)), 1, w=abs(sums))[0]
+    return float(omega)
+
+
+def spikes(values: _Array, rate: float, bandwidth: float | None) -> tuple[_Array, _Array]:
+    """Times (0 in the middle) and signs of the spikes of an acceleration, about as exact as a sample."""
+    signal, linear = scipy_signal("the picking of impacts"), scipy_linalg("the picking of impacts")
+    n = values.size
+    size = 1 << (2 * n - 1).bit_length()
+    centred_values = values - values.mean()
+    spectrum = np.fft.rfft(centred_values, size)
+    correlation = np.fft.irfft(abs(spectrum) ** 2, size)[: PREDICTION + 1] / n
+    correlation[0] *= 1 + 1e-9
+    prediction = linear.solve_toeplitz(correlation[:-1], correlation[1:])
+    left = signal.lfilter(np.concatenate([[1.0], -prediction]), [1.0], centred_values)
+    left[:PREDICTION] = 0
+    size_of = abs(left)
+    noise = np.median(size_of) / 0.6745
+    peaks = np.sort(size_of)[-max(3, n // 2000) :]
+    limit = max(LIMIT * noise, SHARE * float(np.median(peaks)))
+    above = np.flatnonzero(size_of > limit)
+    if not above.size:
+        return np.empty(0), np.empty(0)
+    apart = max(3, math.ceil(rate / (bandwidth or 0.4 * rate) * 1.5))
+    groups = np.split(above, np.flatnonzero(np.diff(above) > apart) + 1)
+    t = centred(n, rate)
+    places = [group[np.argmax(size_of[group])] for group in groups]
+    return t[places], np.sign(left[places])
+
+
+class Rhythm(NamedTuple):
+    """What the impacts of a record do."""
+
+    status: str
+    #: Load cycles in a period, 0 if there is none.
+    cycles: int
+    #: (N) Phases of the impacts of a period in load cycles, from 0 to below `cycles`, and their signs.
+    phases: _Array
+    signs: _Array
+
+
+def no_rhythm(status: str) -> Rhythm:
+    """That of a record without a pattern."""
+    return Rhythm(status, 0, np.empty(0), np.empty(0))
+
+
+def period_of(values: _Array, rate: float, omega: float) -> int:
+    """Load cycles after which a signal repeats, by the part of its power that is not at the harmonics of the
+    period;
+    0 if it does not repeat."""
+    total = whole_periods(values.size, rate, omega, values.size).size - 1
+    shares = []
+    for k in range(1, max(1, min(MOST_CYCLES, total // 12)) + 1):
+        edges = whole_periods(values.size, rate, omega / k, values.size)
+        used = values[edges[0] : edges[-1]]
+        power = abs(np.fft.rfft((used - used.mean()) * np.hanning(used.size))) ** 2
+        periods = edges.size - 1
+        last = min(power.size, BAND * periods * k)
+        place = np.arange(last)
+        # the window spreads a line over its neighbours
+        off = abs((place + periods / 2) % periods - periods / 2)
+        beside = (off > SPREAD) & (place > SPREAD)
+        width = max(0.05, 1 - (2 * SPREAD + 1) / periods)
+        shares.append(float(power[:last][beside].sum() / power[1:last].sum()) / width)
+    least = min(shares)
+    if least > UNREPEATED:
+        return 0
+    return 1 + next(i for i, share in enumerate(shares) if share <= 3 * least + 1e-5)
+
+
+def rhythm(cycles: _Array, signs: _Array, span: float, k: int) -> Rhythm:
+    """The pattern of impacts at some times, in load cycles, within a record of so many cycles that repeats "
+    "after k."""
+    if cycles.size < LEAST_PICKS * span:
+        return no_rhythm("no impacts")
+    run = accumulates(cycles, signs)
+    if run:
+        return no_rhythm(run)
+    return (
+        Rhythm("periodic", k, *folded(cycles, signs, k, span)) if k else no_rhythm("not periodic")
+    )
+
+
+def repeated(cycles: _Array, signs: _Array, span: float) -> int:
+    """Load cycles after which impacts repeat; 0 if they do not."""
+    for k in range(1, min(MOST_CYCLES, int(span / 3)) + 1):
+        phases, their_signs = folded(cycles, signs, k, span)
+        if phases.size < 2:
+            continue
+        gaps = abs((cycles[:, None] - phases + k / 2) % k - k / 2)
+        near = np.min(np.where(signs[:, None] == their_signs, gaps, np.inf), axis=1) < SAME
+        if near.mean() >= REPEATED and near.sum() >= REPEATED * phases.size * span / k:
+            return k
+    return 0
+
+
+def folded(cycles: _Array, signs: _Array, k: int, span: float) -> tuple[_Array, _Array]:
+    """Phases modulo k at which most periods have an impact of the same sign, in order."""
+    phases, their_signs = [], []
+    for sign in (1.0, -1.0):
+        own = np.sort(cycles[signs == sign] % k)
+        if not own.size:
+            continue
+        # begin behind the largest gap, so that no group lies across 0
+        gaps = np.diff(np.concatenate([own, own[:1] + k]))
+        first = (int(np.argmax(gaps)) + 1) % own.size
+        own = np.concatenate([own[first:], own[:first] + k])
+        for group in np.split(own, np.flatnonzero(np.diff(own) > SAME) + 1):
+            if group.size > 0.5 * span / k:
+                phases.append(float(np.median(group)) % k)
+                their_signs.append(sign)
+    order = np.argsort(phases).astype(int)
+    return np.array(phases)[order], np.array(their_signs)[order]
+
+
+def accumulates(cycles: _Array, signs: _Array) -> str:
+    """Whether impacts on one wall follow each other at intervals that shrink like a geometric series, and what
+    follows: "rest" where the next impact comes long after the series would have ended, else "accumulation"."""
+    ends = [*np.flatnonzero(np.diff(signs) != 0) + 1, cycles.size]
+    found = []
+    first = 0
+    for last in ends:
+        gaps = np.diff(cycles[first:last])
+        if gaps.size >= 4:
+            ratios = gaps[1:] / gaps[:-1]
+            tail = ratios[-3:]
+            if (tail < 0.97).all() and gaps[-1] < 0.25 * gaps.max():
+                ratio = float(np.median(tail))
+                rest_of = gaps[-1] * ratio / (1 - ratio)
+                after = cycles[last] - cycles[last - 1] if last < cycles.size else 0.0
+                found.append(after > 3 * rest_of)
+        first = last
+    if len(found) < max(2, 0.2 * (cycles[-1] - cycles[0])):
+        return ""
+    return "rest" if np.mean(found) > 0.5 else "accumulation"

@@ -1,0 +1,157 @@
+!> The study &identify: the parameters of a rig from records of its load and its motion.
+!!
+!! Impacts are picked by filters of SciPy, so that the Python package computes it; keys and columns
+!! are declared here as of any other study.
+module vi_identify_study
+   use vi_kinds, only: wp
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, &
+      study_type, wholes, words
+   implicit none (type, external)
+   private
+
+   public :: declare_identify
+
+   !> Quantities of which a record has channels.
+   character(*), parameter :: channel_words = 'load acceleration velocity displacement none'
+   character(*), parameter :: with_times = 'impact_times'
+   real(wp), parameter :: tiny_value = 1.0e-12_wp, huge_value = 1.0e12_wp
+
+   type(key_type), parameter :: identify_keys(*) = [ &
+      key_type('impact_times', least=2, most=100000, or='records', unit='s', &
+      takes='increasing finite numbers', meaning='times of impacts, instead of a record'), &
+      key_type('records', a_word, most=50, file=.true., or=with_times, &
+      takes='paths of records: .csv, .wav, .mat, .nc, .json (SEP005) or .uff', &
+      meaning='records of load and motion; relative to the folder of the namelist, or else to the &
+      &working directory'), &
+      key_type('impact_sides', a_word, only=with_times, may_miss=.true., &
+      takes='one letter R or L for each of the impact_times', meaning='walls of the impacts'), &
+      key_type('frequency', low=tiny_value, high=huge_value, may_miss=.true., unit='Hz', &
+      meaning='load frequency; by default that of the load, or of the motion without a load'), &
+      key_type('load_phase', only=with_times, may_miss=.true., unit='rad', &
+      meaning='phase of the load at time 0, if it is known'), &
+      key_type('channels', a_word, most=64, words=channel_words, never=with_times, &
+      may_miss=.true., takes='''load'', ''acceleration'', ''velocity'', ''displacement'' or &
+      &''none'', one for each channel', meaning='what the channels of the record are; by default &
+      &their names say it'), &
+      key_type('channel_units', a_word, most=64, never=with_times, may_miss=.true., &
+      takes='units such as ''N'', ''m/s^2'', ''g'' or ''mm'', one for each channel', &
+      meaning='units of the channels; by default those of the record'), &
+      key_type('rate', low=tiny_value, high=huge_value, never=with_times, may_miss=.true., &
+      unit='Hz', meaning='sampling rate of a record that does not have it'), &
+      key_type('bandwidth', low=tiny_value, high=huge_value, never=with_times, may_miss=.true., &
+      unit='Hz', meaning='-3 dB frequency of the low-pass (Butterworth, order 4) of the motion&
+      & channel; by default none'), &
+      key_type('primary_mass', low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
+      meaning='M, if it is known'), &
+      key_type('spring', low=tiny_value, high=huge_value, may_miss=.true., unit='N/m', &
+      meaning='K, if it is known'), &
+      key_type('dashpot', low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
+      meaning='C, if it is known'), &
+      key_type('free_mass', low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
+      meaning='m, if it is known'), &
+      key_type('travel', low=tiny_value, high=huge_value, may_miss=.true., unit='m', &
+      meaning='d, the whole travel of m between the walls, if it is known'), &
+      key_type('natural_frequency', low=tiny_value, high=huge_value, may_miss=.true., unit='Hz', &
+      meaning='omega/(2 pi), if it is known'), &
+      key_type('load_amplitude', low=tiny_value, high=huge_value, may_miss=.true., unit='N', &
+      meaning='F0, if it is known; by default that of the load'), &
+      key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
+      takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
+      meaning='parameters of &system that are known; the fit starts from the others')]
+
+   type(column_type), parameter :: identify_columns(*) = [ &
+      column_type('parameters', 'name', words, meaning='the parameter'), &
+      column_type('parameters', 'value', &
+      meaning='its value; where it is undetermined, that from which the fit started'), &
+      column_type('parameters', 'error', meaning='its standard error; 0 if it is known'), &
+      column_type('parameters', 'low', meaning='lower end of its 95 % interval'), &
+      column_type('parameters', 'high', meaning='upper end of its 95 % interval'), &
+      column_type('parameters', 'unit', words, meaning='its unit'), &
+      column_type('parameters', 'state', words, words='fitted,known,undetermined', &
+      meaning='whether it was fitted, is known, or cannot be determined from the records'), &
+      column_type('records', 'status', words, listed=.false., &
+      words='periodic,not periodic,accumulation,rest,no impacts', meaning='what the impacts do'), &
+      column_type('records', 'quantity', words, listed=.false., &
+      words='acceleration,velocity,displacement,impact times', meaning='what was measured'), &
+      column_type('records', 'sides', words, listed=.false., &
+      meaning='walls of the impacts of a period, in order'), &
+      column_type('records', 'cycles', wholes, listed=.false., &
+      meaning='load cycles in a period; 0 if there is none'), &
+      column_type('records', 'frequency', unit='Hz', listed=.false., meaning='load frequency'), &
+      column_type('records', 'load', unit='N', listed=.false., &
+      meaning='load amplitude; NaN if it is not known'), &
+      column_type('records', 'load_phase', unit='rad', listed=.false., &
+      meaning='phase of the load at the first sample'), &
+      column_type('records', 'r', listed=.false., meaning='frequency ratio'), &
+      column_type('records', 'clearance', unit='F0/K', listed=.false., &
+      meaning='clearance d K/F0'), &
+      column_type('records', 'static', unit='m', listed=.false., meaning='F0/K'), &
+      column_type('records', 'first', unit='s', listed=.false., &
+      meaning='time of the first impact of the fitted motion'), &
+      column_type('records', 'misfit', listed=.false., &
+      meaning='sum of squares of the weighted residuals over the degrees of freedom'), &
+      column_type('records', 'multipliers', complexes, each='multiplier', listed=.false., &
+      meaning='multipliers of the identified motion'), &
+      column_type('impacts', 'number', wholes, listed=.false., meaning='number of the record'), &
+      column_type('impacts', 'side', words, words='R,L', listed=.false., meaning='wall'), &
+      column_type('impacts', 'picked', unit='rad', listed=.false., &
+      meaning='load phase of the impact of a period, as picked, refined below the sample'), &
+      column_type('impacts', 'picked_error', unit='rad', listed=.false., &
+      meaning='standard error of it'), &
+      column_type('impacts', 'fitted', unit='rad', listed=.false., &
+      meaning='load phase in the fitted motion'), &
+      column_type('picks', 'number', wholes, listed=.false., meaning='number of the record'), &
+      column_type('picks', 'time', unit='s', listed=.false., meaning='time of each impact'), &
+      column_type('picks', 'side', words, words='R,L', listed=.false., meaning='wall'), &
+      column_type('samples', 'number', wholes, listed=.false., meaning='number of the record'), &
+      column_type('samples', 'time', unit='s', listed=.false., &
+      meaning='time of samples of the first periods'), &
+      column_type('samples', 'load', unit='N', listed=.false., meaning='load, as recorded'), &
+      column_type('samples', 'load_fit', unit='N', listed=.false., meaning='fitted load'), &
+      column_type('samples', 'motion', listed=.false., meaning='motion, as recorded'), &
+      column_type('samples', 'motion_fit', listed=.false., &
+      meaning='the fitted motion through the sensor')]
+
+contains
+
+   !> Declares the study.
+   subroutine declare_identify(study)
+      !> The declaration of the study.
+      type(study_type), intent(out) :: study
+
+      study%name = 'identify'
+      study%meaning = 'identify the parameters of a rig from its records'
+      study%finds_r = .true.
+      study%in_python = .true.
+      study%list => list_identify
+      study%row = 'parameters'
+      study%check => check_identify
+   end subroutine declare_identify
+
+   !> Lists the keys and columns.
+   pure subroutine list_identify(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = identify_keys
+      if (present(columns)) columns = identify_columns
+   end subroutine list_identify
+
+   !> Checks the rules that involve several keys.
+   subroutine check_identify(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+
+      associate (study => case%study)
+         if (len(study%fault) > 0 .or. .not. study%has(with_times)) return
+         associate (times => study%numbers(with_times))
+            if (any(times(2:) <= times(:size(times) - 1))) call study%refuse(with_times)
+         end associate
+         if (.not. study%has('frequency')) call study%refuse('frequency', &
+            'given beside impact_times')
+      end associate
+   end subroutine check_identify
+
+end module vi_identify_study
