@@ -88,9 +88,9 @@ def band_label(quantiles: tuple[float, float]) -> str:
 
 def draw_bands(
     bands: Sequence[BoundaryBand], ax: Any, inverse: bool = False, *, color: str = FREE, label: str = "",
-    fill: bool = True,
+    fill: bool = True, lines: bool = True,
 ) -> None:  # fmt: skip
-    """Draw bands: sampled ones solid, to first order dashed; crosses where first order does not hold."""
+    """Draw bands: sampled ones filled or solid, those to first order dashed, crosses where first order fails."""
     names = {"sampled": label, "first": "to first order", "off": "first order does not hold"}
     if not label:
         names = dict.fromkeys(names, "")
@@ -104,6 +104,8 @@ def draw_bands(
                     if good[part].all() and len(part) > 1:
                         around = np.r_[part, part[::-1]], np.repeat([0, 1], len(part))
                         ax.fill(r[around[::-1]], y[around[::-1]], color=color, alpha=0.3, lw=0)
+            if not lines:
+                continue
             name = names.pop("sampled" if kind == "sampled" else "first", "")
             for i in (0, 1):
                 ax.plot(

@@ -23,7 +23,7 @@ from .sweeps import RIGS
 #: The names that a user can give.
 NAMES = (
     "table1", "figure3", "figure4a", "figure4b", "figure6a", "figure6b", "figure7", "figure8a",
-    "figure8b", "figure9", "figure10a", "figure10b", "report",
+    "figure8b", "figures6to8", "figure9", "figure10a", "figure10b", "report",
 )  # fmt: skip
 #: The sweeps of each rig, on which bars and traced zones depend.
 SWEEPS = {rig: tuple(f"sweep_{rig}_{r:.2f}" for r in RATIOS) for rig in RIGS}
@@ -62,6 +62,7 @@ TASKS |= {
     "figure7": _figure("figure7", 2.5, "equal"),
     "figure8a": _figure("figure8a", 3.5, "unequal"),
     "figure8b": _figure("figure8b", 25.0, "unequal"),
+    "figures6to8": _figure("figures6to8", 7.0),
     "figure9": _figure("figure9", 1.0),
     "figure10a": _figure("figure10a", 0.7, "equal"),
     "figure10b": _figure("figure10b", 0.7, "unequal"),
