@@ -32,8 +32,8 @@ module vi_design_study
       meaning='displacements from which free vibration starts, for target = ''damping'''), &
       key_type('target', a_word, default='''attenuation''', &
       words='attenuation displacement rms acceleration force damping', &
-      meaning='what is minimised: max|X|/A, max|X|, rms of X, greatest acceleration or force on&
-      & the base; or damping in free vibration, which is maximised'), &
+      meaning='what is minimised (max|X|/A, max|X|, rms, acceleration, force on the base), or&
+      & maximised (damping)'), &
       key_type('limit', low=tiny_value, may_miss=.true., takes='a number > 0', &
       meaning='value of the target that has to be reached'), &
       key_type('quantile', default='0.99', low=0.5_wp, high=1.0_wp, &
@@ -98,7 +98,7 @@ module vi_design_study
       meaning='independent samples of the confirmation; 0 for none'), &
       key_type('evaluations', a_whole, default='48', low=8.0_wp, high=1.0e6_wp, &
       meaning='candidates of the global search'), &
-      key_type('units', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
+      key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
       meaning='frequencies, or displacements, at which they are judged'), &

@@ -95,6 +95,8 @@ CALLS = {
     "branch": lambda osc, **keys: vi.branch(
         vi.equispaced(osc, 0.94, 37)[0], bounds=(10, 60), **keys),
     **{name: partial(call, name) for name in OTHERS if name not in IN_PYTHON},
+    "design": lambda osc, **keys: vi.design(
+        osc, **{"r": (1, 1.02), "free": {"clearance": (20, 40)}} | keys),
 }  # fmt: skip
 
 #: The smallest case of each group that has a command, as options without the oscillator.

@@ -40,7 +40,7 @@ TYPED = [
     ("vibroimpact zone --format ", {*FORMATS}),
     ("vibroimpact zone --format n", {"netcdf"}),
     ("vibroimpact zone --symm", {"--symmetric"}),
-    ("vibroimpact find --for", {"--format"}),
+    ("vibroimpact find --form", {"--format"}),
     ("vibroimpact find --plot ", {"png", "svg", "pdf"}),
     ("vibroimpact bifurcation --spacing ", {"linear", "geometric"}),
     ("vibroimpact plot --format ", {"png", "svg", "pdf"}),

@@ -14,7 +14,7 @@ from vibroimpact.performance import perform
 from vibroimpact.studies.design import asked_by
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-QUICK = {"samples": 0, "evaluations": 16, "units": 4, "nodes": 3, "settling": 120, "keep": 16}
+QUICK = {"samples": 0, "evaluations": 16, "specimens": 4, "nodes": 3, "settling": 120, "keep": 16}
 
 
 def random_systems(n, seed, restitution):
@@ -116,7 +116,7 @@ def test_the_search_is_as_good_as_brute_force():
         OSC,
         r=band,
         free={"clearance": (12, 40)},
-        **{**QUICK, "units": 1, "nodes": 7, "evaluations": 40},
+        **{**QUICK, "specimens": 1, "nodes": 7, "evaluations": 40},
     )
     nodes = np.linspace(*band, 7)
 
@@ -133,7 +133,7 @@ def test_the_search_is_as_good_as_brute_force():
 def test_the_best_motion_at_resonance_is_equispaced():
     """Section 4 of the paper: at r = 1 with equal coefficients of restitution."""
     found = vi.design(
-        OSC, r=1.0, free={"clearance": (5, 78)}, **{**QUICK, "units": 1, "evaluations": 60}
+        OSC, r=1.0, free={"clearance": (5, 78)}, **{**QUICK, "specimens": 1, "evaluations": 60}
     )
     motions = [
         one for one in vi.find(OSC, r=1.0, clearance=found.values["clearance"]) if one.stable
@@ -203,7 +203,7 @@ def test_limits_hold_for_the_design():
     kwargs = {
         "r": (1.0, 1.02),
         "free": {"clearance": (12, 45)},
-        **{**QUICK, "evaluations": 32, "units": 2},
+        **{**QUICK, "evaluations": 32, "specimens": 2},
     }
     free = vi.design(OSC, target="displacement", **kwargs)
     assert free.excess == 0
@@ -286,7 +286,7 @@ def test_slopes_are_those_of_differences():
 
 def test_steps_down_the_gradient_lower_the_level():
     """A start near the best clearance: the steps reach the lower end of a range in which the level only rises."""
-    kwargs = {**QUICK, "units": 1, "nodes": 2, "evaluations": 8}
+    kwargs = {**QUICK, "specimens": 1, "nodes": 2, "evaluations": 8}
     found = vi.design(OSC, r=1.0, free={"clearance": (50.0, 60.0)}, **kwargs)
     coarse = [row["level"] for row in found.front]
     assert min(coarse) == found.level
@@ -349,7 +349,7 @@ def test_design_of_a_structure_chooses_the_number_of_units():
 
     found = vi.design(
         build, r=(1.0, 1.01), free={"units": range(1, 4), "clearance": (5.0, 20.0)}, samples=40, evaluations=16,
-        units=1, nodes=2, states=1, settling=60, keep=4, limit=0.9,
+        specimens=1, nodes=2, states=1, settling=60, keep=4, limit=0.9,
     )  # fmt: skip
     assert found.values["units"] == 3
     assert found.level < 0.6
@@ -378,7 +378,7 @@ def test_damping_of_free_decay_is_a_target():
         target="damping",
         amplitude=1.0,
         free={"clearance": (0.2, 2.0)},
-        **{**QUICK, "evaluations": 40, "units": 1},
+        **{**QUICK, "evaluations": 40, "specimens": 1},
     )
     grid_of = np.linspace(0.2, 2.0, 60)
     levels = host.outcome(

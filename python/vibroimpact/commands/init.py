@@ -121,7 +121,7 @@ def key_lines(group: str, given: Mapping[str, Any]) -> Iterator[str]:
         if name in given:
             line = f"  {name} = {known[name]}"
             about += [f"default: {key['default']}"] * bool(key["default"])
-        elif group == "system":
+        elif (group, name) == ("system", "r"):
             continue
         else:
             plain = key["default"] and not wrong

@@ -46,13 +46,13 @@ class Order:
     ----------
     target : str
     limit : float or None
-    evaluations, units, nodes, states, samples, seed : int
+    evaluations, specimens, nodes, states, samples, seed : int
     """
 
     target: str
     limit: float | None
     evaluations: int
-    units: int
+    specimens: int
     nodes: int
     states: int
     samples: int
@@ -382,7 +382,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     """Searches, and confirms what was found."""
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
     archive = search(
-        problem, max(order.evaluations, 8 * len(problem.free)), order.units, order.nodes, order.states, order.seed,
+        problem, max(order.evaluations, 8 * len(problem.free)), order.specimens, order.nodes, order.states, order.seed,
         searching,
     )  # fmt: skip
     archive, order = firmer(problem, order, archive)
@@ -435,9 +435,9 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         if min(tried["probability"], shares.min()) >= problem.quantile:
             break
         order = replace(
-            order, units=3 * order.units, nodes=2 * order.nodes, states=order.states + 1
+            order, specimens=3 * order.specimens, nodes=2 * order.nodes, states=order.states + 1
         )
-        fine = grid(problem, order.units, order.nodes, order.states, order.seed)
+        fine = grid(problem, order.specimens, order.nodes, order.states, order.seed)
         archive = refined(problem, fine, np.array(archive.values), np.array(archive.level), None)
     return archive, order
 
@@ -476,7 +476,7 @@ def asked_by(
         host, free, tolerance, (float(band[0]), float(band[-1])), spread("load", "load"), keys["quantile"],
         keys["over"] == "basins", bool(limits),
     )  # fmt: skip
-    names = ("evaluations", "units", "nodes", "states", "samples", "seed")
+    names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
     return problem, Order(target, keys.get("limit"), *(keys[name] for name in names))
 
 
@@ -497,7 +497,7 @@ def design(
     target: str = "attenuation", limit: float | None = None, quantile: float = 0.99,
     limits: Mapping[str, float] | None = None, over: str = "worst", amplitude: ArrayLike | None = None,
     cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 48,
-    units: int = 16, nodes: int = 9, settling: int = 200, keep: int = 32, seed: int = 0,
+    specimens: int = 16, nodes: int = 9, settling: int = 200, keep: int = 32, seed: int = 0,
     threads: int | None = None, progress: door.Progress | None = None,
 ) -> Design:  # fmt: skip
     """The clearance, mass and restitution for which an impact damper works best over a band, tolerances included.
@@ -552,7 +552,7 @@ def design(
         Samples of the confirmation, at least 10; 0 for none.
     evaluations : int
         Candidates of the global search.
-    units, nodes : int
+    specimens, nodes : int
         Units and frequencies by which the best candidates are judged.
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and those then examined.
@@ -607,7 +607,7 @@ def design(
     keys: dict[str, Any] = {
         "target": target, "limit": limit, "quantile": quantile, "over": over, "clearance": clearance,
         "load": numbers_of(loads), "states": states, "samples": samples, "evaluations": evaluations,
-        "units": units, "nodes": nodes, "settling": settling, "keep": keep, "seed": seed,
+        "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep, "seed": seed,
     }  # fmt: skip
     workers = None if threads is None else checks.integer(threads, "threads", 1, 1024)
     if not isinstance(host, Oscillator):
@@ -664,7 +664,7 @@ def _designed_structure(
         if not (0.5 <= item <= 1 if name == "quantile" else 0 < item < math.inf):
             raise ParameterError(f"{name} = {value!r}: must be {wanted}")
     low = {"evaluations": 8, "nodes": 2, "settling": 1, "seed": 0, "samples": 0}
-    for name in ("states", "evaluations", "units", "nodes", "settling", "keep", "seed", "samples"):
+    for name in ("states", "evaluations", "specimens", "nodes", "settling", "keep", "seed", "samples"):
         checks.integer(keys[name], name, low.get(name, 1), 10**9)
     band = uncertain(r, "r")
     ranges = {}
@@ -685,6 +685,6 @@ def _designed_structure(
         system, ranges, tolerance, (band.low, band.high), load, float(keys["quantile"]), keys["over"] == "basins",
         bool(limits), whole,
     )  # fmt: skip
-    names = ("evaluations", "units", "nodes", "states", "samples", "seed")
+    names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
     order = Order(target, keys["limit"], *(keys[name] for name in names))
     return designed(problem, order, "", progress)
