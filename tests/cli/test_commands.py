@@ -46,7 +46,7 @@ def test_cases_are_those_that_run(path, tmp_path):
     """Cases that Python reads from a file have the digits of the results that running the file writes."""
     results = {item.stem: item for item in vi.run_namelists([path], tmp_path).results}
     cases = read_namelist(path)
-    assert [case.name for case in cases] == list(results)
+    assert [case.name for case in cases if not case.in_python] == list(results)
     for case in cases:
         if case.kind == "simulate":
             table, events = rows(results[case.name]), case.run()[0].events
