@@ -29,7 +29,10 @@ OF_IMPACTS = (
     "phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after", "approach_speeds",
     "gaps_right", "gaps_left",
 )  # fmt: skip
-OF_MOTION = ("A", "tau", "load_phase", "x_max", "x_min", "attenuation", "stability_margin")
+OF_MOTION = (
+    "A", "tau", "load_phase", "x_max", "x_min", "attenuation", "x_rms", "fundamental_amplitude",
+    "fundamental_phase", "stability_margin",
+)  # fmt: skip
 #: Most impacts in a period, and most events of a trajectory, whose derivatives are computed.
 MOST_IMPACTS, MOST_EVENTS = 24, 1_000_000
 #: What is differentiated at each event of a trajectory.
@@ -151,7 +154,7 @@ def motion_gradient(motion: Motion) -> Gradient:
     if not motion.load > 0:
         raise ParameterError(f"load = {motion.load!r}: must be above 0 to have derivatives")
     values, slopes, codes, status = _core.motion_gradient(
-        10 * n + 15, motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
+        10 * n + 18, motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
         motion.clearance, motion.pattern.cycles, motion.pattern.signs, motion.restitution, motion.X,
         motion.phases + motion.tau, motion.multipliers,
     )  # fmt: skip

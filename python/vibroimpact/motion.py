@@ -317,7 +317,8 @@ class Motion(Savable, study="motion"):
         implicit-function theorem and the derivatives of [P_i]; no difference quotients are taken. R1 and R2 change
         the restitution of all impacts on their wall, R that of all impacts.
 
-        Beside attributes of the motion the quantities are `load_phase` and `attenuation`, and the distances to the
+        Beside attributes of the motion the quantities are `load_phase`, `attenuation`, the response `x_rms`,
+        `fundamental_amplitude` and `fundamental_phase` (as `quantities` has them), and the distances to the
         boundaries of its zone: `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance
         to each wall where the relative position is stationary in the flight after each impact (NaN if it is so
         nowhere); and `stability_margin`, which is 1 - max|lambda|.

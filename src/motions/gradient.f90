@@ -31,8 +31,9 @@ module vi_gradient
    !! after it.
    integer, parameter :: of_impact = 10
    integer, parameter :: by_both = n_parameters + 1, by_load = n_parameters + 2
-   !> Single quantities: A, tau, load phase, x_max, x_min, attenuation, 1 - |lambda_1|.
-   integer, parameter :: of_motion = 7
+   !> Single quantities: A, tau, load phase, x_max, x_min, attenuation, rms of x, amplitude and
+   !! phase of its fundamental, 1 - |lambda_1|.
+   integer, parameter :: of_motion = 10
    !> Real and imaginary parts of the multipliers.
    integer, parameter :: of_multipliers = 8
 
@@ -100,7 +101,10 @@ contains
       if (status == stat%ok) then
          i = of_impact*n
          call of_response(setting, solved, quantities(i + 1:i + 6))
-         call of_stability(solved, multipliers, quantities(i + 7), quantities(i + of_motion + 1:))
+         call of_history(solved, quantities(i + 7:i + 9))
+         quantities(i + 9)%value = quantities(i + 9)%value - lag(setting%osc%xi, setting%r)
+         quantities(i + 9)%by = quantities(i + 9)%by + quantities(i + 2)%by - quantities(i + 3)%by
+         call of_stability(solved, multipliers, quantities(i + 10), quantities(i + of_motion + 1:))
       end if
       do i = 1, size(values)
          values(i) = quantities(i)%value
@@ -330,6 +334,66 @@ contains
          q%value = q%value/a%value
       end associate
    end subroutine of_response
+
+   !> The rms of x, and amplitude a and phase p of its part a sin(theta + p), by Gauss's quadrature.
+   !!
+   !! At a fixed theta = alpha + tau the integrals over a period do not depend on where the flights
+   !! begin, since x is continuous.
+   pure subroutine of_history(solved, quantities)
+      !> The motion.
+      type(solved_type), intent(in) :: solved
+      !> (3)
+      type(quantity_type), intent(out) :: quantities(:)
+      !> Nodes and weights of ten points, for the half that is positive.
+      real(wp), parameter :: nodes(5) = [0.14887433898163122_wp, 0.43339539412924719_wp, &
+         0.67940956829902441_wp, 0.86506336668898451_wp, 0.97390652851717172_wp], &
+         weights(5) = [0.29552422471475287_wp, 0.26926671930999636_wp, 0.21908636251598204_wp, &
+         0.14945134915058059_wp, 0.06667134430868814_wp]
+      !> Panels of a flight, of a radian of the faster of load and free vibration each, above which
+      !! this takes too long.
+      real(wp), parameter :: most_panels = 1.0e5_wp
+      type(flight_type) :: flight
+      real(wp), dimension(2*most_impacts + n_parameters, 3) :: slopes
+      real(wp) :: d(0:5), half, t, theta, share, by_x(3), sums(3), panels
+      integer :: i, j, k, m, panel, side
+
+      m = 2*solved%o%n + n_parameters
+      sums = 0
+      slopes = 0
+      associate (o => solved%o)
+         do i = 1, o%n
+            flight = flight_at(o, i)
+            panels = max(1.0_wp, o%time(i)*max(1.0_wp, o%r))
+            if (panels > most_panels) return
+            half = 0.5_wp*o%time(i)/ceiling(panels)
+            do panel = 1, ceiling(panels)
+               do j = 1, size(nodes)
+                  do side = -1, 1, 2
+                     t = half*(2*panel - 1 + side*nodes(j))
+                     theta = o%theta(i) + o%r*t
+                     share = weights(j)*half*o%r/o%span
+                     d = derivatives(flight, t)
+                     by_x = share*[d(0), 2*sin(theta), 2*cos(theta)]
+                     sums = sums + d(0)*by_x
+                     by_x(1) = 2*by_x(1)
+                     do k = 1, 3
+                        call by_position(o, i, t, by_x(k), slopes(:, k))
+                        slopes(o%n + i, k) = slopes(o%n + i, k) - by_x(k)*d(1)/o%r
+                        slopes(2*o%n + by_r, k) = slopes(2*o%n + by_r, k) - by_x(k)*d(1)*t/o%r
+                     end do
+                  end do
+               end do
+            end do
+         end do
+      end associate
+      associate (rms => sqrt(sums(1)), amplitude => norm2(sums(2:)))
+         quantities(1) = quantity(solved, rms, slopes(:m, 1)/(2*rms), .true.)
+         quantities(2) = quantity(solved, amplitude, matmul(slopes(:m, 2:), sums(2:))/amplitude, &
+            .true.)
+         quantities(3) = quantity(solved, atan2(sums(3), sums(2)), (slopes(:m, 3)*sums(2) &
+            - slopes(:m, 2)*sums(3))/amplitude**2, .false.)
+      end associate
+   end subroutine of_history
 
    !> The greatest (side 1) or least (side -1) position of the primary mass.
    pure function extreme_position(solved, side) result(extreme)

@@ -137,6 +137,8 @@ class ReferenceMotion:
         _, before, after, w = self.speeds(u)
         arrivals = [w[i - 1] for i in range(n)]
         lag = mp.atan2(2 * self.xi * self.r, 1 - self.r**2)
+        square, fundamental = self.means()
+        fundamental *= 2
         places = [[u[i], *(self.place(i, t) for t in self.turns(i, mpf(0)))] for i in range(n)]
         places = [x for flight_places in places for x in flight_places]
         gaps = {1: [], -1: []}
@@ -162,8 +164,37 @@ class ReferenceMotion:
             "x_max": max(places),
             "x_min": min(places),
             "attenuation": max(max(places), -min(places)) / self.amplitude,
+            "x_rms": mp.sqrt(square),
+            "fundamental_amplitude": abs(fundamental),
+            "fundamental_phase": mp.arg(1j * fundamental) - lag,
             "multipliers": self.multipliers(),
         }
+
+    def means(self):
+        """Means of x^2 and of x exp(-i theta) over the period, x being a sum of exponentials."""
+        time, _, after, _ = self.speeds(self.u)
+        eta = mp.sqrt(1 - self.xi**2)
+        rates = [
+            mp.mpc(-self.xi, eta),
+            mp.mpc(-self.xi, -eta),
+            mp.mpc(0, self.r),
+            mp.mpc(0, -self.r),
+        ]
+        square, fundamental = mpf(0), mpf(0)
+
+        def integral(rate, t):
+            return t if rate == 0 else mp.expm1(rate * t) / rate
+
+        for x, theta, v, t in zip(self.u[: self.n], self.u[self.n :], after, time, strict=True):
+            forced = self.amplitude * mp.expj(theta) / 2j
+            x, v = x - 2 * forced.real, v + 2 * self.r * forced.imag
+            free = (v - rates[1] * x) / (rates[0] - rates[1])
+            sizes = [free, mp.conj(free), forced, mp.conj(forced)]
+            terms = list(zip(sizes, rates, strict=True))
+            square += sum(a * b * integral(p + q, t) for a, p in terms for b, q in terms)
+            turn = mp.expj(-theta)
+            fundamental += turn * sum(a * integral(p - rates[2], t) for a, p in terms)
+        return mp.re(square) * self.r / self.turn, fundamental * self.r / self.turn
 
     def multipliers(self):
         """The eigenvalues of the product of the derivatives of the maps between impacts."""

@@ -98,7 +98,9 @@ def test_laws(number):
         assert terms.sum() == pytest.approx(law, abs=1e-9 * np.abs(terms).max(initial=1)), name
 
 
-PURE = ("phases", "tau", "load_phase", "attenuation", "stability_margin", "multipliers")
+PURE = (
+    "phases", "tau", "load_phase", "attenuation", "fundamental_phase", "stability_margin", "multipliers",
+)  # fmt: skip
 
 
 def test_values_are_those_of_the_motion():
@@ -109,6 +111,10 @@ def test_values_are_those_of_the_motion():
         if hasattr(motion, name):
             assert gradient.values[name] == pytest.approx(getattr(motion, name), rel=1e-9), name
     assert gradient.values["stability_margin"] == pytest.approx(1 - abs(motion.multipliers[0]))
+    response = motion.quantities().x
+    assert gradient.values["x_rms"] == pytest.approx(response.rms, rel=1e-12)
+    assert gradient.values["fundamental_amplitude"] == pytest.approx(response.amplitude, rel=1e-12)
+    assert gradient.values["fundamental_phase"] == pytest.approx(response.phase, rel=1e-12)
     assert gradient.values["approach_speeds"] == pytest.approx(
         motion.pattern.signs * (motion.Z_dot_before - motion.X_dot_before)
     )
@@ -202,7 +208,7 @@ def test_coincident_multipliers_have_a_status():
 def test_shows_itself():
     """The table for people, and the dataset."""
     gradient = vi.equispaced(FIGURE6, 0.94, 20.0)[0].gradient()
-    assert "18 quantities by r, clearance, xi, mu, R1, R2, R, load" in repr(gradient)
+    assert "21 quantities by r, clearance, xi, mu, R1, R2, R, load" in repr(gradient)
     assert "attenuation" in str(gradient)
     assert "multipliers[3] imag" in str(gradient)
     table = gradient.to_xarray()
