@@ -17,6 +17,7 @@ SUBJECTS = {
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
                    "studies.response", "spacing"),
+    "Uncertain parameters": ("studies.uncertainty", "studies.boundary_band"),
     "Other studies": ("studies.*",),
     "Namelists": ("run",),
     "Results in files": ("formats.load",),

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import Oscillator, Zone, boundary_bands, zone
+from .. import BoundaryBand, Oscillator, Zone, boundary_bands, zone
 from ..plot.uncertainty import draw_bands
-from ..studies.boundary_band import BoundaryBand
 from . import canvas
 from .paper import EQUAL, KINDS, UNEQUAL
 
