@@ -1,10 +1,10 @@
 !> The study &basins of a &structure: the attractor on which each initial state settles.
 module vi_basins_structure_study
+   use vi_basin_tables, only: find_shares, open_states, set_axes, tell_apart
    use vi_chart_grid, only: most_numbers
    use vi_common_keys, only: check_product, max_events_key
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
-   use vi_spacing, only: even
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
    use vi_structure_find, only: random_structure_states, settle_states, settling_type
@@ -158,7 +158,7 @@ contains
       type(line_type), allocatable :: names(:)
       real(wp), allocatable :: states(:, :)
       integer, allocatable :: labels(:), numbers(:), status(:)
-      integer :: first, lost, n, reached
+      integer :: first, i, lost, n, reached
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
@@ -170,7 +170,8 @@ contains
          if (s%has('states')) then
             call random_structure_states(structure, load, s%whole_number('seed'), states, first)
          else
-            call plane_states(s, n, states)
+            states = spread([s%numbers('q'), s%numbers('q_dot')], 2, size(states, 2))
+            call set_axes(s, [(place_in_state(s%word('axes', i), n), i=1, 2)], states)
          end if
          if (first /= stat%ok) then
             result%empty = .true.
@@ -186,7 +187,7 @@ contains
       reached = count(labels /= not_reached .and. labels /= closed)
       if (is_stopped(progress)) result%cut = whole(count(labels /= not_reached))//' of '// &
          counted(size(labels), 'state')//' were reached'
-      call open_states(case%study, size(labels), result)
+      call open_states(case%study, 'initial', size(labels), result)
       call result%put('states', 'q', [states(:n, :)], n)
       call result%put('states', 'q_dot', [states(n + 1:, :)], n)
       call result%put('states', 'label', labels - 1)
@@ -198,30 +199,6 @@ contains
       if (.not. result%empty .and. lost > 0) call result%fail(whole(lost)//' of '// &
          counted(reached, 'state')//' not decided')
    end subroutine run_basins
-
-   !> The states of the plane; the second axis varies fastest.
-   pure subroutine plane_states(study, n, states)
-      !> The group.
-      type(values_type), intent(in) :: study
-      !> Number of coordinates.
-      integer, intent(in) :: n
-      !> (2n, values of the second axis times those of the first one)
-      real(wp), intent(out) :: states(:, :)
-      real(wp) :: low(2), high(2)
-      integer :: sizes(2), places(2), i
-
-      sizes = study%whole_numbers('values')
-      low = study%numbers('low')
-      high = study%numbers('high')
-      places = [(place_in_state(study%word('axes', i), n), i=1, 2)]
-      states = spread([study%numbers('q'), study%numbers('q_dot')], 2, size(states, 2))
-      do i = 1, sizes(1)
-         states(places(2), (i - 1)*sizes(2) + 1:i*sizes(2)) = even(low(2), high(2), sizes(2))
-      end do
-      do i = 1, sizes(2)
-         states(places(1), i::sizes(2)) = even(low(1), high(1), sizes(1))
-      end do
-   end subroutine plane_states
 
    !> Numbers the attractors by decreasing share: motions, the one without impacts, and all that is
    !! not periodic.
@@ -275,53 +252,6 @@ contains
       name = name//'/'//whole(motion%cycles)
    end subroutine name_motion
 
-   !> Numbers equal names.
-   pure subroutine tell_apart(names)
-      !> In and out: the names.
-      type(line_type), intent(inout) :: names(:)
-      type(line_type) :: plain(size(names))
-      integer :: i, j, before, alike
-
-      plain = names
-      do i = 1, size(names)
-         alike = 0
-         before = 0
-         do j = 1, size(names)
-            if (plain(j)%text /= plain(i)%text) cycle
-            alike = alike + 1
-            if (j <= i) before = before + 1
-         end do
-         if (alike > 1) names(i)%text = plain(i)%text//' ('//whole(before)//')'
-      end do
-   end subroutine tell_apart
-
-   !> Opens the tables of the states, and of the axes of a plane.
-   pure subroutine open_states(study, n, result)
-      !> The group.
-      type(values_type), intent(in) :: study
-      !> Number of states.
-      integer, intent(in) :: n
-      !> The result.
-      type(result_type), intent(inout) :: result
-      character(*), parameter :: tables(2) = [character(6) :: 'first', 'second']
-      real(wp) :: low(2), high(2)
-      integer :: sizes(2), i
-
-      if (.not. study%has('axes')) then
-         call result%open('states', 'initial', [n])
-         return
-      end if
-      sizes = study%whole_numbers('values')
-      low = study%numbers('low')
-      high = study%numbers('high')
-      call result%open('states', trim(study%word('axes', 2))//' '//study%word('axes', 1), &
-         sizes(2:1:-1))
-      do i = 1, 2
-         call result%open(trim(tables(i)), trim(study%word('axes', i)), [sizes(i)])
-         call result%put(trim(tables(i)), 'place', even(low(i), high(i), sizes(i)))
-      end do
-   end subroutine open_states
-
    !> Fills the tables of the attractors and their motions, with remarks.
    pure subroutine put_attractors(result, list, labels, numbers, names, n)
       !> The result.
@@ -342,12 +272,8 @@ contains
       integer :: i, reached
 
       reached = max(1, count(labels /= not_reached .and. labels /= closed))
-      text = counted(reached, 'state')
+      call find_shares(labels, reached, names, shares, errors, text)
       do i = 1, size(names)
-         shares(i) = real(count(labels == i), wp)/reached
-         errors(i) = sqrt(shares(i)*(1 - shares(i))/reached)
-         text = text//', '//names(i)%text//' '//shown(100*shares(i), 'f12.2')//'% +- '// &
-            shown(100*errors(i), 'f12.2')//'%'
          call result%remark(whole(i - 1)//': '//names(i)%text//', share '//shown(shares(i), &
             'f12.6'))
       end do

@@ -6,14 +6,15 @@ module vi_basins_study
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_attractor_spread, only: random_states
+   use vi_basin_tables, only: find_shares, open_states, set_axes, tell_apart
    use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, max_events_key, &
       state_keys
    use vi_forced_system, only: new_forced_system
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
-   use vi_spacing, only: even
    use vi_progress, only: is_stopped
-   use vi_text, only: counted, exact, exact_list, line_type, shown, whole
+   use vi_spacing, only: even
+   use vi_text, only: counted, exact, exact_list, line_type, whole
    use vi_chart_grid, only: most_numbers
    use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
       values_type, wholes, words
@@ -222,24 +223,14 @@ contains
       !> The group.
       type(values_type), intent(in) :: study
       real(wp), allocatable :: states(:, :)
-      real(wp) :: low(2), high(2)
-      integer :: n(2), i, j, first, second
+      integer :: i
 
-      n = study%whole_numbers('values')
-      low = study%numbers('low')
-      high = study%numbers('high')
-      allocate (states(5, n(1)*n(2)))
+      allocate (states(5, product(study%whole_numbers('values'))))
       do i = 1, 5
          if (study%has(trim(axis_names(i)))) states(i, :) = study%number(trim(axis_names(i)))
       end do
-      first = findloc(axis_names == study%word('axes', 1), .true., 1)
-      second = findloc(axis_names == study%word('axes', 2), .true., 1)
-      do j = 1, n(1)
-         states(second, (j - 1)*n(2) + 1:j*n(2)) = even(low(2), high(2), n(2))
-      end do
-      do j = 1, n(2)
-         states(first, j::n(2)) = even(low(1), high(1), n(1))
-      end do
+      call set_axes(study, [(findloc(axis_names == study%word('axes', i), .true., 1), i=1, 2)], &
+         states)
       states(4, :) = states(4, :) + states(2, :)
    end function plane_states
 
@@ -273,7 +264,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(attractor_list_type) :: list
       type(line_type), allocatable :: names(:)
-      real(wp), allocatable :: states(:, :)
+      real(wp), allocatable :: states(:, :), shares(:), errors(:)
       integer, allocatable :: labels(:)
       character(:), allocatable :: text
       real(wp) :: events
@@ -298,7 +289,7 @@ contains
          if (lost > 0) result%cut = result%cut//', '//whole(lost)//' of them not decided yet'
       end if
       call find_names(list, names)
-      call open_states(case%study, n, result)
+      call open_states(case%study, 'state', n, result)
       do i = 1, 5
          call result%put('states', trim(state_keys(i)%name), states(i, :))
       end do
@@ -306,51 +297,19 @@ contains
       call result%put_codes('states', 'attractor', max(0, labels), names)
       call result%open('run', '', [integer ::])
       call result%put('run', 'events', [events])
-      call put_attractors(case, list, names, labels, result)
+      allocate (shares(list%n), errors(list%n))
+      call find_shares(labels, reached, names, shares, errors, text)
+      call put_attractors(case, list, names, labels, shares, errors, result)
       result%empty = lost == reached
-      if (.not. result%empty) then
-         text = counted(reached, 'state')
-         do i = 1, list%n
-            text = text//', '//names(i)%text//' '//shown(100*share(labels, i), 'f12.2')//'% +- '// &
-               shown(100*standard_error(labels, i), 'f12.2')//'%'
-         end do
-         call result%add_note(text)
-      end if
+      if (.not. result%empty) call result%add_note(text)
       if (lost == 0) return
       text = ''
       if (limited > 0) text = ', '//whole(limited)//' of them as max_events was reached'
       call result%fail(whole(lost)//' of '//counted(reached, 'state')//' not decided'//text)
    end subroutine run_basins
 
-   !> Opens the tables of the states, and of the axes of a plane.
-   pure subroutine open_states(study, n, result)
-      !> The group.
-      type(values_type), intent(in) :: study
-      !> Number of states.
-      integer, intent(in) :: n
-      !> The result.
-      type(result_type), intent(inout) :: result
-      character(*), parameter :: tables(2) = [character(6) :: 'first', 'second']
-      real(wp) :: low(2), high(2)
-      integer :: sizes(2), i
-
-      if (.not. study%has('axes')) then
-         call result%open('states', 'state', [n])
-         return
-      end if
-      sizes = study%whole_numbers('values')
-      low = study%numbers('low')
-      high = study%numbers('high')
-      call result%open('states', trim(study%word('axes', 2))//' '//study%word('axes', 1), &
-         sizes(2:1:-1))
-      do i = 1, 2
-         call result%open(trim(tables(i)), trim(study%word('axes', i)), [sizes(i)])
-         call result%put(trim(tables(i)), 'place', even(low(i), high(i), sizes(i)))
-      end do
-   end subroutine open_states
-
    !> Puts the attractors into the result, with remarks.
-   pure subroutine put_attractors(case, list, names, labels, result)
+   pure subroutine put_attractors(case, list, names, labels, shares, errors, result)
       !> The case.
       type(case_type), intent(in) :: case
       !> The attractors.
@@ -359,6 +318,8 @@ contains
       type(line_type), intent(in) :: names(:)
       !> (states) Number of the attractor of each state.
       integer, intent(in) :: labels(:)
+      !> (attractors) Their shares of the states, with standard errors.
+      real(wp), intent(in) :: shares(:), errors(:)
       !> The result.
       type(result_type), intent(inout) :: result
       type(line_type), allocatable :: words(:)
@@ -381,7 +342,7 @@ contains
             if (any(known(i)%kind == [no_impacts, repeating])) growth(i) = ieee_value(1.0_wp, &
                ieee_quiet_nan)
             text = whole(i - 1)//': '//names(i)%text//' ('//trim(kinds(known(i)%kind))// &
-               '), share '//exact(share(labels, i))
+               '), share '//exact(shares(i))
             call add_details(known(i), text)
             call result%remark(text)
          end do
@@ -391,42 +352,27 @@ contains
       call result%put('attractors', 'growth', growth)
       call result%put('attractors', 'radius', balls(1, :))
       call result%put('attractors', 'contraction', balls(2, :))
-      call result%put('attractors', 'fraction', [(share(labels, i), i=1, n)])
-      call result%put('attractors', 'standard_error', [(standard_error(labels, i), i=1, n)])
+      call result%put('attractors', 'fraction', shares)
+      call result%put('attractors', 'standard_error', errors)
       call result%put('attractors', 'state', [states])
-      call remark_safety(case, n, labels, result)
+      call remark_safety(case, errors, labels, result)
    end subroutine put_attractors
-
-   !> The share of the simulated states that approach an attractor.
-   pure real(wp) function share(labels, i)
-      !> (states) Number of the attractor of each state, and the one in question.
-      integer, intent(in) :: labels(:), i
-
-      share = real(count(labels == i), wp)/count(labels /= not_reached)
-   end function share
-
-   !> Standard error of that share for independent states; an upper bound for states of a plane.
-   pure real(wp) function standard_error(labels, i)
-      !> (states) Number of the attractor of each state, and the one in question.
-      integer, intent(in) :: labels(:), i
-
-      standard_error = sqrt(share(labels, i)*(1 - share(labels, i))/count(labels /= &
-         not_reached))
-   end function standard_error
 
    !> Adds remarks on the errors of the shares, and, for a complete plane, on the uncertainty
    !! exponent and the largest discs.
-   pure subroutine remark_safety(case, n, labels, result)
+   pure subroutine remark_safety(case, errors, labels, result)
       !> The case.
       type(case_type), intent(in) :: case
-      !> Number of attractors, and (states) the number of the attractor of each state.
-      integer, intent(in) :: n, labels(:)
+      !> (attractors) The standard errors of their shares.
+      real(wp), intent(in) :: errors(:)
+      !> (states) Number of the attractor of each state.
+      integer, intent(in) :: labels(:)
       !> The result.
       type(result_type), intent(inout) :: result
       integer, allocatable :: plane(:, :)
       real(wp), allocatable :: pairs(:, :)
       character(:), allocatable :: text
-      real(wp) :: exponent, radii(n), centres(2, n)
+      real(wp) :: exponent, radii(size(errors)), centres(2, size(errors))
       integer :: sizes(2), i
 
       exponent = ieee_value(exponent, ieee_quiet_nan)
@@ -440,9 +386,8 @@ contains
          call result%put('pairs', 'uncertain', pairs(2, :))
       end if
       call result%put('run', 'uncertainty_exponent', [exponent])
-      do i = 1, n
-         text = whole(i - 1)//': standard error of the share '//exact(standard_error( &
-            labels, i))
+      do i = 1, size(errors)
+         text = whole(i - 1)//': standard error of the share '//exact(errors(i))
          if (allocated(plane)) then
             call find_disc(case%study, plane, i, radii(i), centres(:, i))
             text = text//', radius of the largest disc '//exact(radii(i))//' about '// &
@@ -504,33 +449,22 @@ contains
       type(attractor_list_type), intent(in) :: list
       !> (attractors) Their names.
       type(line_type), allocatable, intent(out) :: names(:)
-      type(line_type) :: plain(list%n)
-      integer :: i, j, before, alike
+      integer :: i
 
       allocate (names(list%n))
       do i = 1, list%n
          associate (known => list%known(i))
             select case (known%kind)
             case (periodic, resting)
-               plain(i)%text = starred_symbols(known%symbols)//'/'//whole(known%cycles)
+               names(i)%text = starred_symbols(known%symbols)//'/'//whole(known%cycles)
             case (repeating)
-               plain(i)%text = whole(size(known%symbols))//'/'//whole(known%cycles)//'?'
+               names(i)%text = whole(size(known%symbols))//'/'//whole(known%cycles)//'?'
             case default
-               plain(i)%text = trim(kinds(known%kind))
+               names(i)%text = trim(kinds(known%kind))
             end select
          end associate
       end do
-      do i = 1, list%n
-         before = 0
-         alike = 0
-         do j = 1, list%n
-            if (plain(j)%text /= plain(i)%text) cycle
-            alike = alike + 1
-            if (j <= i) before = before + 1
-         end do
-         names(i)%text = plain(i)%text
-         if (alike > 1) names(i)%text = names(i)%text//' ('//whole(before)//')'
-      end do
+      call tell_apart(names)
    end subroutine find_names
 
 end module vi_basins_study
