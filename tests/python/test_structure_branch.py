@@ -520,6 +520,98 @@ def _written(folder, text):
     return path
 
 
+def test_a_closed_branch():
+    """An isola: special points in the same order as those of the oscillator, until the branch meets its start."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    motion = vi.exact(osc, 0.85, 20.0, ([0.0, 2.01848, 6.07922], vi.Pattern("RRL", 2)))
+    lag = math.atan2(2 * osc.xi * 0.85, 1 - 0.85**2)
+    guess = (motion.phases + motion.tau + lag, [0, 0, 1], 2)
+    same = vi.exact(osc.structure(20.0), vi.Load(0.85, sine=[1, 0]), guess)
+    theirs = vi.branch(motion, "r", (0.7, 1.4))
+    ours = vi.branch(same, "frequency", (0.7, 1.4))
+    assert ours.ends == theirs.ends == ("closed", "closed")
+    assert [p.type for p in ours.special_points] == [p.type for p in theirs.special_points]
+    assert [p.value for p in ours.special_points] == pytest.approx(
+        [p.r for p in theirs.special_points], rel=1e-12
+    )
+    assert len(ours.special_points) == 32
+
+
+def integrated(flight, gap, start, time):
+    """Time and state at the next zero of a gap that closes, by integration; the flight begins on a wall."""
+    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
+    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
+
+    def closes(t, y):
+        return gap(y)
+
+    closes.terminal, closes.direction = True, -1
+    away = solve_ivp(flight, (time, time + 0.2), start, **options)
+    end = solve_ivp(flight, (away.t[-1], time + 30), away.y[:, -1], events=closes, **options)
+    return end.t_events[0][0], end.y_events[0][0]
+
+
+def bifurcation(period, guess, multiplier):
+    """The fixed point of a map at a parameter (its last argument) at which it has a multiplier, by fsolve."""
+    fsolve = pytest.importorskip("scipy.optimize").fsolve
+    n = len(guess) - 1
+
+    def equations(place):
+        moves = 1e-5 * np.eye(n + 1)[:n]
+        columns = [(period(place + move) - period(place - move)) / 2e-5 for move in moves]
+        singular = np.linalg.det(np.array(columns) - multiplier * np.eye(n))
+        return [*(period(place) - place[:n]), singular]
+
+    found, _, status, _ = fsolve(equations, guess, xtol=1e-10, full_output=True)
+    assert status == 1
+    return found
+
+
+def test_a_fold_by_integration():
+    """The map of phase and approach speed by an integrator has the multiplier 1 at the same frequency."""
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    branch = vi.branch(motion, "frequency", (0.6, 3.0))
+    (fold,) = [point for point in branch.special_points if point.type == "fold"]
+
+    def period(place):
+        phase, speed, omega = place
+        time, (_, after) = integrated(
+            lambda t, y: (y[1], np.cos(omega * t) - 0.1 * y[1] - y[0]), lambda y: 1 - y[0],
+            [1, -0.8 * speed], phase / omega,
+        )  # fmt: skip
+        return np.array([omega * time - 2 * math.pi, after])
+
+    here = np.array([branch.phases[0, fold.index], branch.speeds[0, fold.index], fold.value])
+    found = bifurcation(period, here + 1e-3, 1)
+    assert found[2] == pytest.approx(fold.value, abs=1e-10)
+    assert found[:2] == pytest.approx(here[:2], abs=1e-6)
+
+
+@pytest.mark.slow
+def test_a_flip_by_integration(pair):
+    """The map from impact to impact on the right wall has the multiplier -1 at the same opening."""
+    branch = vi.branch(pair[0], "opening", (5, 30))
+    (flip,) = [point for point in branch.special_points if point.type == "flip"]
+
+    def flight(t, y):
+        return (y[1], math.sin(0.94 * t) - 2 * XI * y[1] - y[0], y[3], 0.0)
+
+    def period(place):
+        phase, x, x_dot, z_dot, opening = place
+        time, y = phase / 0.94, np.array([x, x_dot, x + opening, z_dot])
+        for side in (-1, 1):
+            time, y = integrated(flight, lambda y, s=side: opening - s * (y[2] - y[0]), y, time)
+            approach = (1 + RESTITUTION) / (1 + MU) * (y[3] - y[1])
+            y[1::2] += (MU * approach, -approach)
+        return np.array([0.94 * time - 2 * math.pi, y[0], y[1], y[3]])
+
+    motion = branch[flip.index]
+    here = np.array([motion.phases[0], motion.q[0], *motion.q_dot, flip.value])
+    found = bifurcation(period, here * (1 + 1e-4), -1)
+    assert found == pytest.approx(here, rel=1e-7)
+
+
 def test_motions_whose_speeds_vanish_are_consistent():
     """At a zero of all approach speeds the equations hold, relative to displacements over the time of a radian."""
     structure, load = random_structure(np.random.default_rng(12))
