@@ -22,7 +22,7 @@ from .studies.decay import decay
 
 _Array = NDArray[np.float64]
 #: Samples in a cycle of the load from which extremes are refined, and least number of samples of a record.
-SAMPLES, LEAST = 200, 20_000
+SAMPLES, LEAST = 200, 5_000
 #: Figures of a structure that can be limited or minimised.
 FIGURES = ("displacement", "rms", "speed")
 TARGETS = ("attenuation", "displacement", "rms")
