@@ -16,6 +16,7 @@ from .errors import (
     VibroimpactError,
 )
 from .events import Sample
+from .excitations import half_sine, swept_sine
 from .flags import StabilityFlags, stability_flags
 from .formats.load import load
 from .formats.measured import read_record
@@ -158,6 +159,7 @@ __all__ = [
     "exact_structure",
     "find",
     "find_structure",
+    "half_sine",
     "identify",
     "is_symmetric",
     "limit_probability",
@@ -184,6 +186,7 @@ __all__ = [
     "stability_flags",
     "standard_motion",
     "status_text",
+    "swept_sine",
     "uncertainty",
     "virtual_record",
     "zone",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -217,19 +218,24 @@ class Oscillator:
         )
 
     def structure(
-        self, clearance: float, restitution: Restitution | tuple[Restitution, Restitution] | None = None
+        self, clearance: float | None = None,
+        restitution: Restitution | tuple[Restitution, Restitution] | None = None, *, d: float | None = None,
     ) -> Structure:  # fmt: skip
         """The same two masses as a structure, whose coefficients of restitution may depend on the approach speed.
 
-        Coordinates are x and z, gap 0 is the right wall and gap 1 the left one. The load sin(r t) is
-        ``Load(r, sine=[1, 0])``.
+        Coordinates are x and z, gap 0 is the right wall and gap 1 the left one. With `clearance` the structure
+        is dimensionless, and the load sin(r t) is ``Load(r, sine=[1, 0])``. With `d` it is in the units of M
+        and K, for loads of any kind: a shock, a swept sine or a motion of the base by `Record`,
+        `base_record` or `base_motion`.
 
         Parameters
         ----------
-        clearance : float
-            d K/F0 > 0, the whole travel of the free mass.
+        clearance : float, optional
+            d K/F0 > 0; d is the whole travel of the free mass between the walls.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
-            Those of the oscillator by default. Speeds of a law are in F0 omega/K.
+            Those of the oscillator by default. Speeds of a law are in F0 omega/K, or in the units of M and K.
+        d : float, optional
+            The whole travel in the unit of length of M and K; either this or `clearance`.
 
         Returns
         -------
@@ -250,13 +256,80 @@ class Oscillator:
         """
         if not self.mu > 0:
             raise ParameterError(f"mu = {self.mu!r}: must be > 0 for a structure")
-        half = 0.5 * positive(clearance, "clearance")
+        M, K = 1.0, 1.0
+        if d is None:
+            half = 0.5 * positive(clearance, "clearance")
+        elif clearance is not None:
+            raise ParameterError(
+                f"clearance = {clearance!r}, d = {d!r}: must be one of them, not both"
+            )
+        elif self.M is None or self.K is None:
+            raise ParameterError(
+                f"d = {d!r}: must be given to an oscillator that knows M and K only"
+            )
+        else:
+            half, M, K = 0.5 * positive(d, "d"), self.M, self.K
         right, left = (
             restitution if isinstance(restitution, (tuple, list))
             else self.restitution if restitution is None else (restitution, restitution)
         )  # fmt: skip
         gaps = [Gap([-1, 1], half, right), Gap([1, -1], half, left)]
-        return Structure([1, self.mu], [2 * self.xi, 0], [1, 0], gaps)
+        return Structure([M, self.mu * M], [2 * self.xi * math.sqrt(K * M), 0], [K, 0], gaps)
+
+    def base_load(
+        self, f: float, *, displacement: float | None = None, velocity: float | None = None,
+        acceleration: float | None = None,
+    ) -> float:  # fmt: skip
+        """The load amplitude F0 that acts as a harmonic motion of the base.
+
+        A base that moves by y = Y sin(Omega t) exerts K y + C y' through spring and dashpot, a force of amplitude
+        Y |K + i Omega C|. Positions stay absolute, and the free mass slides in its slot without
+        friction as before. The force on the base is then K (X - y) + C (X' - y').
+
+        Parameters
+        ----------
+        f : float
+            Frequency of the base, cycles per unit of time (Hz).
+        displacement, velocity, acceleration : float
+            Amplitude of one of them, in the units of M and K.
+
+        Returns
+        -------
+        float
+            F0, for `units` and for `from_dimensional`.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If the oscillator does not know M and K, a value is no positive number, or not exactly one
+            amplitude is given.
+
+        Examples
+        --------
+        A shaking table with 1 m/s^2 at 19.5 Hz, under a rig of 2.7 kg on 42 kN/m:
+
+        >>> import vibroimpact as vi
+        >>> rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, C=7.7, m=0.11, restitution=0.75)
+        >>> round(rig.base_load(19.5, acceleration=1.0), 4)
+        2.7985
+        """
+        if self.M is None or self.K is None:
+            raise ParameterError("M = None: must be the primary mass for a motion of the base")
+        omega = 2 * math.pi * positive(f, "f")
+        amplitudes = {
+            "displacement": displacement,
+            "velocity": velocity,
+            "acceleration": acceleration,
+        }
+        given = [name for name, value in amplitudes.items() if value is not None]
+        if len(given) != 1:
+            raise ParameterError(
+                f"displacement, velocity, acceleration: must be one of them; given: {given}"
+            )
+        amplitude = positive(amplitudes[given[0]], given[0]) / omega ** [*amplitudes].index(
+            given[0]
+        )
+        return amplitude * math.hypot(self.K, omega * 2 * self.xi * math.sqrt(self.K * self.M))
 
     def units(self, F0: float | None = None) -> Units:
         """The physical units of length, time, velocity, … for a load amplitude F0, by default its own.

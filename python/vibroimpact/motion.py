@@ -61,7 +61,7 @@ class Motion(Savable, study="motion"):
     r : float
         Frequency ratio Omega/omega.
     clearance : float
-        D = d K/F0.
+        D = d K/F0; d is the whole travel of the free mass between the walls.
     pattern : Pattern
     restitution : ndarray (N,)
         Coefficient of restitution of each impact.

@@ -22,7 +22,7 @@ from .files import write_text
 from .model import Oscillator, Pattern
 from .quantities import Quantities, Signal
 from .tables import Column, Found, Result, declared, settled
-from .units import MIXED, RATIO, Units, powers_of
+from .units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, powers_of
 
 if TYPE_CHECKING:
     pass
@@ -37,8 +37,6 @@ UNITS = {
     "X_ddot": "omega^2 F0/K", "Z_ddot": "omega^2 F0/K", "load": "F0", "phase": "rad", "phases": "rad",
     "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "",
 } | Quantities.units  # fmt: skip
-#: How the core names the dimensionless clearance.
-GAP = "clearance d K/F0"
 
 
 @cache
@@ -321,7 +319,7 @@ def column_in(column: Column, units: Units) -> Column:
         return replace(column, name=name, values=values, unit=unit, meaning=meaning)
     if not powers_of(column.unit):
         return column
-    meaning = column.meaning.replace(GAP, "clearance d, the whole travel of the free mass")
+    meaning = column.meaning.replace(GAP, PHYSICAL_GAP)
     values = column.values * units.scale(column.unit)
     return replace(column, values=values, unit=units.name(column.unit), meaning=meaning)
 
@@ -347,9 +345,7 @@ def dataset(data: Any, units: Units) -> Any:
             renamed[name] = frequency_name(name)
         elif powers_of(unit[name]):
             values, about["units"] = item * units.scale(unit[name]), units.name(unit[name])
-            about["long_name"] = str(about["long_name"]).replace(
-                GAP, "clearance d, the whole travel"
-            )
+            about["long_name"] = str(about["long_name"]).replace(GAP, PHYSICAL_GAP)
         else:
             continue
         data = data.assign({name: values.assign_attrs(about)})

@@ -34,6 +34,11 @@ IMPACT_TYPE = np.dtype([
 ])  # fmt: skip
 
 
+def plain(values: Any) -> Any:
+    """An array, or a number as a float."""
+    return values if np.ndim(values) else float(values)
+
+
 @dataclass(frozen=True, eq=False)
 class Signal:
     """One quantity over the window of `Quantities`; arrays (n,) with the coordinates of a structure.
@@ -57,18 +62,18 @@ class Signal:
     @property
     def peak(self) -> Any:
         """The greatest magnitude."""
-        return np.maximum(-self.least, self.greatest)[()]
+        return plain(np.maximum(-self.least, self.greatest))
 
     @property
     def amplitude(self) -> Any:
         """Amplitude of the fundamental."""
-        return np.abs(self.harmonics[..., 0])[()]
+        return plain(np.abs(self.harmonics[..., 0]))
 
     @property
     def phase(self) -> Any:
         """Phase by which the fundamental leads the load sin(phi), from -pi to pi: it is
         ``amplitude sin(phi + phase)``."""
-        return np.angle(1j * self.harmonics[..., 0])[()]
+        return plain(np.angle(1j * self.harmonics[..., 0]))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -54,7 +54,7 @@ def periodic(
     Returns
     -------
     Motion
-        Its clearance d K/F0 is part of the result.
+        Its clearance d K/F0 is part of the result; d is the whole travel between the walls.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def equispaced(
     r : float
         Frequency ratio, as in `periodic`.
     clearance : float
-        D = d K/F0, 1e-12 to 1e12.
+        D = d K/F0, 1e-12 to 1e12; d is the whole travel between the walls.
     cycles : int
         Load cycles k in a period, odd.
     precision : {"double", "single"}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from . import _core
 from .errors import ParameterError
 from .namelist import keys_of
-from .units import MIXED, RATIO
+from .units import GAP, MIXED, RATIO
 
 #: How values are stored, by the kind of their column.
 STORED = {"real": "<f8", "complex": "<c16"}
@@ -276,7 +276,7 @@ def decided(result: Result, table: str, name: str) -> dict[str, Any]:
     if name not in ("value", "low", "high") or "parameter" not in keys:
         return {}
     parameter = keys["parameter"]
-    meaning = {"r": RATIO, "clearance": "clearance d K/F0"}.get(parameter, parameter)
+    meaning = {"r": RATIO, "clearance": GAP}.get(parameter, parameter)
     return {"unit": "F0/K" if parameter == "clearance" else "", "meaning": meaning}
 
 

@@ -388,7 +388,8 @@ def simulate(
     r : float
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     clearance : float
-        D = d K/F0 (or d in the unit of length in which `load` is the static deflection F0/K).
+        D = d K/F0 (or d in the unit of length in which `load` is the static deflection F0/K); d is the whole
+        travel between the walls.
     cycles : float
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional

@@ -30,6 +30,9 @@ SI = "m N s"
 MIXED = "mixed"
 #: How the meaning of a frequency ratio begins.
 RATIO = "frequency ratio"
+#: The meaning of a dimensionless clearance, and of a physical one.
+GAP = "clearance d K/F0; d is the whole travel of m between the walls"
+PHYSICAL_GAP = "clearance d, the whole travel of m between the walls"
 #: Powers of length, force and time in the quantities of which dimensionless units consist.
 DIMENSIONS = {"F0": (0, 1, 0), "K": (-1, 1, 0), "omega": (0, 0, -1)}
 

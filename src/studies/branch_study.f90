@@ -55,7 +55,8 @@ module vi_branch_study
       meaning='displacements of the primary mass at its impacts'), &
       column_type('points', 'point', wholes, meaning='number of the point along it'), &
       column_type('points', 'r', meaning='frequency ratio'), &
-      column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('points', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('points', 'xi', meaning='damping ratio'), &
       column_type('points', 'mu', meaning='mass ratio'), &
       column_type('points', 'R1', meaning='coefficient of restitution of the right wall'), &

@@ -43,7 +43,7 @@ module vi_chart_study
       meaning='first clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('clearance_max', low=window_keys(4)%low, high=window_keys(4)%high, unit='F0/K', &
       over='clearance_min', never='clearance', option='clearance', &
-      meaning='last clearance d K/F0'), &
+      meaning='last clearance d K/F0; d is the whole travel of m'), &
       key_type('clearance_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, &
       never='clearance', option='clearance', meaning='number of clearances'), &
       key_type('spacing', a_word, default='''linear''', words='linear geometric', &
@@ -61,7 +61,8 @@ module vi_chart_study
 
    type(column_type), parameter :: chart_columns(*) = [ &
       column_type('ratios', 'r', meaning='frequency ratio'), &
-      column_type('clearances', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('clearances', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('slots', 'slot', wholes, meaning='number of the motion at its point'), &
       column_type('motions', 'consistent', verdicts, meaning='whether it solves all equations'), &
       column_type('motions', 'admissible', verdicts, &

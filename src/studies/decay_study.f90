@@ -33,7 +33,8 @@ module vi_decay_study
       max_events_key]
 
    type(column_type), parameter :: decay_columns(*) = [ &
-      column_type('runs', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('runs', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('peaks', 'time', unit='1/omega', meaning='time'), &
       column_type('peaks', 'x', unit='F0/K', &
       meaning='displacement of the primary mass, the greatest between two zeros'), &

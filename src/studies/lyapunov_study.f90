@@ -53,7 +53,8 @@ module vi_lyapunov_study
 
    type(column_type), parameter :: lyapunov_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
-      column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('points', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('points', 'per_cycle', each='direction', label='exponent_#', &
       unit='1/load cycle', meaning='Lyapunov exponents, the greatest first'), &
       column_type('points', 'error_per_cycle', each='direction', label='error_#', &

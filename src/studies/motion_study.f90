@@ -78,7 +78,8 @@ module vi_motion_study
       column_type('impacts', 'Z_dot_after', unit='omega F0/K', &
       meaning='velocity of the free mass after the impact'), &
       column_type('motions', 'r', meaning='frequency ratio'), &
-      column_type('motions', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('motions', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('motions', 'A', unit='F0/K', meaning='amplitude of the motion without impacts'), &
       column_type('motions', 'tau', unit='rad', meaning='load phase of the first impact'), &
       column_type('motions', 'residual', meaning='relative residual of (26), (30)'), &

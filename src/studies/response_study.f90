@@ -41,7 +41,8 @@ module vi_response_study
 
    type(column_type), parameter :: response_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
-      column_type('points', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('points', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('points', 'lowest', meaning='least max|X|/A of the attractors'), &
       column_type('points', 'highest', meaning='greatest max|X|/A of the attractors'), &
       column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &

@@ -60,7 +60,8 @@ module vi_simulate_study
       column_type('run', 'units', words, listed=.false., &
       meaning='units of length, force and time, if known'), &
       column_type('run', 'r', listed=.false., meaning='frequency ratio'), &
-      column_type('run', 'clearance', unit='F0/K', listed=.false., meaning='clearance d K/F0'), &
+      column_type('run', 'clearance', unit='F0/K', listed=.false., &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('run', 'load', unit='F0', listed=.false., meaning='load amplitude'), &
       column_type('run', 'finished', truths, listed=.false., &
       meaning='whether the end was reached before max_events events'), &

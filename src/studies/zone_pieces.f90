@@ -31,7 +31,8 @@ module vi_zone_pieces
       column_type('pieces', 'detail', words, meaning='the impact, flight or bound concerned')], &
       vertex_columns(*) = [ &
       column_type('vertices', 'r', meaning='frequency ratio'), &
-      column_type('vertices', 'clearance', unit='F0/K', meaning='clearance d K/F0'), &
+      column_type('vertices', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('vertices', 'corner', truths, meaning='whether pieces meet there'), &
       column_type('vertices', 'x', each='impact', listed=.false., &
       meaning='x/D of the motion at its impacts; with rest, velocity over D at the last release'), &

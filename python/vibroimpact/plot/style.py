@@ -130,7 +130,11 @@ class Scales:
         if name == "r":
             return R_LABEL if self.units is None else f"{FREQUENCY} ({self.units.hertz})"
         if name == "clearance":
-            return CLEARANCE_LABEL if self.units is None else self.label("clearance $d$", "F0/K")
+            return (
+                CLEARANCE_LABEL
+                if self.units is None
+                else self.label("clearance $d$, wall to wall", "F0/K")
+            )
         return self.label(NAMES[name], UNITS.get(name, ""))
 
     def given(self, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from ..model import Oscillator, Pattern, plain_pattern
 from ..namelist import symmetric_word
 from ..noun import Noun
 from ..status import status_text
+from ..units import GAP
 
 __all__ = ["Chart", "chart"]
 
@@ -107,7 +108,7 @@ class Chart(Noun, study="chart"):
                 "motions found at the point",
             ),
             "r": (("r",), r, "1", "frequency ratio Omega/omega"),
-            "clearance": (("clearance",), clearance, "F0/K", "clearance d K/F0"),
+            "clearance": (("clearance",), clearance, "F0/K", GAP),
         }  # fmt: skip
         found = {
             name: Variable(

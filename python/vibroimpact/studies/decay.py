@@ -105,7 +105,7 @@ def decay(
     ----------
     osc : Oscillator
     clearance, inverse_clearance : float or array_like (runs,)
-        d K/F0, or F0/(d K); one of the two.
+        d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
     amplitude, x_dot : float
         Displacement and velocity of the primary mass at the start.
     y, z_dot : float

@@ -93,7 +93,7 @@ def response(
     osc : Oscillator
     r : array_like (n,)
     clearance, inverse_clearance : float or array_like (n,)
-        d K/F0, or F0/(d K); one of the two.
+        d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
     states : int
         Initial states at each r, spread evenly.
     load : float
