@@ -359,7 +359,7 @@ class Oscillator:
         """The keys of a &system; None where they are not known."""
         return {
             "xi": self.xi, "mu": self.mu, "restitution": list(self.restitution), "r": r, "mass": self.M,
-            "stiffness": self.K, "force": self.F0, "units": self.unit_names,
+            "stiffness": self.K, "force": self.F0, "unit_names": self.unit_names,
         }  # fmt: skip
 
     @classmethod
@@ -367,7 +367,7 @@ class Oscillator:
         """The oscillator of the keys of a &system."""
         return cls(
             xi=keys["xi"], mu=keys["mu"], restitution=tuple(np.atleast_1d(keys["restitution"]).tolist()),
-            M=keys.get("mass"), K=keys.get("stiffness"), F0=keys.get("force"), unit_names=keys.get("units"),
+            M=keys.get("mass"), K=keys.get("stiffness"), F0=keys.get("force"), unit_names=keys.get("unit_names"),
         )  # fmt: skip
 
 

@@ -563,7 +563,7 @@ def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
     }  # fmt: skip
     if not known and result.case:
         keys = namelist.keys_of(result.case)
-        of_system = {"M": "mass", "K": "stiffness", "F0": "force", "units": "units"}
+        of_system = {"M": "mass", "K": "stiffness", "F0": "force", "units": "unit_names"}
         known = {name: keys[key] for name, key in of_system.items() if key in keys}
     names = known.pop("units", None)
     return Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]), **known, unit_names=names)

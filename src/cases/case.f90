@@ -45,13 +45,16 @@ module vi_case
       meaning='coefficient of restitution of both walls, or of the right and the left one'), &
       key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., &
       meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios'), &
-      key_type('mass', low=0.0_wp, above=.true., may_miss=.true., only='stiffness', unit='units', &
+      key_type('mass', low=0.0_wp, above=.true., may_miss=.true., only='stiffness', &
+      option='-', unit='unit_names', &
       meaning='primary mass M, by which a result is known in physical units, too'), &
-      key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', unit='units', &
+      key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', option='-', &
+      unit='unit_names', &
       meaning='stiffness K, for physical units'), &
-      key_type('force', low=0.0_wp, above=.true., may_miss=.true., only='mass', unit='units', &
+      key_type('force', low=0.0_wp, above=.true., may_miss=.true., only='mass', option='-', &
+      unit='unit_names', &
       meaning='load amplitude F0, for physical units'), &
-      key_type('units', a_word, may_miss=.true., only='mass', &
+      key_type('unit_names', a_word, may_miss=.true., only='mass', option='-', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &
       meaning='units of mass, stiffness and force; ''m N s'' if it is not given')]
@@ -95,9 +98,9 @@ contains
       end if
       if (size(system%numbers('restitution')) == 1) call system%set('restitution', &
          spread(system%number('restitution'), 1, 2))
-      if (.not. system%has('units')) return
-      call system%text('units', units)
-      if (.not. are_units(units)) call system%refuse('units')
+      if (.not. system%has('unit_names')) return
+      call system%text('unit_names', units)
+      if (.not. are_units(units)) call system%refuse('unit_names')
    end subroutine check_system
 
    !> Whether a text names a unit of length, one of force and one of time.

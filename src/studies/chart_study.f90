@@ -43,7 +43,7 @@ module vi_chart_study
       meaning='first clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('clearance_max', low=window_keys(4)%low, high=window_keys(4)%high, unit='F0/K', &
       over='clearance_min', never='clearance', option='clearance', &
-      meaning='last clearance d K/F0; d is the whole travel of m'), &
+      meaning='last clearance d K/F0'), &
       key_type('clearance_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, &
       never='clearance', option='clearance', meaning='number of clearances'), &
       key_type('spacing', a_word, default='''linear''', words='linear geometric', &

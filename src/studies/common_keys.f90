@@ -54,7 +54,7 @@ module vi_common_keys
       key_type('clearance_min', low=least_gap, high=most_gap, option='clearance', unit='F0/K', &
       meaning='first clearance d K/F0; d is the whole travel of m between the walls'), &
       key_type('clearance_max', low=least_gap, high=most_gap, over='clearance_min', &
-      option='clearance', unit='F0/K', meaning='last clearance d K/F0; d is the whole travel of m')]
+      option='clearance', unit='F0/K', meaning='last clearance d K/F0')]
 
    !> An initial state.
    type(key_type), parameter, public :: state_keys(5) = [ &

@@ -142,14 +142,14 @@ def test_namelist(tmp_path):
     case = vi.read_namelist(path)[0]
     assert case.osc.units() == UNITS
     assert case.run()[0].osc.units() == UNITS
-    path.write_text(text.format("mass = 2700, stiffness = 42, force = 6, units = 'mm N s'"))
+    path.write_text(text.format("mass = 2700, stiffness = 42, force = 6, unit_names = 'mm N s'"))
     assert vi.read_namelist(path)[0].osc.units().names == MM
     for wrong, name in (
-        ("mass = 2.7", "mass"), ("force = 6", "force"), ("units = 'm N s'", "units"),
+        ("mass = 2.7", "mass"), ("force = 6", "force"), ("unit_names = 'm N s'", "units"),
         ("mass = 0, stiffness = 1", "mass"), ("mass = 1, stiffness = 1, force = nan", "force"),
-        ("mass = 1, stiffness = 1, units = 'mm N'", "units"),
-        ("mass = 1, stiffness = 1, units = 'N mm s'", "units"),
-        ("mass = 1, stiffness = 1, units = 'mm N s s'", "units"),
+        ("mass = 1, stiffness = 1, unit_names = 'mm N'", "units"),
+        ("mass = 1, stiffness = 1, unit_names = 'N mm s'", "units"),
+        ("mass = 1, stiffness = 1, unit_names = 'mm N s s'", "units"),
     ):  # fmt: skip
         path.write_text(text.format(wrong))
         with pytest.raises(ParameterError, match=name):
@@ -304,3 +304,23 @@ def test_pictures(every, name):
             wanted = np.asarray(a, float) * factors[unit]
             np.testing.assert_allclose(np.asarray(b, float), wanted, rtol=1e-12, atol=1e-15)
     plt.close("all")
+
+
+def test_command_draws_in_physical_units(tmp_path, capsys):
+    """`vibroimpact plot --units` draws what has units, and refuses the rest before anything is drawn."""
+    from vibroimpact.command import main
+
+    text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
+    path = tmp_path / "rig.nml"
+    path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6"))
+    assert main(["plot", str(path), "--units", MM, "-o", str(tmp_path)]) == 0
+    assert (tmp_path / "rig.png").exists()
+    capsys.readouterr()
+    for keys, units in (
+        ("mass = 2.7, stiffness = 42000", MM),
+        ("", "SI"),
+        ("mass = 1, stiffness = 1, force = 1", "mm"),
+    ):
+        path.write_text(text.format(keys))
+        assert main(["plot", str(path), "--units", units, "-o", str(tmp_path / "other")]) == 2
+        assert f"--units {'= ' if units == 'mm' else ''}" in capsys.readouterr().err

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..case import Case, read_namelist
-from ..errors import SingularError
+from ..errors import ParameterError, SingularError
 from ..progress import Progress
+from ..units import checked_names
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 
 HELP = "draw the cases of namelist files"
@@ -27,6 +28,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", default=PICTURES[0], choices=PICTURES, metavar="FORMAT",
         help=f"format of the pictures: png, svg or pdf (default: {PICTURES[0]})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--units", metavar="UNITS",
+        help="draw in physical units of length, force and time, as 'mm N s', or SI; for cases whose &system "
+        "has mass, stiffness and force",
     )  # fmt: skip
 
 
@@ -52,7 +58,7 @@ def draw_all(
             reason = "there is no zone of stable, admissible motions in the window"
         drawings: Sequence[Callable[[], Any]] = ()
         try:
-            drawings = pictured(case)
+            drawings = pictured(case, options.units)
         except SingularError as error:
             reason = str(error)
         if not drawings:
@@ -73,8 +79,15 @@ def draw_all(
     return status
 
 
-def pictured(case: Case) -> Sequence[Callable[[], Any]]:
-    """What draws a case, each picture of its own."""
+def pictured(case: Case, units: str | None) -> Sequence[Callable[[], Any]]:
+    """What draws a case, each picture of its own, in physical units if they are given."""
+    if units is not None:  # refuses what has none before anything is computed
+        checked_names(units, "--units")
+        if case.osc is None or case.osc.F0 is None:
+            raise ParameterError(
+                f"--units {units}: must be left out for {case.name}, whose &system has no mass, stiffness and force"
+            )
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)
-    return [item.plot for item in results if item.drawable or item.undrawable]
+    shown = [item for item in results if item.drawable or item.undrawable]
+    return [(item if units is None else item.physical(units)).plot for item in shown]
