@@ -145,11 +145,11 @@ def test_namelist(tmp_path):
     path.write_text(text.format("mass = 2700, stiffness = 42, force = 6, unit_names = 'mm N s'"))
     assert vi.read_namelist(path)[0].osc.units().names == MM
     for wrong, name in (
-        ("mass = 2.7", "mass"), ("force = 6", "force"), ("unit_names = 'm N s'", "units"),
+        ("mass = 2.7", "mass"), ("force = 6", "force"), ("unit_names = 'm N s'", "unit_names"),
         ("mass = 0, stiffness = 1", "mass"), ("mass = 1, stiffness = 1, force = nan", "force"),
-        ("mass = 1, stiffness = 1, unit_names = 'mm N'", "units"),
-        ("mass = 1, stiffness = 1, unit_names = 'N mm s'", "units"),
-        ("mass = 1, stiffness = 1, unit_names = 'mm N s s'", "units"),
+        ("mass = 1, stiffness = 1, unit_names = 'mm N'", "unit_names"),
+        ("mass = 1, stiffness = 1, unit_names = 'N mm s'", "unit_names"),
+        ("mass = 1, stiffness = 1, unit_names = 'mm N s s'", "unit_names"),
     ):  # fmt: skip
         path.write_text(text.format(wrong))
         with pytest.raises(ParameterError, match=name):

@@ -85,7 +85,7 @@ def pictured(case: Case, units: str | None) -> Sequence[Callable[[], Any]]:
         checked_names(units, "--units")
         if case.osc is None or case.osc.F0 is None:
             raise ParameterError(
-                f"--units {units}: must be left out for {case.name}, whose &system has no mass, stiffness and force"
+                f"--units {units}: must be left out for {case.name}, whose &system has no mass and force"
             )
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)
