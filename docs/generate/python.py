@@ -7,10 +7,11 @@ import vibroimpact.plot
 
 #: Modules by subject; public names of modules not listed here come last.
 SUBJECTS = {
-    "System, pattern, units": ("model",),
+    "System, pattern, units": ("model", "units", "physical", "excitations"),
     "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "gradient",
                 "status"),
     "Simulation": ("trajectory", "period", "bundle"),
+    "Response quantities": ("quantities", "structure_quantities"),
     "Structures": ("structure", "structure_trajectory", "structure_motion", "structure_find", "restitution",
                    "record"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
