@@ -258,6 +258,11 @@ def test_datasets(every):
     np.testing.assert_allclose(found["x_max"], chart["x_max"] * UNITS.length * 1000)
     assert found["x_max"].dims == ("motion", "clearance", "frequency")
     np.testing.assert_array_equal(found["attenuation"], chart["attenuation"])
+    from vibroimpact.plot import draw_chart
+
+    assert draw_chart(chart, units=UNITS.to(MM)).get_ylabel().endswith("(mm)")
+    with pytest.raises(ParameterError, match="give the units as"):
+        draw_chart(found)
 
 
 def test_unknown_units_are_no_numbers(every):

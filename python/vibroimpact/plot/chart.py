@@ -77,6 +77,10 @@ def draw_chart(
         raise ParameterTypeError(
             f"data = {type(data).__name__}: must be a dataset from vibroimpact.chart"
         )
+    if "r" not in data.variables:
+        raise ParameterError(
+            "data in physical units: must be the dataset from vibroimpact.chart; give the units as `units`"
+        )
     if color is not None:
         checks.choice(color, "color", tuple(COLORS))
     plt = pyplot()
