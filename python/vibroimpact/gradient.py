@@ -38,7 +38,9 @@ MOST_IMPACTS, MOST_EVENTS = 24, 1_000_000
 #: What is differentiated at each event of a trajectory.
 OF_EVENTS = ("time", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 #: Codes of the core's vi_status.
-NOT_FINITE, GRAZE = 6, 26
+NOT_FINITE, FOLD, GRAZE, NOT_EXACT, NOT_SMOOTH = 6, 25, 26, 27, 29
+#: Condition number from which a motion counts as one at a fold.
+SINGULAR = 1e10
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -142,17 +144,11 @@ class Gradient:
 
 def motion_gradient(motion: Motion) -> Gradient:
     """The derivatives of a motion without rest."""
-    if motion.pattern.has_rest:
-        raise ParameterError(
-            f"pattern = {motion.pattern.sides!r}: must be without rest to have derivatives by parameters"
-        )
     n = len(motion.pattern)
     if n > MOST_IMPACTS:
         raise ParameterError(
             f"pattern of {n} impacts: must have at most {MOST_IMPACTS} to have derivatives"
         )
-    if not motion.load > 0:
-        raise ParameterError(f"load = {motion.load!r}: must be above 0 to have derivatives")
     values, slopes, codes, status = _core.motion_gradient(
         10 * n + 18, motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
         motion.clearance, motion.pattern.cycles, motion.pattern.signs, motion.restitution, motion.X,

@@ -45,7 +45,7 @@ def motion(guess: Motion, quantities: Sequence[str] = QUANTITIES) -> Callable[..
     Parameters
     ----------
     guess : Motion
-        A motion without rest, from which Newton's method starts each time.
+        A motion from which Newton's method starts each time.
     quantities : sequence of str
         Real quantities of `Motion.gradient`.
 

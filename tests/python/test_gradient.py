@@ -173,10 +173,7 @@ def test_refuses_where_there_are_no_derivatives():
 
 
 def test_refuses_other_motions():
-    """Rest, no load, and quantities or parameters that are not there."""
-    resting = vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200))
-    with pytest.raises(vi.ParameterError, match="without rest"):
-        resting.gradient()
+    """Quantities or parameters that are not there."""
     gradient = uneven().gradient()
     with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of phases, X"):
         gradient["x"]
@@ -203,6 +200,48 @@ def test_coincident_multipliers_have_a_status():
     assert np.isfinite(gradient["multipliers"][~double]).all()
     assert all("coincide" in gradient.status[f"multipliers[{i}]"] for i in np.flatnonzero(double))
     assert np.isfinite(gradient["X"]).all()
+
+
+def test_motion_with_rest():
+    """Against differences between exact motions, as far as their rounding allows, and the unit of length."""
+    motion = vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200))
+    assert motion.pattern.has_rest
+    gradient = motion.gradient()
+    values = {
+        "r": 0.9,
+        "clearance": 6.0,
+        "xi": RIG.xi,
+        "mu": RIG.mu,
+        "R1": 0.75,
+        "R2": 0.61,
+        "load": 1.0,
+    }
+    names = ("phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_after", "tau", "load_phase", "A", "x_max",
+             "x_min", "attenuation")  # fmt: skip
+    weights, h = {-2: 1, -1: -8, 1: 8, 2: -1}, 1e-5
+    for parameter in values:
+        total = dict.fromkeys(names, 0.0)
+        for step, weight in weights.items():
+            moved = values | {parameter: values[parameter] + step * h}
+            osc = vi.Oscillator(
+                xi=moved["xi"], mu=moved["mu"], restitution=(moved["R1"], moved["R2"])
+            )
+            near = vi.exact(osc, moved["r"], moved["clearance"], motion, load=moved["load"])
+            for name in names:
+                total[name] = total[name] + weight * getattr(near, name) / (12 * h)
+        for name, expected in total.items():
+            size = max(1.0, np.abs(gradient[name]).max())
+            assert gradient[name, parameter] == pytest.approx(expected, abs=1e-7 * size), (
+                name,
+                parameter,
+            )
+    for name in names:
+        power = 0 if name in PURE else 1
+        scaled = 6.0 * gradient[name, "clearance"] + gradient[name, "load"]
+        size = np.abs(gradient[name, "clearance"]).max() * 6.0 + 1
+        assert scaled == pytest.approx(power * gradient.values[name], abs=1e-9 * size), name
+    assert np.isnan(gradient["multipliers"]).all()
+    assert "rest" in gradient.status["multipliers"]
 
 
 def test_shows_itself():

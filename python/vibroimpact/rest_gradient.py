@@ -1,0 +1,178 @@
+"""Derivatives of periodic motions with rest, from those of a simulated period."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .errors import SingularError
+from .events import EVENT_TYPE, WORDS
+from .gradient import (
+    FOLD,
+    NOT_EXACT,
+    NOT_SMOOTH,
+    PARAMETERS,
+    SINGULAR,
+    Gradient,
+    frozen,
+    trajectory_gradient,
+)
+from .states import later, start_of, state_of
+from .status import raise_status, status_text
+
+if TYPE_CHECKING:
+    from .motion import Motion
+
+__all__: list[str] = []
+
+_Array = NDArray[Any]
+STATE = ("x", "x_dot", "z", "z_dot")
+#: Relative distance at which a simulated period counts as closed; points of a period among which extremes are
+#: sought; largest number of events of a period.
+CLOSED, POINTS, MOST_EVENTS = 1e-8, 4001, 20_000
+#: The quantities by impact, and those of the events of a trajectory.
+OF_IMPACTS = {
+    "X": "x", "X_dot_before": "x_dot_before", "X_dot_after": "x_dot_after", "Z_dot_before": "z_dot_before",
+    "Z_dot_after": "z_dot_after",
+}  # fmt: skip
+NO_MULTIPLIERS = "those of motions with rest are not computed"
+
+
+class Period:
+    """A period from the middle of the longest flight on, a fixed point of the simulation."""
+
+    def __init__(self, motion: Motion) -> None:
+        """Simulate it, and differentiate its state at the start."""
+        assert motion.rest_events is not None
+        times, kinds = motion.rest_events["time"], motion.rest_events["kind"]
+        lengths = np.diff(times, append=times[0] + motion.period)
+        lengths[kinds == "stick"] = 0.0
+        i = int(lengths.argmax())
+        begin = float(times[i] + lengths[i] / 2)
+        here = motion.sample(begin)
+        self.motion, self.start = motion, {"t": begin + motion.load_phase / motion.r}
+        self.start |= {
+            name: float(value)
+            for name, value in zip(STATE, (here.X, here.X_dot, here.Z, here.Z_dot), strict=True)
+        }
+        self.whole, final = self.simulated(float(motion.pattern.cycles))
+        sizes = np.array([self.start[name] for name in STATE])
+        if not np.abs(final - sizes).max() < CLOSED * np.abs(sizes).max():
+            raise_status(NOT_EXACT)
+        slopes = np.array([self.whole[f"final_{name}"] for name in STATE])
+        left = np.eye(4) - slopes[:, 1:5]
+        if not np.linalg.cond(left) < SINGULAR:
+            raise_status(FOLD)
+        self.state: _Array = np.linalg.solve(left, self.direct(slopes))
+
+    def simulated(self, cycles: float) -> tuple[Gradient, _Array]:
+        """The derivatives of a part of the period, and the state at its end."""
+        motion = self.motion
+        osc, r, clearance, load = motion.osc, motion.r, motion.clearance, motion.load
+        system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+        now, begun = start_of(system, self.start)
+        table = np.empty((MOST_EVENTS, 11))
+        n, last, last_contact, final, contact, status = _core.simulate(
+            *system, *begun, *later(now[0], cycles), WORDS, table.T
+        )
+        raise_status(status)
+        run: Any = SimpleNamespace(
+            osc=osc, r=r, clearance=clearance, load=load, events=table[:n].view(EVENT_TYPE)[:, 0],
+            initial_state=state_of(system, now, begun),
+            final_state=state_of(system, (final, contact), (last, last_contact)), complete=True,
+        )  # fmt: skip
+        gradient = trajectory_gradient(run)
+        for text in gradient.status.values():
+            raise SingularError(text)
+        return gradient, np.array([run.final_state[name] for name in STATE])
+
+    def direct(self, slopes: _Array) -> _Array:
+        """Derivatives by the parameters at a fixed state and load phase of the start."""
+        found: _Array = slopes[..., 5:].copy()
+        found[..., 0] -= slopes[..., 0] * self.start["t"] / self.motion.r
+        return found
+
+    def total(self, slopes: _Array) -> _Array:
+        """Derivatives by the parameters along the motion."""
+        found: _Array = self.direct(slopes) + slopes[..., 1:5] @ self.state
+        return found
+
+    def within(self, t: Any) -> Any:
+        """The same time of the motion after the start, as time of the simulation."""
+        start = self.start["t"]
+        return start + np.mod(
+            t + self.motion.load_phase / self.motion.r - start, self.motion.period
+        )
+
+    def extreme(self, side: int) -> _Array:
+        """The derivatives of the greatest (side 1) or least (side -1) position of the primary mass."""
+        motion = self.motion
+        step = motion.period / (POINTS - 1)
+        near = step * int((side * motion.sample(step * np.arange(POINTS)).X).argmax())
+        low, high = near - step, near + step
+
+        def rising(t: float) -> bool:
+            return bool(side * float(motion.sample(t).X_dot) > 0)
+
+        if rising(high) or not rising(low):
+            raise SingularError("the greatest position is not that of a smooth maximum")
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if rising(middle) else (low, middle)
+        cycles = (self.within(low) - self.start["t"]) * motion.r / (2 * math.pi)
+        return self.total(self.simulated(float(cycles))[0]["final_x"])
+
+
+def rest_gradient(motion: Motion) -> Gradient:
+    """The derivatives of a motion with rest."""
+    period = Period(motion)
+    whole = period.whole
+    r, xi = motion.r, motion.osc.xi
+    by = {name: np.arange(len(PARAMETERS)) == i for i, name in enumerate(PARAMETERS)}
+    wanted = period.within(motion.phases / r)
+    places = np.abs(whole.values["time"] - wanted[:, None]).argmin(axis=1)
+    phases = r * period.total(whole["time"][places]) + np.outer(
+        whole.values["time"][places], by["r"]
+    )
+    slopes: dict[str, _Array] = {"phases": phases - phases[0]}
+    for name, of in OF_IMPACTS.items():
+        slopes[name] = period.total(whole[of][places])
+    sides = motion.pattern.signs
+    slopes["Z"] = slopes["X"] + 0.5 * np.outer(sides, by["clearance"])
+    slopes["approach_speeds"] = sides[:, None] * (slopes["Z_dot_before"] - slopes["X_dot_before"])
+    square = ((1 - r) * (1 + r)) ** 2 + (2 * xi * r) ** 2
+    lag = (2 * xi * (1 + r * r) * by["r"] + 2 * r * (1 - r) * (1 + r) * by["xi"]) / square
+    slopes["load_phase"] = phases[0]
+    slopes["tau"] = phases[0] - lag
+    growth = (2 * r * (1 - r) * (1 + r) - 4 * xi * xi * r) * by["r"] - 4 * xi * r * r * by["xi"]
+    slopes["A"] = motion.A * (growth / square + by["load"] / motion.load)
+    slopes["x_max"], slopes["x_min"] = period.extreme(1), period.extreme(-1)
+    status = {"multipliers": NO_MULTIPLIERS, "stability_margin": NO_MULTIPLIERS}
+    peak = slopes["x_max"] if motion.x_max > -motion.x_min else -slopes["x_min"]
+    if abs(motion.x_max + motion.x_min) <= 1e-9 * motion.x_max:
+        both = np.abs(slopes["x_max"] + slopes["x_min"])
+        peak = np.where(both > 1e-6 * np.abs(peak).max(), np.nan, peak)
+        status["attenuation"] = status_text(NOT_SMOOTH)
+    slopes["attenuation"] = (peak - motion.attenuation * slopes["A"]) / motion.A
+    slopes["multipliers"] = np.full((4, len(PARAMETERS)), np.nan, complex)
+    slopes["stability_margin"] = np.full(len(PARAMETERS), np.nan)
+    own = {
+        "approach_speeds": sides * (motion.Z_dot_before - motion.X_dot_before),
+        "stability_margin": 1 - np.abs(motion.multipliers).max(),
+    }
+    values = {name: frozen(np.array(own.get(name, getattr(motion, name, None)))) for name in slopes}
+    dimensions: dict[str, tuple[str, ...]] = {
+        name: ("impact",) if values[name].ndim else () for name in slopes
+    }
+    dimensions["multipliers"] = ("multiplier",)
+    of = (
+        f"the motion {motion.pattern.sides}/{motion.pattern.cycles} at r = {motion.r:.6g}, "
+        f"d K/F0 = {motion.clearance:.6g}"
+    )
+    tables = {name: frozen(np.array(table)) for name, table in slopes.items()}
+    return Gradient(of, PARAMETERS, values, tables, dimensions, status)
