@@ -648,7 +648,9 @@ def fit(
 
     # first by few harmonics, since the high ones turn fast with the times of impacts
     stage = FEW
-    x, *_ = levenberg(residuals, x, scales, 1 / 3, accept)
+    # which do not tell the ringing
+    still = np.array([0.0 if name in RING else 1.0 for name in names])
+    x, *_ = levenberg(residuals, x, scales * still, 1 / 3, accept)
     stage = 10**9
     x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept)
     return finished(records, x, f, J, converged, names, place, shared(x), guesses, scales, ringing)

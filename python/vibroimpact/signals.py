@@ -14,12 +14,17 @@ from .libraries import scipy_linalg, scipy_signal
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-#: Order of the linear prediction that takes load, motion and ringing away and leaves spikes.
-PREDICTION = 24
-#: A sample is a part of a spike above so many standard deviations of the rest, and above this share of large ones.
-LIMIT, SHARE = 7.0, 0.06
+#: Lower edge of the band in which impacts are spikes, over the bandwidth of the sensor.
+EDGE = 0.4
+#: A sample is a spike above so many standard deviations of the noise, this share of the large ones, and
+#: this share of the largest one beside it; distances, in periods of the lower edge, of two spikes and of "beside".
+LIMIT, SHARE, OWN, APART, SPREAD_OF_SPIKES = 8.0, 0.03, 0.4, 0.8, 3.0
 #: Largest number of load cycles in a period, and the greatest difference of phases, in cycles, of one impact.
 MOST_CYCLES, SAME = 8, 0.02
+#: Largest ratio of the intervals of impacts that accumulate, one after the other.
+SHRINKING = 0.9
+#: Least share of the accumulations that a rest follows, in a record with rests.
+RESTING = 0.3
 #: Share of the impacts that repeat in a periodic record.
 REPEATED = 0.9
 #: Harmonics of the load whose band tells a period, places over which a window spreads a line, and the largest
@@ -145,30 +150,26 @@ def load_frequency(values: _Array, rate: float, near: float | None = None) -> fl
     return float(omega)
 
 
-def spikes(values: _Array, rate: float, bandwidth: float | None) -> tuple[_Array, _Array]:
-    """Times (0 in the middle) and signs of the spikes of an acceleration, about as exact as a sample."""
-    signal, linear = scipy_signal("the picking of impacts"), scipy_linalg("the picking of impacts")
-    n = values.size
-    size = 1 << (2 * n - 1).bit_length()
-    centred_values = values - values.mean()
-    spectrum = np.fft.rfft(centred_values, size)
-    correlation = np.fft.irfft(abs(spectrum) ** 2, size)[: PREDICTION + 1] / n
-    correlation[0] *= 1 + 1e-9
-    prediction = linear.solve_toeplitz(correlation[:-1], correlation[1:])
-    left = signal.lfilter(np.concatenate([[1.0], -prediction]), [1.0], centred_values)
-    left[:PREDICTION] = 0
-    size_of = abs(left)
-    noise = np.median(size_of) / 0.6745
-    peaks = np.sort(size_of)[-max(3, n // 2000) :]
-    limit = max(LIMIT * noise, SHARE * float(np.median(peaks)))
-    above = np.flatnonzero(size_of > limit)
-    if not above.size:
-        return np.empty(0), np.empty(0)
-    apart = max(3, math.ceil(rate / (bandwidth or 0.4 * rate) * 1.5))
-    groups = np.split(above, np.flatnonzero(np.diff(above) > apart) + 1)
-    t = centred(n, rate)
-    places = [group[np.argmax(size_of[group])] for group in groups]
-    return t[places], np.sign(left[places])
+def spikes(
+    values: _Array, rate: float, omega: float, bandwidth: float | None
+) -> tuple[_Array, _Array]:
+    """Times (0 in the middle) and signs of the spikes of an acceleration, about as exact as a sample.
+
+    A high-pass at some share of the bandwidth takes load, motion and most of the ringing away.
+    """
+    signal = scipy_signal("the picking of impacts")
+    edge = max(EDGE * (bandwidth or 0.4 * rate), 20 * omega / (2 * math.pi))
+    sections = signal.butter(4, min(edge, 0.4 * rate), "highpass", fs=rate, output="sos")
+    left = signal.sosfiltfilt(sections, values - values.mean())
+    size = abs(left)
+    noise = float(np.median(size)) / 0.6745
+    largest = float(np.median(np.sort(size)[-max(3, size.size // 2000) :]))
+    apart = max(2, round(APART * rate / edge))
+    peaks, _ = signal.find_peaks(size, height=max(LIMIT * noise, SHARE * largest), distance=apart)
+    # the filter spreads a spike over some of its periods
+    wide = round(SPREAD_OF_SPIKES * rate / edge)
+    kept = [i for i in peaks if size[i] >= OWN * size[max(0, i - wide) : i + wide + 1].max()]
+    return centred(values.size, rate)[kept], np.sign(left[kept])
 
 
 class Rhythm(NamedTuple):
@@ -264,10 +265,10 @@ def accumulates(cycles: _Array, signs: _Array) -> str:
     first = 0
     for last in ends:
         gaps = np.diff(cycles[first:last])
-        if gaps.size >= 4:
+        if gaps.size >= 3:
             ratios = gaps[1:] / gaps[:-1]
-            tail = ratios[-3:]
-            if (tail < 0.97).all() and gaps[-1] < 0.25 * gaps.max():
+            tail = ratios[-2:]
+            if (tail < SHRINKING).all() and gaps[-1] < 0.5 * gaps.max():
                 ratio = float(np.median(tail))
                 rest_of = gaps[-1] * ratio / (1 - ratio)
                 after = cycles[last] - cycles[last - 1] if last < cycles.size else 0.0
@@ -275,4 +276,4 @@ def accumulates(cycles: _Array, signs: _Array) -> str:
         first = last
     if len(found) < max(2, 0.2 * (cycles[-1] - cycles[0])):
         return ""
-    return "rest" if np.mean(found) > 0.5 else "accumulation"
+    return "rest" if np.mean(found) > RESTING else "accumulation"

@@ -242,8 +242,11 @@ def read_csv(path: Path) -> Content:
     ]
     if not lines:
         raise ParameterError("no rows: must have samples")
-    separator = next((mark for mark in (";", "\t", ",") if mark in lines[0]), None)
-    rows = [[cell.strip().strip('"') for cell in line.split(separator)] for line in lines]
+    # the last line has no header, whose names may hold blanks
+    separator = next((mark for mark in (";", "\t", ",") if mark in lines[-1]), None)
+    one = separator is None and len(lines[-1].split()) == 1
+    cells = [[line] if one else line.split(separator) for line in lines]
+    rows = [[cell.strip().strip('"') for cell in row] for row in cells]
     width = len(rows[0])
     header = None if all(number(cell) is not None for cell in rows[0]) else rows.pop(0)
     table = np.full((len(rows), width), math.nan)
@@ -411,7 +414,7 @@ def read_uff(path: Path) -> Content:
     for item in [sets] if isinstance(sets, dict) else sets:
         if item.get("type") != 58 or item.get("func_type", 1) not in (0, 1):
             continue
-        name = str(item.get("ordinate_axis_lab") or item.get("id1") or "").strip()
+        name = str(item.get("id1") or "").strip()
         label = UFF_CODES.get(int(item.get("ordinate_spec_data_type", 0)))
         unit = str(item.get("ordinate_axis_units_lab") or "").strip()
         unit = "" if unit.upper() == "NONE" else unit

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,8 +61,31 @@ FACTORS = {
 LOAD_TONES, MOTION_TONES = 6, 90
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
+#: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
+RISE, CLEAR = 0.2, 6.0
+#: Misfit above which a fitted motion is not that of the record.
+BAD = 20.0
 #: Samples and load cycles of each record that a result keeps for its picture.
 SHOWN_SAMPLES, SHOWN_CYCLES = 3000, 6
+
+
+class Boundary(NamedTuple):
+    """A boundary of the zone of a motion.
+
+    Attributes
+    ----------
+    type : str
+        As of the special points of a `Branch`: fold, flip, grazing, ….
+    parameter : str
+        "r" or "clearance".
+    value, distance : float
+        Value of the parameter there, and its relative distance from that of the motion.
+    """
+
+    type: str
+    parameter: str
+    value: float
+    distance: float
 
 
 class Identification(Noun, study="identify"):
@@ -293,6 +316,29 @@ class Identification(Noun, study="identify"):
             )
         return osc.units()
 
+    def nearest_boundary(self, record: int = 0) -> Boundary | None:
+        """The nearest boundary of the zone of the identified motion, along r or along the clearance.
+
+        The motion is followed in both directions over half and twice the clearance, and over 0.9 and 1.1 r.
+
+        Returns
+        -------
+        Boundary or None
+            None if no boundary is that near, or no motion was fitted.
+        """
+        from .branch import branch
+
+        motion = self.motions[checks.integer(record, "record", 0, self.records - 1)]
+        if motion is None:
+            return None
+        found = []
+        for parameter, here, factor in (("clearance", motion.clearance, 2.0), ("r", motion.r, 1.1)):
+            line = branch(motion, parameter, (here / factor, here * factor))
+            for point in line.special_points:
+                value = float(getattr(point, parameter))
+                found.append(Boundary(point.type, parameter, value, abs(value / here - 1)))
+        return min(found, key=lambda boundary: boundary.distance, default=None)
+
     def plot(self, ax: Any = None, kind: str | None = None, record: int = 0) -> Any:
         """Draw every step: record, load, impacts and their sides, pattern, fitted motion, residuals (extra
         `plot`).
@@ -416,12 +462,11 @@ def identify(
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
-    The load gives frequency, phase and amplitude. Impacts are picked where a linear prediction of the motion
-    fails, which takes load, motion and ringing away and leaves spikes, and are refined below the sample by the
-    harmonics of the motion; a mode that rings after impacts is identified with them. Their phases repeat as a
-    pattern of N impacts in k load cycles, or do not. The linear equations of 1983 with these phases give a
-    motion from which exact motions are fitted to all harmonics, weighted by their errors (the scatter from
-    period to period).
+    The load gives frequency, phase and amplitude. Impacts are picked as spikes in a band above load, motion and
+    ringing, and refined below the sample by the harmonics of the motion, with a mode that rings after them. Their
+    phases repeat as a pattern of N impacts in k load cycles, or do not. The linear equations of 1983 with these
+    phases give a motion from which exact motions are fitted to all harmonics, weighted by their errors, which the
+    noise beside each harmonic tells.
 
     Parameters
     ----------
@@ -657,18 +702,18 @@ def of_record(
     if force is not None:
         step.load = tones(force, rate, Omega, LOAD_TONES)
         order_of_channels(force, values, step.load, Omega, rate, quantity, where)
-    like = values
-    for _ in range(2 - order):
-        like = np.gradient(like) * rate
-    times, step.signs = spikes(like, rate, record.bandwidth)
-    delay = 0.0 if record.bandwidth is None else 0.2 / record.bandwidth
-    step.times = times - delay + (len(record) - 1) / 2 / rate + record.start
-    step.rhythm = rhythm(
-        Omega * (times - delay) / (2 * math.pi), step.signs, cycles, period_of(values, rate, Omega)
-    )
+    k = period_of(values, rate, Omega)
+    if order == 2:
+        times, step.signs = spikes(values, rate, Omega, record.bandwidth)
+        times -= 0.0 if record.bandwidth is None else RISE / record.bandwidth
+        step.times = times + (len(record) - 1) / 2 / rate + record.start
+        step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
+    elif k:  # impacts are no spikes in these, and are found by their harmonics
+        step.rhythm = Rhythm("periodic", k, np.empty(0), np.empty(0))
+    else:
+        step.rhythm = no_rhythm("not periodic")
     if step.rhythm.status != "periodic":
         return step
-    k = step.rhythm.cycles
     base = Omega / k
     top = min(0.4 * rate, math.inf if record.bandwidth is None else 0.8 * record.bandwidth)
     most = int(min(top * 2 * math.pi / base, MOTION_TONES * k))
@@ -700,6 +745,10 @@ def of_record(
                 data.shape[j * k - 1] = tone[j] / abs(tone[1]) * np.exp(-1j * j * phase)
     if "F0" in scale:
         data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+    high = data.orders >= 3 * k
+    if np.count_nonzero(abs(data.values[high]) > CLEAR * data.errors[high]) < 2:
+        step.rhythm = no_rhythm("no impacts")
+        return step
     step.data = data
     return step
 
@@ -840,16 +889,35 @@ def fitted(
             first = step.data = refined(step, shared.get("omega", data.Omega * 1.0))
             values, static, phase = start_of(first, shared, guess)
             units_agree(step, first, values, static, scale)
-            rings.append(step.ring)
         else:
             values, static, phase = start_of_times(data, scale, shared, guess)
+        rings.append(step.ring)
         starts.append(values)
         lengths.append(static)
         phases.append(phase)
-    ring = next((ring for ring in rings if ring is not None), None)
-    middle = {name: float(np.median([values[name] for values in starts])) for name in SHARED}
+    M, K = scale.get("M"), scale.get("K")
     found = [step.data for step in steps if step.data is not None]
-    return fit(found, shared, middle, lengths, phases, ring, scale.get("M"), scale.get("K"))
+    if len(found) == 1:
+        return fit(found, shared, starts[0], lengths, phases, rings[0], M, K)
+    # each record by itself, and then all from what these tell together
+    single = [
+        fit([data], shared, begin, [length], [phase], ring, M, K)
+        for data, begin, length, phase, ring in zip(
+            found, starts, lengths, phases, rings, strict=True
+        )
+    ]
+    middle = dict(shared)
+    for name in (name for name in SHARED if name not in shared):
+        sizes = [
+            one.covariance[j, j] if name not in one.undetermined else math.inf
+            for one in single for j in [one.names.index(name)]
+        ]  # fmt: skip
+        weights = np.array([1 / max(size, 1e-300) for size in sizes])
+        weights = weights if weights.any() else np.ones(len(single))
+        middle[name] = float(np.average([one.values[name] for one in single], weights=weights))
+    ring = next((one.ring for one in single if one.ring is not None), None)
+    lengths = [one.lengths[0] for one in single]
+    return fit(found, shared, middle, lengths, [one.phases[0] for one in single], ring, M, K)
 
 
 def refined(step: Step, omega: float) -> Measured:
@@ -867,6 +935,16 @@ def refined(step: Step, omega: float) -> Measured:
             "motion is "
             "periodic"
         )
+    if step.quantity != "acceleration" and step.record is not None:
+        turns = np.arange(math.ceil(step.record.duration * data.Omega / whole) + 2)[:, None]
+        half = (len(step.record) - 1) / 2 / step.record.rate
+        times = (
+            (better.angles[order] % whole + whole * (turns - turns.size // 2 - 1)) / data.Omega
+            + half
+        ).ravel()
+        inside = (times >= 0) & (times <= 2 * half)
+        step.times = times[inside] + step.record.start
+        step.signs = np.tile(np.sign(better.jumps[order]), turns.size)[inside]
     # begun where R comes before L, as in `Pattern.standard`
     first = max(range(len(sides)), key=lambda i: sides[i:] + sides[:i])
     order = np.roll(order, -first)
