@@ -76,7 +76,7 @@ contains
       real(wp), intent(out) :: finish(5)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      integer, parameter :: chunk = 8
+      integer, parameter :: chunk = 16
       type(state_type) :: state, final
       type(event_type) :: events(chunk)
       integer(int64) :: last
@@ -90,7 +90,8 @@ contains
       label = 0
       impacts = 0
       do
-         call simulate_on(system, state, last, phase, events, n, final, left, status, progress)
+         call simulate_on(system, state, last, phase, events, n, final, left, status, progress, &
+            looks_on=.false.)
          do i = 1, n
             impacts = impacts + 1
             label = neighbourhood_of(targets, events(i))

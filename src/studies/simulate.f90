@@ -26,7 +26,8 @@ contains
    !!
    !! If the array is full, a further call continues, with results identical to those of one long
    !! call.
-   pure subroutine simulate(system, state, last_cycle, last_phase, events, n, final, status)
+   pure subroutine simulate(system, state, last_cycle, last_phase, events, n, final, status, &
+      looks_on)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: the initial state. Out: the state at which the last flight or rest began; a call that
@@ -44,11 +45,16 @@ contains
       type(state_type), intent(out) :: final
       !> `stat%ok`, `stat%more_events` or `stat%budget`.
       integer, intent(out) :: status
+      !> Whether to look for one more event when the array is full, so that `stat%more_events` means
+      !! that there is one (the default); otherwise a further call may find none.
+      logical, intent(in), optional :: looks_on
       type(state_type) :: next
       type(event_type) :: extra
       real(wp) :: remaining
-      logical :: found
+      logical :: found, looks
 
+      looks = .true.
+      if (present(looks_on)) looks = looks_on
       n = 0
       status = stat%ok
       do
@@ -57,8 +63,9 @@ contains
             call go_on(system, state, remaining, events(n + 1), found, status)
          else
             next = state
-            call go_on(system, next, remaining, extra, found, status)
-            if (found) status = stat%more_events
+            found = .false.
+            if (looks) call go_on(system, next, remaining, extra, found, status)
+            if (found .or. .not. looks) status = stat%more_events
          end if
          if (.not. found .or. status /= stat%ok) exit
          n = n + 1
@@ -76,7 +83,7 @@ contains
    !! notices a stop whenever the room for events or a span of time is used up. A flight or rest
    !! that does not end within a span is searched again from its start, so the span is then doubled.
    subroutine simulate_on(system, state, last_cycle, last_phase, events, n, final, left, status, &
-      progress)
+      progress, looks_on)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> As in `simulate`.
@@ -99,11 +106,13 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> As in `simulate`.
+      logical, intent(in), optional :: looks_on
       real(wp), parameter :: shortest_span = 1.0e6_wp       ! 1/omega; takes about 0.1 s
       integer(int64) :: cycle
       real(wp) :: span, phase
-      integer :: found
-      logical :: ends
+      integer :: found, room
+      logical :: ends, looks
 
       n = 0
       span = shortest_span
@@ -116,8 +125,11 @@ contains
             cycle = last_cycle
             phase = last_phase
          end if
-         call simulate(system, state, cycle, phase, events(n + 1:n + min(size(events) - n, left)), &
-            found, final, status)
+         room = min(size(events) - n, left)
+         looks = .true.
+         if (present(looks_on)) looks = looks_on .or. room == left
+         call simulate(system, state, cycle, phase, events(n + 1:n + room), found, final, status, &
+            looks)
          n = n + found
          left = left - found
          if ((ends .and. status == stat%ok) .or. .not. &

@@ -6,9 +6,13 @@ module studies_attractors
    use random_numbers, only: draw, draw_integer, random_type
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
    use vi_attractor_spread, only: random_states
+   use vi_forced_system, only: event_type, forced_system_type, initial_state, new_forced_system, &
+      state_type
    use vi_kinds, only: wp
-   use vi_oscillator, only: gain
+   use vi_oscillator, only: gain, oscillator_type
    use vi_philox, only: philox
+   use vi_simulate, only: simulate_on
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
@@ -24,7 +28,48 @@ contains
       call test_uniform()
       call test_pairs()
       call test_disc()
+      call test_parts()
    end subroutine test_attractors
+
+   !> A simulation in parts, without a look for one event more after each part, is that in one.
+   subroutine test_parts()
+      integer, parameter :: room = 400
+      type(forced_system_type) :: system
+      type(state_type) :: state, final, last
+      type(event_type) :: whole(room), part(7)
+      integer :: cycles, found, i, left, n, status
+
+      system = new_forced_system(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp]), 0.9_wp, &
+         1.0_wp, 6.0_wp)
+      do cycles = 1, 8
+         state = initial_state(system, [0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 0.5_wp])
+         left = room
+         call simulate_on(system, state, int(cycles, int64), 0.0_wp, whole, n, last, left, status)
+         call check(status == stat%ok .and. n > 0, 'a simulation in one part')
+         state = initial_state(system, [0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 0.5_wp])
+         left = n + 1
+         i = 0
+         do
+            call simulate_on(system, state, int(cycles, int64), 0.0_wp, part, found, final, left, &
+               status, looks_on=.false.)
+            call check(all(part(:found)%cycle == whole(i + 1:i + found)%cycle) .and. &
+               .not. any(abs(part(:found)%phase - whole(i + 1:i + found)%phase) > 0), &
+               'events of a part')
+            i = i + found
+            if (status /= stat%more_events) exit
+         end do
+         call check(i == n .and. status == stat%ok .and. .not. abs(final%x - last%x) > 0, &
+            'the end of a simulation in parts')
+         state = initial_state(system, [0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 0.5_wp])
+         left = n - 1
+         do
+            call simulate_on(system, state, int(cycles, int64), 0.0_wp, part, found, final, left, &
+               status, looks_on=.false.)
+            if (status /= stat%more_events) exit
+         end do
+         call check(status == stat%event_limit, 'a limit of events in parts')
+      end do
+   end subroutine test_parts
 
    !> The known answers that come with Random123, the library of the authors of Philox.
    subroutine test_known_words()
