@@ -11,15 +11,16 @@
 module vi_channels
    use vi_kinds, only: wp
    use vi_lane_rows, only: add_derivatives, side_by_side
-   use vi_modes, only: advance, advance_pair, bound_on, levels
-   use vi_rows, only: bound_values, row_values
+   use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives
+   use vi_modes, only: advance, advance_pair, bound_on, levels, step_pairs
+   use vi_rows, only: bound_values, row_values, rows_type
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
       tolerated
    use vi_structure, only: regime_type
    implicit none (type, external)
    private
 
-   public :: first_event, row_derivatives
+   public :: bound_second, first_event, row_derivatives
 
    !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
    !! wall (row 0).
@@ -29,6 +30,12 @@ module vi_channels
       !> Whether the gap opens from rest, where its second derivative is 0.
       logical :: released = .false.
    end type leaving_type
+
+   !> The lengths of cells, kept by the caller from one flight to the next.
+   type, public :: pace_type
+      !> Level of the first step tried, and after how many cells longer steps are tried.
+      integer :: level = 8, hold = 0
+   end type pace_type
 
    !> The event: a row reaches its upper (+1) or lower (-1) limit.
    type, public :: reached_type
@@ -42,10 +49,10 @@ module vi_channels
 
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
+   integer :: at
    !> 1/i, and 1/i!.
-   real(wp), parameter :: numbers(order + 1) = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, &
-      15, 16, 17, 18, 19, 20, 21], &
-      inverse(order + 1) = 1/numbers, inverse_factorial(0:order) = 1/gamma(numbers)
+   real(wp), parameter :: inverse(order + 1) = [(1.0_wp/at, at=1, order + 1)]
+   real(wp), parameter :: inverse_factorial(0:order) = [(1/gamma(at + 1.0_wp), at=0, order)]
 
    !> Room for a search.
    type, public :: space_type
@@ -57,7 +64,7 @@ module vi_channels
 contains
 
    !> The first event of a flight.
-   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, level, reached, space)
+   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
@@ -68,8 +75,8 @@ contains
       type(leaving_type), intent(in) :: leaving
       !> Latest time of an event that is reported.
       real(wp), intent(in) :: limit
-      !> In: level of the first step tried. Out: of the last one.
-      integer, intent(inout) :: level
+      !> In: how to begin. Out: how to begin the next flight.
+      type(pace_type), intent(inout) :: pace
       !> The event.
       type(reached_type), intent(out) :: reached
       !> Kept by the caller, so that memory is not allocated anew for each flight.
@@ -77,7 +84,7 @@ contains
 
       call make_room(regime, space)
       call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
-         phase, leaving, limit, level, space%pairs, space%work, space%values, space%turns, &
+         phase, leaving, limit, pace, space%pairs, space%work, space%values, space%turns, &
          space%doubtful, reached)
    end subroutine first_event
 
@@ -103,7 +110,7 @@ contains
    end subroutine make_room
 
    !> The first event of a flight, cell by cell.
-   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, leaving, limit, level, &
+   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, leaving, limit, pace, &
       pairs, work, values, turns, doubtful, reached)
       !> The regime.
       type(regime_type), intent(in) :: regime
@@ -118,13 +125,14 @@ contains
       !> As in `first_event`.
       real(wp), intent(in) :: limit
       !> As in `first_event`.
-      integer, intent(inout) :: level
-      !> Pairs at the beginning and at the end of a cell (m, 1 to 4), and room for two bounds.
+      type(pace_type), intent(inout) :: pace
+      !> Pairs at the beginning and at the end of a cell (m, 1 to 4, in turns), and room for two
+      !! bounds.
       real(wp), intent(inout) :: pairs(m, 6)
       !> Room for pairs.
       real(wp), intent(inout) :: work(m + side_by_side, 4)
-      !> Rows and rates at the beginning and at the end of a cell (rows, 1 to 4), the bounds on
-      !! their fourth derivatives (rows, 5) and on rounding errors (rows, 6).
+      !> Rows and rates at the beginning and at the end of a cell (rows, 1 to 4, in turns), the
+      !! bounds on their fourth derivatives (rows, 5) and on rounding errors (rows, 6).
       real(wp), intent(inout) :: values(rows, 6)
       !> (harmonics) e^(i h Omega t) at the beginning and at the end of a cell.
       complex(wp), intent(inout) :: turns(harmonics, 2)
@@ -133,82 +141,86 @@ contains
       !> The event.
       type(reached_type), intent(out) :: reached
       real(wp) :: h, time, found, speed, t, horizon, brief
-      integer :: hold, j, n, steps, wall, row
+      integer :: clear, hold, j, level, longest, n, next, now, row, steps, wall
       logical :: fresh, small
 
-      associate (x => pairs(:, 1), v => pairs(:, 2), x_next => pairs(:, 3), &
-         v_next => pairs(:, 4), y => values(:, 1), rate => values(:, 2), y_next => values(:, 3), &
-         rate_next => values(:, 4), bound => values(:, 5), reserve => values(:, 6), &
-         turn => turns(:, 1), turn_next => turns(:, 2))
-         ! where a cell costs less than a search, long cells in doubt are divided, not searched
-         small = m*rows <= 64
-         brief = 1/max(maxval(regime%rows%fastest), tiny(1.0_wp))
-         call bound_fourth(regime, m, x0, v0, pairs(:, 5), pairs(:, 6), bound)
-         t = 0
-         horizon = cells*regime%steps%length(level)
-         call start_afresh(regime, x0, v0, phase, t, horizon, x, v, turn, y, rate, reserve)
-         fresh = .true.
-         if (leaving%row > 0) then
-            y(leaving%row) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
-               leaving%wall > 0)
-            rate(leaving%row) = -leaving%wall*leaving%speed
+      ! where a cell costs less than a search, long cells in doubt are divided, not searched
+      small = m*rows <= 64
+      brief = 1/max(maxval(regime%rows%fastest), tiny(1.0_wp))
+      call bound_fourth(regime, m, x0, v0, pairs(:, 5), pairs(:, 6), values(:, 5))
+      level = pace%level
+      hold = pace%hold
+      t = 0
+      horizon = cells*regime%steps%length(level)
+      now = 1
+      call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, horizon, pairs(:, 1), &
+         pairs(:, 2), turns(:, 1), values(:, 1), values(:, 2), values(:, 6))
+      fresh = .true.
+      if (leaving%row > 0) then
+         values(leaving%row, 1) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
+            leaving%wall > 0)
+         values(leaving%row, 2) = -leaving%wall*leaving%speed
+      end if
+      steps = 0
+      clear = 0
+      longest = levels
+      do while (t < limit)
+         steps = steps + 1
+         reached%complete = steps < step_budget
+         if (.not. reached%complete) return
+         h = regime%steps%length(level)
+         next = 3 - now
+         if (t + h > horizon) then
+            horizon = t + cells*h
+            call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, cells*h, &
+               pairs(:, 2*now - 1), pairs(:, 2*now), turns(:, now), values(:, 2*now - 1), &
+               values(:, 2*now), values(:, 6))
+            fresh = .true.
          end if
-         steps = 0
-         hold = 0
-         do while (t < limit)
-            steps = steps + 1
-            reached%complete = steps < step_budget
-            if (.not. reached%complete) return
-            h = regime%steps%length(level)
-            if (t + h > horizon) then
-               horizon = t + cells*h
-               call start_afresh(regime, x0, v0, phase, t, cells*h, x, v, turn, y, rate, reserve)
-               fresh = .true.
-            end if
-            associate (steps => regime%steps)
-               do j = 1, m
-                  x_next(j) = steps%xx(j, level)*x(j) + steps%xv(j, level)*v(j) + steps%x(j, level)
-                  v_next(j) = steps%vx(j, level)*x(j) + steps%vv(j, level)*v(j) + steps%v(j, level)
-               end do
-            end associate
-            if (regime%rows%grows) call add_growth(regime, level, t, x_next, v_next)
-            do j = 1, size(turn)
-               turn_next(j) = turn(j)*regime%turns(j, level)
-            end do
-            call row_values(regime%rows, regime%frequency, x_next, v_next, turn_next, y_next, &
-               rate_next, t + h)
-            call find_doubts(regime, leaving, t, h, y, rate, y_next, rate_next, bound, reserve, &
-               doubtful, n)
-            if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
-               level = level + 1
-               hold = 2
-               cycle
-            end if
-            ! a search begins from pairs computed directly, so that rounding errors stay small
-            if (n > 0 .and. .not. fresh) call pairs_at(regime, x0, v0, phase, t, x, v, turn)
-            found = min(t + h, limit)
-            row = 0
-            do j = 1, n
-               call search(regime, x0, v0, phase, x, v, turn, doubtful(:, j), leaving, &
-                  bound(doubtful(1, j)), t, found, h, work, wall, time, speed, reached%complete)
-               if (.not. reached%complete) return
-               if (wall == 0) cycle
-               found = time
-               row = doubtful(1, j)
-               reached = reached_type(row, wall, time, speed)
-            end do
-            if (row > 0) return
-            t = t + h
-            x = x_next
-            v = v_next
-            turn = turn_next
-            y = y_next
-            rate = rate_next
-            fresh = .false.
-            hold = hold - 1
-            if (n == 0 .and. hold < 0) level = max(1, level - 1)
+         call step_pairs(m, regime%steps%map(:, :, level), pairs(:, 2*now - 1), pairs(:, 2*now), &
+            pairs(:, 2*next - 1), pairs(:, 2*next))
+         if (regime%rows%grows) call add_growth(regime, level, t, pairs(:, 2*next - 1), &
+            pairs(:, 2*next))
+         do j = 1, harmonics
+            turns(j, next) = turns(j, now)*regime%turns(j, level)
          end do
-      end associate
+         call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), pairs(:, 2*next), &
+            turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
+         call find_doubts(rows, regime%upper, regime%lower, leaving, t, h, values(:, 2*now - 1), &
+            values(:, 2*now), values(:, 2*next - 1), values(:, 2*next), values(:, 5), &
+            values(:, 6), doubtful, n)
+         if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
+            level = level + 1
+            hold = 2
+            cycle
+         end if
+         ! a search begins from pairs computed directly, so that rounding errors stay small
+         if (n > 0 .and. .not. fresh) call pairs_at(regime, m, harmonics, x0, v0, phase, t, &
+            pairs(:, 2*now - 1), pairs(:, 2*now), turns(:, now))
+         found = min(t + h, limit)
+         row = 0
+         do j = 1, n
+            call search(regime, x0, v0, phase, pairs(:, 2*now - 1), pairs(:, 2*now), &
+               turns(:, now), doubtful(:, j), leaving, values(doubtful(1, j), 5), t, found, h, &
+               work, wall, time, speed, reached%complete)
+            if (.not. reached%complete) return
+            if (wall == 0) cycle
+            found = time
+            row = doubtful(1, j)
+            reached = reached_type(row, wall, time, speed)
+         end do
+         pace = pace_type(level)
+         if (n == 0) clear = clear + 1
+         if (n == 0) longest = min(longest, level)
+         ! the next flight is likely to be of a similar length
+         if (clear > 1) pace = pace_type(longest, 2)
+         if (row > 0) return
+         t = t + h
+         now = next
+         fresh = .false.
+         hold = hold - 1
+         if (n == 0 .and. hold < 0) level = max(1, level - 1)
+      end do
    end subroutine search_cells
 
    !> Adds what growing forces change in a step.
@@ -227,7 +239,7 @@ contains
             ! the tables hold the response to 1 and to the time since the beginning of the step
             associate (f => modes%force(k) + t*modes%force_rate(k), f_rate => modes%force_rate(k), &
                p => modes%drift(k) + t*modes%drift_rate(k), p_rate => modes%drift_rate(k), &
-               s2 => steps%s2(k, level), s3 => steps%s3(k, level), w => steps%xv(k, level), &
+               s2 => steps%s2(k, level), s3 => steps%s3(k, level), w => steps%map(2, k, level), &
                drag => 2*modes%damping(k))
                x(k) = x(k) + f*s2 + f_rate*s3 + p*(w + drag*s2) + p_rate*(s2 + drag*s3)
                v(k) = v(k) + f*w + f_rate*s2 - modes%stiffness(k)*(p*s2 + p_rate*s3)
@@ -237,21 +249,23 @@ contains
    end subroutine add_growth
 
    !> The rows that are not proved to stay within their limits over a cell.
-   pure subroutine find_doubts(regime, leaving, t, h, y, rate, y_next, rate_next, bound, reserve, &
-      doubtful, n)
-      !> The regime.
-      type(regime_type), intent(in) :: regime
+   pure subroutine find_doubts(rows, uppers, lowers, leaving, t, h, y, rate, y_next, rate_next, &
+      bound, reserve, doubtful, n)
+      !> Number of rows.
+      integer, intent(in) :: rows
+      !> Their limits.
+      real(wp), dimension(rows), intent(in) :: uppers, lowers
       !> How the flight begins.
       type(leaving_type), intent(in) :: leaving
       !> Beginning and length of the cell.
       real(wp), intent(in) :: t, h
-      !> (rows) Values and rates at its ends.
-      real(wp), dimension(:), intent(in) :: y, rate, y_next, rate_next
-      !> (rows) Bounds on the fourth derivatives and on the rounding errors.
-      real(wp), dimension(:), intent(in) :: bound, reserve
-      !> (2, rows) The rows, and which limits they may reach: 1 the upper one, 2 the lower one,
-      !! 3 both. Their number.
-      integer, intent(inout) :: doubtful(:, :)
+      !> Values and rates at its ends.
+      real(wp), dimension(rows), intent(in) :: y, rate, y_next, rate_next
+      !> Bounds on the fourth derivatives and on the rounding errors.
+      real(wp), dimension(rows), intent(in) :: bound, reserve
+      !> The rows, and which limits they may reach: 1 the upper one, 2 the lower one, 3 both. Their
+      !! number.
+      integer, intent(inout) :: doubtful(2, rows)
       integer, intent(out) :: n
       real(wp) :: first, second, third, fourth, middle, upper, lower, quarter, sixth, sag
       integer :: departs, i, walls
@@ -260,9 +274,9 @@ contains
       quarter = 0.25_wp*h
       sixth = h/6
       sag = (h*h)**2/144
-      do i = 1, size(y)
-         upper = regime%upper(i) - reserve(i)
-         lower = regime%lower(i) + reserve(i)
+      do i = 1, rows
+         upper = uppers(i) - reserve(i)
+         lower = lowers(i) + reserve(i)
          first = y(i)
          second = first + quarter*rate(i)
          third = 0.5_wp*(first + y_next(i)) + sixth*(rate(i) - rate_next(i))
@@ -284,37 +298,42 @@ contains
 
    !> Computes the pairs and rows at a time directly, so that rounding errors of the products do not
    !! add up, and bounds the rounding errors of the rows for some time after it.
-   pure subroutine start_afresh(regime, x0, v0, phase, t, duration, x, v, turn, y, rate, reserve)
+   pure subroutine start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, duration, x, v, &
+      turn, y, rate, reserve)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> (m) The pairs at the start of the flight.
-      real(wp), intent(in) :: x0(:), v0(:)
+      !> Number of pairs, of rows, and of harmonics of the load.
+      integer, intent(in) :: m, rows, harmonics
+      !> The pairs at the start of the flight.
+      real(wp), intent(in) :: x0(m), v0(m)
       !> Load phase there (rad), the time after it, and how long the bound has to hold.
       real(wp), intent(in) :: phase, t, duration
-      !> (m) The pairs at that time.
-      real(wp), contiguous, intent(out) :: x(:), v(:)
-      !> (harmonics) e^(i h Omega t) then.
-      complex(wp), intent(out) :: turn(:)
-      !> (rows) Values, rates, and the bound.
-      real(wp), contiguous, intent(out) :: y(:), rate(:), reserve(:)
+      !> The pairs at that time.
+      real(wp), intent(out) :: x(m), v(m)
+      !> e^(i h Omega t) then.
+      complex(wp), intent(out) :: turn(harmonics)
+      !> Values, rates, and the bound.
+      real(wp), intent(out) :: y(rows), rate(rows), reserve(rows)
 
-      call pairs_at(regime, x0, v0, phase, t, x, v, turn)
+      call pairs_at(regime, m, harmonics, x0, v0, phase, t, x, v, turn)
       call row_values(regime%rows, regime%frequency, x, v, turn, y, rate, t)
-      call rounding(regime, x, v, t + duration, reserve)
+      call rounding(regime, m, rows, x, v, t + duration, reserve)
    end subroutine start_afresh
 
    !> The pairs and the harmonics at a time, computed directly.
-   pure subroutine pairs_at(regime, x0, v0, phase, t, x, v, turn)
+   pure subroutine pairs_at(regime, m, harmonics, x0, v0, phase, t, x, v, turn)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> (m) The pairs at the start of the flight.
-      real(wp), intent(in) :: x0(:), v0(:)
+      !> Number of pairs, and of harmonics of the load.
+      integer, intent(in) :: m, harmonics
+      !> The pairs at the start of the flight.
+      real(wp), intent(in) :: x0(m), v0(m)
       !> Load phase there (rad), and the time after it.
       real(wp), intent(in) :: phase, t
-      !> (m) The pairs at that time.
-      real(wp), contiguous, intent(out) :: x(:), v(:)
-      !> (harmonics) e^(i h Omega t) then.
-      complex(wp), intent(out) :: turn(:)
+      !> The pairs at that time.
+      real(wp), intent(out) :: x(m), v(m)
+      !> e^(i h Omega t) then.
+      complex(wp), intent(out) :: turn(harmonics)
       integer :: h
 
       if (t > 0) then
@@ -323,7 +342,7 @@ contains
          x = x0
          v = v0
       end if
-      do h = 1, size(turn)
+      do h = 1, harmonics
          turn(h) = turned(h*(phase + regime%frequency*t))
       end do
    end subroutine pairs_at
@@ -337,22 +356,24 @@ contains
    end function turned
 
    !> A bound on the rounding errors of the rows over some time.
-   pure subroutine rounding(regime, x, v, duration, reserve)
+   pure subroutine rounding(regime, m, rows, x, v, duration, reserve)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> (m) The pairs at the beginning.
-      real(wp), intent(in) :: x(:), v(:)
+      !> Number of pairs, and of rows.
+      integer, intent(in) :: m, rows
+      !> The pairs at the beginning.
+      real(wp), intent(in) :: x(m), v(m)
       !> How long.
       real(wp), intent(in) :: duration
-      !> (rows)
-      real(wp), intent(out) :: reserve(:)
+      !> The bound.
+      real(wp), intent(out) :: reserve(rows)
       real(wp), parameter :: share = 16*epsilon(1.0_wp)
       real(wp) :: of_x, of_v, sum_x, sum_v, squares
       integer :: i, k
 
       sum_x = 0
       sum_v = 0
-      do k = 1, size(x)
+      do k = 1, m
          associate (stiffness => regime%modes%stiffness(k), inverse => regime%modes%inverse(k), &
             force => abs(regime%modes%force(k)) + duration*abs(regime%modes%force_rate(k)), &
             drift => abs(regime%modes%drift(k)) + duration*abs(regime%modes%drift_rate(k)))
@@ -371,7 +392,7 @@ contains
          end associate
       end do
       ! by the inequality of Cauchy and Schwarz
-      do i = 1, size(reserve)
+      do i = 1, rows
          reserve(i) = share*(regime%rows%constant_size(i) &
             + regime%rows%position_norm(i)*sqrt(sum_x) + regime%rows%velocity_norm(i)*sqrt(sum_v))
       end do
@@ -427,30 +448,10 @@ contains
       integer, intent(in) :: row
       !> The derivatives of order 0 to 3.
       real(wp), intent(out) :: d(0:3)
-      real(wp) :: x, v, before
       complex(wp) :: here
-      integer :: h, i, j, k
+      integer :: h, i
 
-      d = [regime%rows%offset(row), regime%rows%offset_rate(row), 0.0_wp, 0.0_wp]
-      do j = regime%rows%begins(row), regime%rows%begins(row + 1) - 1
-         k = regime%rows%touched(j)
-         x = x0(k)
-         v = v0(k)
-         associate (of_x => regime%rows%of_x(j), of_v => regime%rows%of_v(j), &
-            modes => regime%modes)
-            d(0) = d(0) + of_x*x + of_v*v
-            do i = 1, 3
-               before = x
-               x = v
-               v = -modes%stiffness(k)*before - 2*modes%damping(k)*v
-               if (i == 1) x = x + modes%drift(k)
-               if (i == 1) v = v + modes%force(k)
-               if (i == 2) x = x + modes%drift_rate(k)
-               if (i == 2) v = v + modes%force_rate(k)
-               d(i) = d(i) + of_x*x + of_v*v
-            end do
-         end associate
-      end do
+      call free_derivatives(regime, x0, v0, row, d)
       do h = 1, size(regime%ripple, 2)
          here = regime%ripple(row, h)*turned(h*phase)
          do i = 0, 3
@@ -459,6 +460,56 @@ contains
          end do
       end do
    end subroutine row_derivatives
+
+   !> A bound on the absolute second derivative of a row at the start of a flight, at any phase of
+   !! the load.
+   pure real(wp) function bound_second(regime, x0, v0, row) result(bound)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the start.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> Number of the row.
+      integer, intent(in) :: row
+      real(wp) :: d(0:3)
+      integer :: h
+
+      call free_derivatives(regime, x0, v0, row, d)
+      bound = abs(d(2))
+      do h = 1, size(regime%ripple, 2)
+         bound = bound + regime%rows%ripple_size(row, h)*(h*regime%frequency)**2
+      end do
+   end function bound_second
+
+   !> A row and its first three derivatives at the start of a flight, without the harmonics of the
+   !! load.
+   pure subroutine free_derivatives(regime, x0, v0, row, d)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the start.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> Number of the row.
+      integer, intent(in) :: row
+      !> The derivatives of order 0 to 3.
+      real(wp), intent(out) :: d(0:3)
+      real(wp) :: x1, v1, x2, v2, v3
+      integer :: j, k
+
+      d = [regime%rows%offset(row), regime%rows%offset_rate(row), 0.0_wp, 0.0_wp]
+      associate (rows => regime%rows, modes => regime%modes)
+         do j = rows%begins(row), rows%begins(row + 1) - 1
+            k = rows%touched(j)
+            associate (x => x0(k), v => v0(k), stiffness => rows%stiffness(j), &
+               drag => rows%drag(j), of_x => rows%of_x(j), of_v => rows%of_v(j))
+               x1 = v + modes%drift(k)
+               v1 = -stiffness*x - drag*v + modes%force(k)
+               x2 = v1 + modes%drift_rate(k)
+               v2 = -stiffness*x1 - drag*v1 + modes%force_rate(k)
+               v3 = -stiffness*x2 - drag*v2
+               d = d + [of_x*x + of_v*v, of_x*x1 + of_v*v1, of_x*x2 + of_v*v2, of_x*v2 + of_v*v3]
+            end associate
+         end do
+      end associate
+   end subroutine free_derivatives
 
    !> The first time within a cell at which one row reaches a limit.
    pure subroutine search(regime, x0, v0, phase, x, v, turn, doubt, leaving, bound, begin, end, &
@@ -582,8 +633,7 @@ contains
       total(0) = regime%rows%offset(row) + t*regime%rows%offset_rate(row)
       total(1) = regime%rows%offset_rate(row)
       size_now = abs(total(0))
-      associate (rows => regime%rows, modes => regime%modes, first => begin, &
-         last => begin + n - 1, x => work(:, 1), v => work(:, 2))
+      associate (rows => regime%rows, modes => regime%modes, x => work(:, 1), v => work(:, 2))
          do j = 1, n
             k = rows%touched(begin + j - 1)
             associate (of_x => rows%of_x(begin + j - 1), of_v => rows%of_v(begin + j - 1))
@@ -597,8 +647,7 @@ contains
          end do
          begun = 2
          if (rows%grows) then
-            call add_derivatives(n, 2, 2, rows%stiffness(first:last), rows%drag(first:last), &
-               rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
+            call add_terms(rows, row, 2, 2, x, v, total)
             do j = 1, n
                k = rows%touched(begin + j - 1)
                x(j) = x(j) + modes%drift_rate(k)
@@ -627,15 +676,11 @@ contains
             end if
          end if
          if (series%reach < 0) then
-            call add_derivatives(n, begun, 5, rows%stiffness(first:last), rows%drag(first:last), &
-               rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
+            call add_terms(rows, row, begun, 5, x, v, total)
             series%fifth = bound_of(regime, row, work(:n, 1), work(:n, 2), 5)
-            call add_derivatives(n, 6, order, rows%stiffness(first:last), rows%drag(first:last), &
-               rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), total)
+            call add_terms(rows, row, 6, order, x, v, total)
          else
-            call add_derivatives(n, begun, series%last, rows%stiffness(first:last), &
-               rows%drag(first:last), rows%of_x(first:last), rows%of_v(first:last), x(:n), v(:n), &
-               total)
+            call add_terms(rows, row, begun, series%last, x, v, total)
          end if
       end associate
       do h = 1, size(turn)
@@ -654,6 +699,29 @@ contains
       end if
       series%c(:series%last) = total(:series%last)*inverse_factorial(:series%last)
    end subroutine expand
+
+   !> Adds derivatives of a row, without what constant terms add to them.
+   pure subroutine add_terms(rows, row, first, last, x, v, total)
+      !> The rows, and the number of the row.
+      type(rows_type), intent(in) :: rows
+      integer, intent(in) :: row
+      !> Orders of the derivatives that are added.
+      integer, intent(in) :: first, last
+      !> In: derivatives of its pairs of order first - 1. Out: of order last.
+      real(wp), contiguous, intent(inout) :: x(:), v(:)
+      !> In and out: the derivatives of the row.
+      real(wp), intent(inout) :: total(0:last)
+
+      associate (i => rows%begins(row), j => rows%begins(row + 1) - 1)
+         if (rows%wide) then
+            call add_derivatives_wide(j - i + 1, first, last, rows%stiffness(i:j), rows%drag(i:j), &
+               rows%of_x(i:j), rows%of_v(i:j), x, v, total)
+         else
+            call add_derivatives(j - i + 1, first, last, rows%stiffness(i:j), rows%drag(i:j), &
+               rows%of_x(i:j), rows%of_v(i:j), x, v, total)
+         end if
+      end associate
+   end subroutine add_terms
 
    !> A bound on the absolute derivative of a row of a given order >= 2, from now on.
    pure real(wp) function bound_of(regime, row, x, v, n) result(bound)

@@ -16,7 +16,7 @@ module vi_modes
    private
 
    public :: advance, advance_pair, bound_on, new_interval, new_steps, prepare, step_functions, &
-      steady_response, steady_slope
+      step_pairs, steady_response, steady_slope
 
    !> Pairs of a structure.
    type, public :: modes_type
@@ -42,16 +42,16 @@ module vi_modes
    type, public :: steps_type
       !> Step lengths.
       real(wp) :: length(levels) = 0
-      !> (n, levels) x from x = 1 and from v = 1; v from x = 1 and from v = 1; x and v from the
-      !! constant terms; x from f = 1 and from f = t.
-      real(wp), allocatable, dimension(:, :) :: xx, xv, vx, vv, x, v, s2, s3
+      !> (6, n, levels) x from x = 1, from v = 1 and from the constant terms; v from the same.
+      real(wp), allocatable :: map(:, :, :)
+      !> (n, levels) x from f = 1 and from f = t.
+      real(wp), allocatable, dimension(:, :) :: s2, s3
    end type steps_type
 
-   !> What advances the pairs by a interval between two samples of a record.
+   !> What advances the pairs by an interval between two samples of a record.
    type, public :: interval_type
-      !> (m) x and v from x = 1 and from v = 1; and from f = 1 and f = t, p = 1 and p = t.
-      real(wp), allocatable, dimension(:) :: xx, xv, vx, vv
-      real(wp), allocatable, dimension(:) :: x_f, x_ft, v_f, v_ft, x_p, x_pt, v_p, v_pt
+      !> (12, m) x from x = 1, v = 1, f = 1, f = t, p = 1 and p = t; v from the same.
+      real(wp), allocatable :: map(:, :)
    end type interval_type
 
 contains
@@ -153,8 +153,9 @@ contains
       !> As in `step_functions`.
       real(wp), intent(out) :: s2, s3
       integer, parameter :: terms = 18
-      real(wp) :: c, before, last
       integer :: i
+      real(wp), parameter :: inverse(3:terms + 1) = [(1.0_wp/i, i=3, terms + 1)]
+      real(wp) :: c, before, last
 
       ! the i-th term c of s3 is t^i/i! times its i-th derivative; s2 = s3'
       before = 0
@@ -164,8 +165,10 @@ contains
       do i = 3, terms
          s3 = s3 + c
          s2 = s2 + i*c
+         ! each further term is below half the sum of the last two over i
+         if (abs(c) + abs(before) <= 0.25_wp*epsilon(1.0_wp)*s2) exit
          last = c
-         c = (-2*damping*c - stiffness*before*t/i)*t/(i + 1)
+         c = (-2*damping*c - stiffness*before*(t*inverse(i)))*(t*inverse(i + 1))
          before = last
       end do
       if (t > 0) s2 = s2/t
@@ -267,9 +270,7 @@ contains
       integer :: j, k, n
 
       n = size(modes%stiffness)
-      allocate (steps%xx(n, levels), steps%xv(n, levels), steps%vx(n, levels), &
-         steps%vv(n, levels), steps%x(n, levels), steps%v(n, levels), steps%s2(n, levels), &
-         steps%s3(n, levels))
+      allocate (steps%map(6, n, levels), steps%s2(n, levels), steps%s3(n, levels))
       do j = 1, levels
          steps%length(j) = longest*0.5_wp**(j - 1)
          do k = 1, n
@@ -277,16 +278,31 @@ contains
                call step_functions(stiffness, damping, steps%length(j), u, w, s2, s3)
                steps%s2(k, j) = s2
                steps%s3(k, j) = s3
-               steps%xx(k, j) = u
-               steps%xv(k, j) = w
-               steps%vx(k, j) = -stiffness*w
-               steps%vv(k, j) = u - 2*damping*w
-               steps%x(k, j) = modes%force(k)*s2 + modes%drift(k)*(w + 2*damping*s2)
-               steps%v(k, j) = modes%force(k)*w - stiffness*modes%drift(k)*s2
+               steps%map(:3, k, j) = [u, w, modes%force(k)*s2 + modes%drift(k)*(w + 2*damping*s2)]
+               steps%map(4:, k, j) = [-stiffness*w, u - 2*damping*w, &
+                  modes%force(k)*w - stiffness*modes%drift(k)*s2]
             end associate
          end do
       end do
    end subroutine new_steps
+
+   !> The pairs after a step.
+   pure subroutine step_pairs(n, map, x, v, x_new, v_new)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> The table of the step, as in `steps_type`.
+      real(wp), intent(in) :: map(6, n)
+      !> The pairs before it.
+      real(wp), intent(in) :: x(n), v(n)
+      !> The pairs after it.
+      real(wp), intent(out) :: x_new(n), v_new(n)
+      integer :: k
+
+      do k = 1, n
+         x_new(k) = map(1, k)*x(k) + map(2, k)*v(k) + map(3, k)
+         v_new(k) = map(4, k)*x(k) + map(5, k)*v(k) + map(6, k)
+      end do
+   end subroutine step_pairs
 
    !> The table of an interval.
    pure subroutine new_interval(modes, length, interval)
@@ -300,24 +316,12 @@ contains
       integer :: k, m
 
       m = size(modes%force)
-      allocate (interval%xx(m), interval%xv(m), interval%vx(m), interval%vv(m), interval%x_f(m), &
-         interval%x_ft(m), interval%v_f(m), interval%v_ft(m), interval%x_p(m), interval%x_pt(m), &
-         interval%v_p(m), interval%v_pt(m))
+      allocate (interval%map(12, m))
       do k = 1, m
          associate (stiffness => modes%stiffness(k), drag => 2*modes%damping(k))
             call step_functions(stiffness, modes%damping(k), length, u, w, s2, s3)
-            interval%xx(k) = u
-            interval%xv(k) = w
-            interval%vx(k) = -stiffness*w
-            interval%vv(k) = u - drag*w
-            interval%x_f(k) = s2
-            interval%x_ft(k) = s3
-            interval%v_f(k) = w
-            interval%v_ft(k) = s2
-            interval%x_p(k) = w + drag*s2
-            interval%x_pt(k) = s2 + drag*s3
-            interval%v_p(k) = -stiffness*s2
-            interval%v_pt(k) = -stiffness*s3
+            interval%map(:6, k) = [u, w, s2, s3, w + drag*s2, s2 + drag*s3]
+            interval%map(7:, k) = [-stiffness*w, u - drag*w, w, s2, -stiffness*s2, -stiffness*s3]
          end associate
       end do
    end subroutine new_interval

@@ -12,7 +12,7 @@ module vi_rows
    implicit none (type, external)
    private
 
-   public :: bound_values, new_rows, row_values
+   public :: add_harmonic, bound_values, free_values, new_rows, row_values
 
    !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
    type, public :: block_type
@@ -25,6 +25,8 @@ module vi_rows
 
    !> The rows.
    type, public :: rows_type
+      !> Number of pairs.
+      integer :: pairs = 0
       type(block_type), allocatable :: blocks(:)
       !> Row and pair of each coefficient that is in no block, and the coefficients.
       integer, allocatable, dimension(:) :: row, pair
@@ -87,6 +89,7 @@ contains
 
       n = size(position, 1)
       m = size(position, 2)
+      rows%pairs = m
       allocate (rows%offset, source=offset)
       allocate (rows%ripple, source=ripple)
       rows%ripple_size = abs(ripple)
@@ -207,23 +210,39 @@ contains
       type(rows_type), intent(in) :: rows
       !> Omega of the load.
       real(wp), intent(in) :: frequency
-      !> (m) The pairs.
-      real(wp), contiguous, intent(in) :: x(:), v(:)
+      !> The pairs.
+      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
       !> (harmonics) e^(i h Omega t).
-      complex(wp), intent(in) :: turn(:)
+      complex(wp), intent(in) :: turn(size(rows%ripple, 2))
       !> (rows) Values and rates.
-      real(wp), contiguous, intent(out) :: y(:), rate(:)
+      real(wp), intent(out) :: y(size(rows%offset)), rate(size(rows%offset))
       !> Time since the constants had their values.
       real(wp), intent(in), optional :: time
-      complex(wp) :: here
-      integer :: h, i, j, n, m
+      integer :: h
 
-      y = rows%offset
-      rate = rows%rate_offset
-      if (rows%grows .and. present(time)) then
-         y = y + time*rows%offset_rate
-         rate = rate + time*rows%rate_offset_rate
-      end if
+      call free_values(rows, x, v, y, rate, time)
+      do h = 1, size(turn)
+         call add_harmonic(size(y), rows%ripple(:, h), h*frequency, turn(h), y, rate)
+      end do
+   end subroutine row_values
+
+   !> The rows and their rates without the harmonics of the load.
+   pure subroutine free_values(rows, x, v, y, rate, time)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> The pairs.
+      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
+      !> (rows) Values and rates.
+      real(wp), intent(out) :: y(size(rows%offset)), rate(size(rows%offset))
+      !> Time since the constants had their values.
+      real(wp), intent(in), optional :: time
+      real(wp) :: growth
+      integer :: i, j, n, m
+
+      growth = 0
+      if (present(time)) growth = time
+      call start_rows(size(y), growth, rows%offset, rows%offset_rate, rows%rate_offset, &
+         rows%rate_offset_rate, y, rate)
       do j = 1, size(rows%blocks)
          associate (b => rows%blocks(j))
             n = b%last_row - b%first_row + 1
@@ -249,10 +268,8 @@ contains
          end associate
       end do
       if (rows%by_position) then
-         do i = 1, size(rows%row)
-            y(rows%row(i)) = y(rows%row(i)) + rows%position(i)*x(rows%pair(i))
-            rate(rows%row(i)) = rate(rows%row(i)) + rows%position(i)*v(rows%pair(i))
-         end do
+         call add_listed(size(rows%row), size(x), size(y), rows%row, rows%pair, rows%position, x, &
+            v, y, rate)
       else
          do i = 1, size(rows%row)
             y(rows%row(i)) = y(rows%row(i)) + (rows%position(i)*x(rows%pair(i)) &
@@ -261,14 +278,65 @@ contains
                + rows%rate_velocity(i)*v(rows%pair(i)))
          end do
       end if
-      do h = 1, size(turn)
-         do i = 1, size(y)
-            here = rows%ripple(i, h)*turn(h)
-            y(i) = y(i) + here%re
-            rate(i) = rate(i) - h*frequency*here%im
-         end do
+   end subroutine free_values
+
+   !> The constants of the rows and of their rates.
+   pure subroutine start_rows(n, time, offset, offset_rate, rate_offset, rate_offset_rate, y, rate)
+      !> Number of rows.
+      integer, intent(in) :: n
+      !> Time since the constants had their values.
+      real(wp), intent(in) :: time
+      !> The constants, and the rates at which they grow.
+      real(wp), dimension(n), intent(in) :: offset, offset_rate, rate_offset, rate_offset_rate
+      !> Values and rates.
+      real(wp), intent(out) :: y(n), rate(n)
+      integer :: i
+
+      do i = 1, n
+         y(i) = offset(i) + time*offset_rate(i)
+         rate(i) = rate_offset(i) + time*rate_offset_rate(i)
       end do
-   end subroutine row_values
+   end subroutine start_rows
+
+   !> Adds the coefficients that are in no block, where no row depends on v.
+   pure subroutine add_listed(n, m, rows, row, pair, position, x, v, y, rate)
+      !> Numbers of coefficients, of pairs and of rows.
+      integer, intent(in) :: n, m, rows
+      !> Row and pair of each coefficient, and the coefficients.
+      integer, intent(in) :: row(n), pair(n)
+      !> As in `row`.
+      real(wp), intent(in) :: position(n)
+      !> The pairs.
+      real(wp), intent(in) :: x(m), v(m)
+      !> In and out: values and rates.
+      real(wp), intent(inout) :: y(rows), rate(rows)
+      integer :: i
+
+      do i = 1, n
+         y(row(i)) = y(row(i)) + position(i)*x(pair(i))
+         rate(row(i)) = rate(row(i)) + position(i)*v(pair(i))
+      end do
+   end subroutine add_listed
+
+   !> Adds a harmonic of the load.
+   pure subroutine add_harmonic(n, ripple, frequency, turn, y, rate)
+      !> Number of rows.
+      integer, intent(in) :: n
+      !> Complex amplitudes, circular frequency of the harmonic, and e^(i h Omega t).
+      complex(wp), intent(in) :: ripple(n), turn
+      !> As in `ripple`.
+      real(wp), intent(in) :: frequency
+      !> In and out: values and rates.
+      real(wp), intent(inout) :: y(n), rate(n)
+      complex(wp) :: here
+      integer :: i
+
+      do i = 1, n
+         here = ripple(i)*turn
+         y(i) = y(i) + here%re
+         rate(i) = rate(i) - frequency*here%im
+      end do
+   end subroutine add_harmonic
 
    !> Bounds on rows from bounds on the pairs, without the harmonics and the offset.
    pure subroutine bound_values(rows, of_x, of_v, bound)

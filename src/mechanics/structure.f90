@@ -10,7 +10,7 @@ module vi_structure
    use vi_modes, only: interval_type, levels, modes_type, new_interval, new_steps, prepare, &
       steady_response, steps_type
    use vi_restitution, only: constant_law, new_restitution, restitution_at, restitution_type
-   use vi_rows, only: new_rows, row_values, rows_type
+   use vi_rows, only: add_harmonic, free_values, new_rows, rows_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -626,8 +626,7 @@ contains
       allocate (regime%turns(size(regime%ripple, 2), levels))
       if (allocated(regime%to_force)) then
          ! all constant terms come with the record
-         regime%steps%x = 0
-         regime%steps%v = 0
+         regime%steps%map([3, 6], :, :) = 0
          regime%rows%grows = .true.
       end if
       do j = 1, levels
@@ -674,13 +673,13 @@ contains
       real(wp), contiguous, intent(in) :: x(:), v(:)
       !> (n) Coordinates and velocities.
       real(wp), contiguous, intent(out) :: q(:), rate(:)
-      complex(wp) :: turn(size(regime%steady, 2))
       integer :: h
 
-      do h = 1, size(turn)
-         turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
+      call free_values(regime%coordinates, x, v, q, rate)
+      do h = 1, size(regime%steady, 2)
+         call add_harmonic(size(q), regime%coordinates%ripple(:, h), h*regime%frequency, &
+            cmplx(cos(h*phase), sin(h*phase), wp), q, rate)
       end do
-      call row_values(regime%coordinates, regime%frequency, x, v, turn, q, rate)
    end subroutine state_of
 
 end module vi_structure

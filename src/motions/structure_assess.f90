@@ -2,7 +2,7 @@
 module vi_structure_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, consistency, stability
-   use vi_channels, only: first_event, leaving_type, reached_type, space_type
+   use vi_channels, only: first_event, leaving_type, pace_type, reached_type, space_type
    use vi_eigen_routines, only: dgesv
    use vi_exact, only: exact_acceptance
    use vi_kinds, only: wp
@@ -125,15 +125,14 @@ contains
       type(reached_type), intent(out) :: reached
       type(space_type) :: space
       real(wp) :: impulse, slope
-      integer :: level
+      type(pace_type) :: pace
 
       associate (gap => equations%gaps(i))
          call impulse_of(structure, gap, speeds(i), impulse, slope)
-         level = 8
          call first_event(regime, x, v, regime%frequency*equations%times(i), &
             leaving_type(structure%channel(gap), structure%wall(gap), &
             impulse/structure%effective(gap) - speeds(i)), &
-            flight + agreement*equations%period, level, reached, space)
+            flight + agreement*equations%period, pace, reached, space)
       end associate
    end subroutine first_contact
 

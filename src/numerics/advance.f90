@@ -37,8 +37,9 @@ contains
          zero = first_zero(g, slope, 0.5_wp*curvature &
             + min(0.0_wp, jerk/6 - bound*reach/24)*reach)
          step = max(step, min(zero, reach))
-         if (zero >= reach) return
-         if (zero < 0.7_wp*reach) reach = min(reach, 1.5_wp*zero)
+         ! a second look pays only with a much smaller H
+         if (.not. zero < 0.6_wp*reach) return
+         reach = 1.5_wp*zero
       end do
    end function safe_step
 

@@ -6,7 +6,7 @@ module vi_structure_record
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_lane_rows, only: add_product
-   use vi_modes, only: advance_pair, interval_type, modes_type
+   use vi_modes, only: advance_pair, modes_type
    use vi_structure, only: load_type, regime_type
    implicit none (type, external)
    private
@@ -65,7 +65,7 @@ contains
       !> The interval at whose beginning to stop.
       integer(int64), intent(in) :: last
       !> (m) In and out: the pairs at the beginning of the interval.
-      real(wp), intent(inout) :: x(:), v(:)
+      real(wp), contiguous, intent(inout) :: x(:), v(:)
       real(wp), dimension(size(x)) :: x_next, v_next, p, f, p_next, f_next
       real(wp), dimension(size(regime%upper)) :: y, rate, y_next, rate_next, direct
       real(wp) :: bounds(4), length
@@ -78,7 +78,8 @@ contains
       do while (cycle < min(last, int(size(load%record, 2) - 1, int64)))
          associate (to => load%record(:, cycle + 2))
             call modal_forces(regime, to, p_next, f_next)
-            call pass_one(regime%interval, length, x, v, p, f, p_next, f_next, x_next, v_next)
+            call pass_one(size(x), regime%interval%map, length, x, v, p, f, p_next, f_next, &
+               x_next, v_next)
             call rows_now(regime, to, x_next, v_next, p_next, f_next, y_next, rate_next)
             call bound_interval(regime%modes, length, x, v, p, f, p_next, f_next, bounds)
             if (size(regime%resting) > 0) direct = matmul(regime%to_rows, &
@@ -112,25 +113,26 @@ contains
    end subroutine modal_forces
 
    !> The pairs after an interval.
-   pure subroutine pass_one(table, length, x, v, p, f, p_next, f_next, x_next, v_next)
-      !> The table of an interval, and its length.
-      type(interval_type), intent(in) :: table
-      real(wp), intent(in) :: length
-      !> (m) The pairs, p and f at its beginning; p and f at its end.
-      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f, p_next, f_next
-      !> (m) The pairs at its end.
-      real(wp), contiguous, intent(out) :: x_next(:), v_next(:)
+   pure subroutine pass_one(m, map, length, x, v, p, f, p_next, f_next, x_next, v_next)
+      !> Number of pairs.
+      integer, intent(in) :: m
+      !> The table of an interval, as in `interval_type`, and its length.
+      real(wp), intent(in) :: map(12, m), length
+      !> The pairs, p and f at its beginning; p and f at its end.
+      real(wp), dimension(m), intent(in) :: x, v, p, f, p_next, f_next
+      !> The pairs at its end.
+      real(wp), intent(out) :: x_next(m), v_next(m)
       real(wp) :: f_rate, inverse, p_rate
       integer :: k
 
       inverse = 1/length
-      do k = 1, size(x)
+      do k = 1, m
          f_rate = (f_next(k) - f(k))*inverse
          p_rate = (p_next(k) - p(k))*inverse
-         x_next(k) = table%xx(k)*x(k) + table%xv(k)*v(k) + table%x_f(k)*f(k) &
-            + table%x_ft(k)*f_rate + table%x_p(k)*p(k) + table%x_pt(k)*p_rate
-         v_next(k) = table%vx(k)*x(k) + table%vv(k)*v(k) + table%v_f(k)*f(k) &
-            + table%v_ft(k)*f_rate + table%v_p(k)*p(k) + table%v_pt(k)*p_rate
+         x_next(k) = map(1, k)*x(k) + map(2, k)*v(k) + map(3, k)*f(k) + map(4, k)*f_rate &
+            + map(5, k)*p(k) + map(6, k)*p_rate
+         v_next(k) = map(7, k)*x(k) + map(8, k)*v(k) + map(9, k)*f(k) + map(10, k)*f_rate &
+            + map(11, k)*p(k) + map(12, k)*p_rate
       end do
    end subroutine pass_one
 
@@ -144,7 +146,6 @@ contains
       real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f
       !> (rows) The rows and their rates.
       real(wp), contiguous, intent(out) :: y(:), rate(:)
-      real(wp) :: x_rate(size(x)), v_rate(size(x))
       integer :: m, rows
 
       rows = size(y)
@@ -155,14 +156,27 @@ contains
       if (size(regime%resting) > 0) call add_product(rows, size(force), regime%to_rows, force, y)
       if (regime%rows%by_position) then
          call add_product(rows, m, regime%position, v, rate)
-         return
+      else
+         call add_product(rows, m, regime%velocity, v, y)
+         call add_rates(regime, x, v, p, f, rate)
       end if
-      call add_product(rows, m, regime%velocity, v, y)
+   end subroutine rows_now
+
+   !> Adds the rates of rows that depend on v.
+   pure subroutine add_rates(regime, x, v, p, f, rate)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs, p and f.
+      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f
+      !> (rows) In and out: the rates.
+      real(wp), contiguous, intent(inout) :: rate(:)
+      real(wp) :: x_rate(size(x)), v_rate(size(x))
+
       x_rate = v + p
       v_rate = f - regime%modes%stiffness*x - 2*regime%modes%damping*v
-      call add_product(rows, m, regime%position, x_rate, rate)
-      call add_product(rows, m, regime%velocity, v_rate, rate)
-   end subroutine rows_now
+      call add_product(size(rate), size(x), regime%position, x_rate, rate)
+      call add_product(size(rate), size(x), regime%velocity, v_rate, rate)
+   end subroutine add_rates
 
    !> Roots of sums of squares over the pairs.
    pure subroutine bound_interval(modes, length, x, v, p, f, p_next, f_next, bounds)
@@ -269,7 +283,8 @@ contains
          call modal_forces(regime, load%record(:, now + 1), p, f)
          do while (now < min(to_cycle, int(size(load%record, 2) - 1, int64)))
             call modal_forces(regime, load%record(:, now + 2), p_next, f_next)
-            call pass_one(regime%interval, load%step, x, v, p, f, p_next, f_next, x_next, v_next)
+            call pass_one(size(x), regime%interval%map, load%step, x, v, p, f, p_next, f_next, &
+               x_next, v_next)
             x = x_next
             v = v_next
             p = p_next

@@ -1,7 +1,8 @@
 !> Event-by-event simulation of a linear structure with gaps.
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_channels, only: first_event, leaving_type, reached_type, row_derivatives, space_type
+   use vi_channels, only: bound_second, first_event, leaving_type, pace_type, reached_type, &
+      row_derivatives, space_type
    use vi_forced_system, only: state_type
    use vi_kinds, only: wp
    use vi_modes, only: advance_pair
@@ -41,9 +42,9 @@ module vi_structure_run
       !> The regime, and its pairs.
       integer :: regime = 1
       real(wp), allocatable :: x(:), v(:)
-      !> How the flight begins, and the step level of the previous search.
+      !> How the flight begins, and the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
-      integer :: level = 8
+      type(pace_type) :: pace
       !> (n) Room for coordinates and velocities, and for searches.
       real(wp), allocatable :: q(:), rate(:)
       type(space_type) :: space
@@ -240,7 +241,7 @@ contains
             cycle
          end if
          call first_event(run%regimes(state%regime), state%x, state%v, &
-            run%load%frequency*state%elapsed, state%leaving, limit, state%level, reached, &
+            run%load%frequency*state%elapsed, state%leaving, limit, state%pace, reached, &
             state%space)
          if (.not. reached%complete) status = stat%budget
          if (status /= stat%ok) return
@@ -475,7 +476,8 @@ contains
       type(reached_type) :: reached
       real(wp), allocatable :: q(:), rate(:)
       real(wp) :: d(0:3), closing, duration, lost, phase, unit
-      integer :: gap, level
+      type(pace_type) :: pace
+      integer :: gap
 
       stuck = .false.
       status = stat%ok
@@ -483,6 +485,9 @@ contains
       phase = run%load%frequency*state%elapsed
       duration = 0
       associate (regime => run%regimes(state%regime), leaving => state%leaving)
+         ! most departures are too fast, whatever the phase
+         if (2*leaving%speed > longest*regime%unit*bound_second(regime, state%x, state%v, &
+            leaving%row)) return
          call row_derivatives(regime, state%x, state%v, phase, leaving%row, d)
          closing = leaving%wall*d(2)
          if (.not. closing > 0) return
@@ -509,9 +514,9 @@ contains
       state%leaving = leaving_type()
       stuck = any(run%regimes(state%regime)%resting == gap)
       if (.not. stuck) return
-      level = state%level
+      pace = state%pace
       call first_event(run%regimes(state%regime), state%x, state%v, phase, state%leaving, &
-         duration, level, reached, state%space)
+         duration, pace, reached, state%space)
       if (reached%row == 0) call move(run, state, duration)
       call state_now(run, state, q, rate)
       call note(state, stick_event, gap, 0.0_wp, 0.0_wp, q, rate, event)

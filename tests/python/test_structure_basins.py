@@ -67,16 +67,32 @@ def test_a_label_is_the_motion_of_the_simulation_alone(found):
         assert vi.same_structure_motion(vi.exact(DAMPER, LOAD, run), attractor.motion)
 
 
+def numbered(run, motions):
+    """The labels of a run by the numbers of its attractors in a list of motions."""
+    places = [
+        next(i for i, motion in enumerate(motions) if vi.same_structure_motion(item.motion, motion))
+        for item in run.attractors
+    ]
+    return np.array(places)[run.labels]
+
+
 def test_the_mirror_image_of_a_state_has_that_of_its_attractor(found):
-    """The state with all signs changed, half a cycle later, goes to the mirror image of the attractor."""
+    """The state with all signs changed, half a cycle later, goes to the mirror image of the attractor.
+
+    States with chaotic transients so long that rounding decides do not count.
+    """
+    motions = [item.motion for item in found.attractors]
+    images = [
+        vi.exact(DAMPER, LOAD, (motion.phases + np.pi, 1 - motion.gaps)) for motion in motions
+    ]
+    certain = np.ones(found.labels.shape, bool)
+    for change in np.linspace(-1e-13, 1e-13, 8):
+        plane = [(name, low * (1 + change), high * (1 + change), n) for name, low, high, n in PLANE]
+        certain &= numbered(vi.basins(DAMPER, LOAD, plane), motions) == found.labels
+    assert certain.mean() > 0.9
     turned = vi.basins(DAMPER, LOAD, PLANE, start=np.pi / LOAD.frequency)
-    for label, attractor in enumerate(found.attractors):
-        motion = attractor.motion
-        image = vi.exact(DAMPER, LOAD, (motion.phases + np.pi, 1 - motion.gaps))
-        (same,) = (
-            i for i, item in enumerate(turned.attractors) if vi.same_structure_motion(item.motion, image)
-        )  # fmt: skip
-        np.testing.assert_array_equal(turned.labels[::-1, ::-1] == same, found.labels == label)
+    mirrored = numbered(turned, images)[::-1, ::-1]
+    np.testing.assert_array_equal(mirrored[certain], found.labels[certain])
 
 
 def test_shares(found):
