@@ -18,6 +18,7 @@ SUBJECTS = {
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
                    "studies.response", "spacing"),
+    "Records of a rig": ("studies.identify", "measured", "formats.measured"),
     "Uncertain parameters": ("studies.uncertainty", "studies.boundary_band"),
     "Other studies": ("studies.*",),
     "Namelists": ("run",),
