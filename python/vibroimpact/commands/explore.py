@@ -5,17 +5,29 @@ from __future__ import annotations
 import argparse
 
 from ..errors import ParameterError
+from ..formats.load import load
 
 HELP = "explore zones and motions interactively in a browser"
 DESCRIPTION = """Serve a page on this machine and open it. The page shows the zones of stable motions over
 frequency ratio and clearance, which follow the sliders, and the motions under the pointer,
-with simulations, bifurcation diagrams, links and namelists. Ctrl-C stops it. It needs the
-extra `explorer`: pip install 'vibroimpact[explorer]'."""
+with simulations, bifurcation diagrams, links and namelists, a map of max|X|/A, and a box of
+tolerances. With FILE it begins with a saved result: a motion, an identified motion, or a
+design with its tolerances. Ctrl-C stops it. It needs the extra `explorer`:
+pip install 'vibroimpact[explorer]'."""
 EXAMPLE = "vibroimpact explore --port 5006 --no-browser"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Where to serve, and whether to open a browser."""
+    """What to begin with, where to serve, and whether to open a browser."""
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE",
+        help="a saved motion, identification or design (.json, .nc or .mat)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--units", metavar="TEXT",
+        help="physical units to show: M, K and F0 and their units of length, force and time, as "
+        "'2.7 42000 6 m N s'",
+    )  # fmt: skip
     parser.add_argument(
         "--port", type=int, default=5006, metavar="N",
         help="port of the page (default: 5006; 0: any free port)",
@@ -35,11 +47,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Serve until Ctrl-C, which is how it ends: status 0."""
+    from ..explorer.opening import state_of
     from ..explorer.server import serve
+    from ..explorer.state import State
 
     if not 0 <= options.port <= 65535:
         raise ParameterError(f"--port {options.port}: must be a whole number from 0 to 65535")
-    serve(options.address, options.port, options.show, print_address)
+    state = State() if options.file is None else state_of(load(options.file))
+    if options.units is not None:
+        state = state.changed({"units": options.units})
+    serve(options.address, options.port, options.show, print_address, state.query)
     print("ended")
     return 0
 

@@ -7,9 +7,14 @@ import threading
 import time
 from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .. import Zone
+from .attenuation import SIZE, Judged, box_points, filled, judged, map_parts
 from .explorer import diagram_of
 from .latest import Current, Latest, Stale
 from .limits import TooLong, watched
@@ -35,7 +40,8 @@ LONGEST = 120.0
 
 
 class Background:
-    """Jobs for the zones, the fuller search at the point and where the pointer rests, and the diagram.
+    """Jobs for the zones, the fuller search at the point and where the pointer rests, the diagram, the map and
+    the box.
 
     Each job gets a callable `show`, which is called with the result in the page's thread, unless a newer job
     has been requested by then.
@@ -60,11 +66,14 @@ class Background:
 
         self.coarse_zones, self.fine_zones = worker("zones", 0), worker("zones")
         self.search, self.rest, self.sweep = worker("motions"), worker("rest"), worker("diagram")
+        self.map, self.box = worker("map"), worker("box")
         self.coarse_done = threading.Event()
 
     def drop(self) -> None:
         """End all jobs; their results are no longer needed."""
-        for worker in (self.coarse_zones, self.fine_zones, self.search, self.rest, self.sweep):
+        for worker in (
+            self.coarse_zones, self.fine_zones, self.search, self.rest, self.sweep, self.map, self.box
+        ):  # fmt: skip
             worker.drop()
 
     def zones(
@@ -119,13 +128,40 @@ class Background:
         """The fuller search at the point, added to the motions known there."""
 
         def search(current: Current) -> None:
-            # zones first: a user who moves a slider watches them
-            begin = time.monotonic()
-            while time.monotonic() - begin < PATIENCE and not self.coarse_done.wait(0.05):
-                stop(current)
+            self._after_zones(current)
             self._search("motions", current, state, kept, show)
 
         self.search.submit(search)
+
+    def attenuation(self, state: State, show: Callable[[NDArray[np.float64], float], None]) -> None:
+        """The map of max|X|/A, shown after each of its parts.
+
+        Arguments of `show`: the picture, rows along the clearance, and the share that is done.
+        """
+
+        def search(current: Current) -> None:
+            self._after_zones(current)
+            picture = np.full(SIZE[::-1], np.nan)
+            done, whole = 0, picture.size
+            for r, clearance, places, step in map_parts(state.window):
+                look = within(current, LONGEST)
+                found = watched(look, judged, state.osc, r, clearance)
+                filled(picture, places, found.attenuation, step)
+                done += len(r)
+                self._later("map", current, partial(show, picture.copy(), done / whole))
+
+        self.map.submit(search)
+
+    def tolerances(self, state: State, show: Callable[[Judged], None]) -> None:
+        """What happens at points of the box."""
+
+        def search(current: Current) -> None:
+            assert state.box is not None
+            points = box_points(state.box)
+            found = watched(within(current, LONGEST), judged, state.osc, *points)
+            self._later("box", current, lambda: show(found))
+
+        self.box.submit(search)
 
     def pointer(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
         """The fuller search at the place of the pointer, if it rests there."""
@@ -153,6 +189,12 @@ class Background:
         look = within(current, LONGEST)
         found = watched(look, fuller, state.osc, state.r, state.clearance, kept)
         self._later(kind, current, lambda: show(found))
+
+    def _after_zones(self, current: Current) -> None:
+        """Wait for the coarse zones: a user who moves a slider watches them."""
+        begin = time.monotonic()
+        while time.monotonic() - begin < PATIENCE and not self.coarse_done.wait(0.05):
+            stop(current)
 
     def _later(self, kind: str, current: Current, work: Callable[[], None]) -> None:
         """Run a function in the page's thread, unless a newer job has been requested by then."""

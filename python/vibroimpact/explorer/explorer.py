@@ -23,7 +23,7 @@ from ..errors import OpenBoundaryWarning, ParameterError, SingularError
 from .definition import Definition, definition_of, start_of
 from .limits import Limit, Progress, TooLong
 from .motions import Shown, ordered, quick
-from .state import Run, State
+from .state import Box, Run, State
 from .zones import Family
 
 __all__ = ["Explorer", "settles_on"]
@@ -226,6 +226,23 @@ class Explorer:
         if self.state.run is None and chosen is not None:
             run = replace(run, **start_of(chosen.motion))
         return run
+
+    def box(self) -> Box:
+        """The box of tolerances; without one a tenth of the window, around the point."""
+        state = self.state
+        if state.box is not None:
+            return state.box
+        return Box(
+            state.r, state.clearance,
+            float(f"{min(0.05 * (state.r_max - state.r_min), 0.5 * state.r):.2g}"),
+            float(f"{0.1 * state.clearance:.2g}"),
+        )  # fmt: skip
+
+    def drag_box(self, r: float, clearance: float) -> None:
+        """Move the middle of the box, within the window."""
+        (r0, r1), (d0, d1) = self.state.window
+        middle = {"r": min(max(float(r), r0), r1), "clearance": min(max(float(clearance), d0), d1)}
+        self.change(replace(self.state, box=replace(self.box(), **middle)))
 
     def draw_line(self, ends: tuple[float, float, float, float]) -> None:
         """Set the line of the diagram; a line nearly parallel to an axis becomes parallel to it."""

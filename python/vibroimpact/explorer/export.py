@@ -75,8 +75,14 @@ def _diagram_lines(state: State) -> list[str]:
 
 
 def _system(state: State, r: float) -> list[str]:
-    return _group("system", f"xi = {state.xi!r}, mu = {state.mu!r}, restitution = {state.R1!r}, "
-                  f"{state.R2!r}, r = {r!r}")  # fmt: skip
+    keys = (
+        f"xi = {state.xi!r}, mu = {state.mu!r}, restitution = {state.R1!r}, {state.R2!r}, r = {r!r}"
+    )
+    units = state.units
+    if units is not None:
+        keys += f",\n  mass = {units.M!r}, stiffness = {units.K!r}, force = {units.F0!r}, "
+        keys += f"unit_names = '{units.names}'"
+    return _group("system", keys)
 
 
 def _group(name: str, keys: str) -> list[str]:
@@ -128,10 +134,15 @@ def as_python(explorer: Explorer) -> str:
     <Motion RL/1 at r = 1.04, d K/F0 = 25: admissible, stable ...
     """
     state = explorer.state
+    units = state.units
+    physical = "" if units is None else (
+        f", M={units.M!r}, K={units.K!r}, F0={units.F0!r}, unit_names={units.names!r}"
+    )  # fmt: skip
     blocks = [
         [f"# What the explorer shows at ?{state.query}", *_imports(state), ""],
         [
-            f"osc = vi.Oscillator(xi={state.xi!r}, mu={state.mu!r}, restitution=({state.R1!r}, {state.R2!r}))",
+            f"osc = vi.Oscillator(xi={state.xi!r}, mu={state.mu!r}, restitution=({state.R1!r}, {state.R2!r})"
+            f"{physical})",
             f"r, clearance = {state.r!r}, {state.clearance!r}",
             *_list("motions", map(_motion_call, explorer.shown)),
         ],

@@ -7,24 +7,36 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from bokeh.core.properties import value
 from bokeh.models import (
     BasicTickFormatter,
+    ColorBar,
     ColumnDataSource,
     CustomJS,
     FixedTicker,
+    LinearAxis,
+    LinearColorMapper,
+    LinearScale,
+    LogAxis,
+    LogScale,
     Range1d,
     Span,
 )
+from bokeh.palettes import Cividis256
 from bokeh.plotting import figure
 
 from ..plot import style
 from ..plot.zone import LINES
+from .attenuation import SIZE
+from .pictures import ALPHAS
 
 __all__ = ["dashes", "figures"]
 
 #: Colours darker than those of the plots where they are text or thin lines on white.
 GREY = "#595959"
+#: Where the colours of the map end.
+MOST = 2
 #: JavaScript that reports the pointer to the page's script.
 TELL = (
     "window.vibroimpact && window.vibroimpact.pointer(name, cb_obj.event_name, cb_obj.x, cb_obj.y)"
@@ -47,15 +59,21 @@ def blank(name: str, events: tuple[str, ...] = (), **options: Any) -> Any:
     )  # fmt: skip
     plot.grid.grid_line_color = "#EBEBEB"
     for axis in plot.axis:
-        axis.axis_label_text_font_style = "normal"
-        axis.axis_label_text_color = axis.major_label_text_color = "#222222"
-        axis.axis_label_text_font_size = "13px"
-        axis.major_label_text_font_size = "12px"
-        axis.axis_line_color = axis.major_tick_line_color = "#444444"
-        axis.minor_tick_line_color = None
+        drawn(axis)
     for event in events:
         plot.js_on_event(event, CustomJS(args={"name": name}, code=TELL))
     return plot
+
+
+def drawn(axis: Any) -> Any:
+    """An axis in the style of the others."""
+    axis.axis_label_text_font_style = "normal"
+    axis.axis_label_text_color = axis.major_label_text_color = "#222222"
+    axis.axis_label_text_font_size = "13px"
+    axis.major_label_text_font_size = "12px"
+    axis.axis_line_color = axis.major_tick_line_color = "#444444"
+    axis.minor_tick_line_color = None
+    return axis
 
 
 def source(name: str, *columns: str) -> Any:
@@ -85,11 +103,14 @@ def zone_chart() -> Any:
     )  # fmt: skip
     plot.yaxis.formatter = BasicTickFormatter(use_scientific=False)
     plot.yaxis.ticker = plot.ygrid.ticker = FixedTicker(ticks=[1, 2], name="zones.ticks")
-    plot.multi_polygons(
+    physical_axes(plot)
+    attenuation_map(plot)
+    areas = plot.multi_polygons(
         "xs", "ys", source=source("zones.fills", "xs", "ys", "color", "hatch"), fill_color="color",
-        fill_alpha=0.16, line_color=None, hatch_pattern="hatch", hatch_color="color", hatch_alpha=0.25,
+        fill_alpha=ALPHAS[0], line_color=None, hatch_pattern="hatch", hatch_color="color", hatch_alpha=ALPHAS[1],
         hatch_scale=14, hatch_weight=1,
     )  # fmt: skip
+    areas.glyph.name = "zones.areas"
     for kind in LINES:
         if kind != "window":
             dash, shade = dashes(kind)
@@ -105,11 +126,67 @@ def zone_chart() -> Any:
     line = source("zones.line", "x", "y")
     plot.line("x", "y", source=line, line_color="#222222", line_width=2, line_dash="2 3")
     plot.scatter("x", "y", source=line, marker="square", size=7, color="#222222")
+    tolerance_box(plot)
     plot.scatter(
         "x", "y", source=source("zones.point", "x", "y"), marker="circle_cross", size=15,
         line_color="#000000", line_width=2, fill_color="#FFFFFF", fill_alpha=0.8,
     )  # fmt: skip
     return plot
+
+
+def physical_axes(plot: Any) -> None:
+    """Second axes of frequency and clearance, for a system with units."""
+    plot.extra_x_scales = {"f": LinearScale()}
+    plot.extra_y_scales = {"d": LogScale()}
+    plot.extra_x_ranges = {"f": Range1d(0, 1, name="zones.f")}
+    plot.extra_y_ranges = {"d": Range1d(1, 2, name="zones.d")}
+    above = LinearAxis(x_range_name="f", visible=False, name="zones.above")
+    beside = LogAxis(
+        y_range_name="d", visible=False, name="zones.beside",
+        ticker=FixedTicker(ticks=[1, 2], name="zones.d_ticks"),
+        formatter=BasicTickFormatter(use_scientific=False),
+    )  # fmt: skip
+    plot.add_layout(drawn(above), "above")
+    plot.add_layout(drawn(beside), "right")
+
+
+def attenuation_map(plot: Any) -> None:
+    """The map of max|X|/A, with its colour bar."""
+    # mixed with white, so that lines and hatching stay visible on it
+    light = [
+        "#" + "".join(f"{(int(color[i : i + 2], 16) + 255) // 2:02x}" for i in (1, 3, 5))
+        for color in Cividis256
+    ]
+    colors = LinearColorMapper(
+        palette=light, low=0, high=MOST, nan_color="rgba(0, 0, 0, 0)", name="zones.colors"
+    )
+    wide, high = SIZE
+    table = ColumnDataSource(
+        {"image": [np.full((high, wide), np.nan)], "x": [0], "y": [1], "dw": [1], "dh": [1]}, name="zones.map"
+    )  # fmt: skip
+    plot.image(
+        "image", "x", "y", "dw", "dh", source=table, color_mapper=colors, level="image",
+        visible=False, name="zones.image",
+    )  # fmt: skip
+    bar = ColorBar(
+        color_mapper=colors, title="max|X|/A of the worst attractor", visible=False, name="zones.bar",
+        orientation="horizontal", height=10, padding=4, title_text_font_style="normal",
+        title_text_font_size="13px", title_text_color="#222222", major_label_text_font_size="12px",
+        ticker=FixedTicker(ticks=[0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, MOST]),
+        major_label_overrides={MOST: f"≥ {MOST}"}, margin=0,
+    )  # fmt: skip
+    plot.add_layout(bar, "below")
+
+
+def tolerance_box(plot: Any) -> None:
+    """The box of tolerances, and the points in it that are above the limit."""
+    plot.quad(
+        "left", "right", "bottom", "top", source=source("zones.box", "left", "right", "bottom", "top"),
+        fill_color="#FFFFFF", fill_alpha=0.35, line_color="#000000", line_width=2.5,
+    )  # fmt: skip
+    plot.scatter(
+        "x", "y", source=source("zones.bad", "x", "y"), marker="x", size=5, color=style.FREE, line_width=1.5
+    )  # fmt: skip
 
 
 def diagram() -> Any:

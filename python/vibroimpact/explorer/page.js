@@ -5,7 +5,7 @@ export function render({ model }) {
   const waiting = new Map()
   const models = {}
   const sketches = Object.fromEntries(["history", "portrait", "circle"].map((name) => [name, sketch(at(name))]))
-  let busy = 0, sent = 0, peeking = false, dragged = null, touched = false, drawing = false
+  let busy = 0, sent = 0, peeking = false, dragged = null, held = null, touched = false, drawing = false
 
   function ask(kind, message = {}) {
     const old = waiting.get(kind)
@@ -48,6 +48,15 @@ export function render({ model }) {
       history.replaceState(null, "", location.pathname + (told.query ? "?" + told.query : ""))
     }
     if (told.searched !== undefined && (told.peek || !peeking)) at("searched").textContent = told.searched
+    for (const name of ["mapped", "boxed"]) if (told[name] !== undefined) at(name).textContent = told[name]
+    if (told.physical !== undefined) {
+      at("physical").textContent = told.physical
+      at("physical").hidden = !told.physical
+    }
+    for (const name of ["map", "box"]) {
+      if (told[name] !== undefined) at(name).setAttribute("aria-pressed", String(told[name]))
+    }
+    if (told.box !== undefined) at("tolerances").hidden = !told.box
     if (told.run !== undefined) at("ran").textContent = told.run
     if (told.line !== undefined) reveal(told.line)
     if (told.diagram !== undefined) at("windows").textContent = told.diagram
@@ -59,10 +68,42 @@ export function render({ model }) {
     for (const [name, picture] of Object.entries(pictures)) {
       if (name in sketches) sketches[name].draw(picture)
       else {
-        models[name] ??= Bokeh.documents[0].get_model_by_name(name)
-        models[name].setv(picture, { sync: false }) // not sent back to Python, which knows
+        if (picture.image) picture.data.image = [matrix(name, picture)]
+        const { image, shape, ...rest } = picture
+        found(name).setv(rest, { sync: false }) // not sent back to Python, which knows
       }
     }
+  }
+  function found(name) {
+    return models[name] ??= Bokeh.documents[0].get_model_by_name(name)
+  }
+  // Bokeh's own kind of array with two dimensions, as the table has held from the beginning
+  function matrix(name, { image, shape }) {
+    const old = found(name).data.image[0]
+    return new old.constructor(image, shape)
+  }
+  // the box of tolerances at another place, and whether a place is in it, or within some pixels of it
+  function boxed() {
+    const { left: [left], right: [right], bottom: [bottom], top: [top] } = found("zones.box").data
+    return left === undefined ? null : { left, right, bottom, top }
+  }
+  function inBox(x, y) {
+    const box = boxed(), plot = found("zones.plot"), near = 8
+    if (!box) return null
+    const { x_range, y_range, inner_width, inner_height } = plot
+    const beside = near * (x_range.end - x_range.start) / inner_width
+    const upward = (y_range.end / y_range.start) ** (near / inner_height)
+    return x > box.left - beside && x < box.right + beside && y > box.bottom / upward && y < box.top * upward
+      ? { ...box, x, y } : null
+  }
+  // where the middle of the box is dragged to: clearances by their ratio, as on the axis
+  function middle(x, y) {
+    return { r: 0.5 * (held.left + held.right) + x - held.x, clearance: 0.5 * (held.bottom + held.top) * y / held.y }
+  }
+  function shift(x, y) {
+    const { r, clearance } = middle(x, y), wide = 0.5 * (held.right - held.left), high = 0.5 * (held.top - held.bottom)
+    found("zones.box").setv({ data: { left: [r - wide], right: [r + wide],
+      bottom: [Math.max(clearance - high, 1e-3 * clearance)], top: [clearance + high] } }, { sync: false })
   }
   // Bokeh's figures take Tab, without a name or a sign that they have it; the chart around them does it better
   function untab(root) {
@@ -117,8 +158,8 @@ export function render({ model }) {
   }
   function fields(values) {
     for (const [name, text] of Object.entries(values)) {
-      for (const input of all(`[data-field="${name}"], [data-run="${name.replace(/^run_/, "")}"]`)) {
-        if (name.startsWith("run_") !== ("run" in input.dataset)) continue
+      const [, kind = "field", key] = name.match(/^(?:(run|box)_)?(.*)$/)
+      for (const input of all(`[data-${kind}="${key}"]`)) {
         if (input !== document.activeElement || !input.dirty) input.value = text
       }
       for (const slider of all(`[data-slider="${name}"]`)) {
@@ -176,8 +217,16 @@ export function render({ model }) {
         at("chart").focus({ preventScroll: true })
         ask("point", { r: x, clearance: y })
       }
-      if (event === "panstart" && (drawing || !touched)) dragged = [x, y]
-      if (event === "panend" && dragged) {
+      if (event === "panstart" && (drawing || !touched)) {
+        held = inBox(x, y)
+        dragged = [x, y]
+      }
+      if (event === "pan" && held) shift(x, y)
+      if (event === "panend" && held) {
+        ask("drag", middle(x, y))
+        held = dragged = null
+        draws(false)
+      } else if (event === "panend" && dragged) {
         ask("line", { from: dragged, to: [x, y] })
         dragged = null
         draws(false)
@@ -190,7 +239,7 @@ export function render({ model }) {
         + "its address holds what is shown.")
     },
     settled: () => !busy && waiting.size === 0
-      && !/…$/.test(at("status").textContent) && /were searched.$/.test(at("searched").textContent),
+      && ["status", "mapped", "boxed"].every((name) => !/…$/.test(at(name).textContent)) && /were searched.$/.test(at("searched").textContent),
   }
   // a finger that moves scrolls the page, unless it is to draw
   function draws(on) {
@@ -199,7 +248,10 @@ export function render({ model }) {
     at("chart").classList.toggle("drawing", on)
   }
   at("draw").addEventListener("click", () => draws(!drawing))
-  document.addEventListener("pointercancel", () => { dragged = null }, true)
+  document.addEventListener("pointercancel", () => {
+    if (held) shift(held.x, held.y)
+    dragged = held = null
+  }, true)
   // a finger has no place until it taps
   for (const event of ["pointerdown", "pointermove"]) {
     document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
@@ -250,6 +302,22 @@ export function render({ model }) {
       words[input.dataset.run] = input.value
     }
     ask("run", { words })
+  })
+  const pressed = (name) => at(name).getAttribute("aria-pressed") === "true"
+  at("map").addEventListener("click", () => ask("set", { words: { map: pressed("map") ? "off" : "on" } }))
+  // at first around the point
+  const words = () => Object.fromEntries(all("[data-box]").map((input) => [input.dataset.box, input.value]))
+  const setBox = () => {
+    const { r, clearance, r_half, clearance_half } = words()
+    ask("set", { words: { box: [r, clearance, r_half, clearance_half].join(",") } })
+  }
+  at("box").addEventListener("click", () => pressed("box") ? ask("set", { words: { box: "" } }) : setBox())
+  all("[data-box]").forEach((input) => {
+    input.addEventListener("input", () => { input.dirty = true })
+    input.addEventListener("change", () => {
+      input.dirty = false
+      setBox()
+    })
   })
   at("stop").addEventListener("click", () => ask("stop"))
   at("erase").addEventListener("click", () => ask("erase"))

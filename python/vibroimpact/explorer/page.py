@@ -38,6 +38,12 @@ RUN_FIELDS = (
 )  # fmt: skip
 
 
+#: Fields of the box: name, text.
+BOX_FIELDS = (
+    ("r", "box: r"), ("r_half", "± r"), ("clearance", "box: dK/F₀"), ("clearance_half", "± dK/F₀")
+)  # fmt: skip
+
+
 def _text(name: str) -> str:
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
@@ -120,6 +126,7 @@ def page() -> Any:
     template = pn.Template(_text("page.html"))
     for name, text in (
         ("style", _text("page.css")), ("sliders", SLIDERS), ("run_fields", RUN_FIELDS),
+        ("box_fields", BOX_FIELDS),
         ("boundaries", boundary_legend()),
     ):  # fmt: skip
         template.add_variable(name, text)

@@ -12,12 +12,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import BifurcationDiagram
+from .. import BifurcationDiagram, Units
+from .attenuation import Judged
 from .shapes import labels
+from .state import Box
 from .zones import Window
 
-__all__ = ["Changes", "diagram", "fit", "packed", "point", "zones"]
+__all__ = [
+    "ALPHAS",
+    "Changes",
+    "box",
+    "diagram",
+    "fit",
+    "map_picture",
+    "packed",
+    "physical",
+    "point",
+    "zones",
+]
 
+#: How opaque the areas of zones and their hatching are without a map.
+ALPHAS = 0.16, 0.25
+#: The same on a map: areas without any fill would have no hatching.
+ON_MAP = 0.004, 0.4
 #: New values of attributes of models, by the models' names in `figures`; the figures of `sketches` are complete.
 Changes = dict[str, dict[str, Any]]
 
@@ -63,6 +80,51 @@ def decades(low: float, high: float) -> list[float]:
     if len(inside) > 12:
         inside = [tick for tick in inside if f"{tick:e}"[0] == "1"]
     return inside if len(inside) > 2 else np.linspace(low, high, 5).tolist()
+
+
+def physical(units: Units | None, window: Window) -> Changes:
+    """The second axes of the chart, if there are units."""
+    if units is None:
+        return {"zones.above": {"visible": False}, "zones.beside": {"visible": False}}
+    f0, f1 = (r * units.frequency for r in window[0])
+    d0, d1 = (clearance * units.length for clearance in window[1])
+    return {
+        "zones.f": {"start": f0, "end": f1},
+        "zones.d": {"start": d0, "end": d1},
+        "zones.d_ticks": {"ticks": decades(d0, d1)},
+        "zones.above": {"visible": True, "axis_label": f"load frequency  ({units.hertz})"},
+        "zones.beside": {"visible": True, "axis_label": f"clearance d  ({units.name('F0/K')})"},
+    }
+
+
+def map_picture(picture: NDArray[np.float64] | None, window: Window) -> Changes:
+    """The map of max|X|/A, a picture with rows along the clearance; None: no map.
+
+    The zones in front of it keep their lines and hatching only.
+    """
+    on = picture is not None
+    changes: Changes = {name: {"visible": on} for name in ("zones.image", "zones.bar")}
+    fill, hatch = ON_MAP if on else ALPHAS
+    changes["zones.areas"] = {"fill_alpha": {"value": fill}, "hatch_alpha": {"value": hatch}}
+    if picture is not None:
+        (r0, r1), (d0, d1) = window
+        image = {"image": picture.ravel(), "shape": list(picture.shape)}
+        changes["zones.map"] = {
+            "data": {"x": [r0], "y": [d0], "dw": [r1 - r0], "dh": [d1 - d0]},
+            **image,
+        }
+    return changes
+
+
+def box(place: Box | None, found: Judged | None, good: NDArray[np.bool_] | None) -> Changes:
+    """The box of tolerances, and the points in it that are not good, if they are known."""
+    ends = {"left": [], "right": [], "bottom": [], "top": []} if place is None else dict(
+        zip(("left", "right", "bottom", "top"), ([end] for pair in place.ends for end in pair), strict=True)
+    )  # fmt: skip
+    bad: dict[str, Any] = {"x": [], "y": []}
+    if found is not None and good is not None:
+        bad = {"x": found.r[~good], "y": found.clearance[~good]}
+    return {"zones.box": {"data": ends}, "zones.bad": {"data": bad}}
 
 
 def diagram(found: BifurcationDiagram) -> Changes:

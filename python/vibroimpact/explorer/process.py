@@ -50,14 +50,14 @@ def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert process.stdout is not None
-    found = re.search(r"http://\S+/", process.stdout.readline())
+    found = re.search(r"http://\S+", process.stdout.readline())
     if found is None:
         raise RuntimeError("".join(process.communicate(timeout=20)))
     return process, found.group()
 
 
 @contextmanager
-def visited(width: int, height: int) -> Iterator[tuple[int, Any]]:
+def visited(width: int, height: int, query: str = "") -> Iterator[tuple[int, Any]]:
     """A server's process id, and its page in a headless Chromium (playwright), with everything computed."""
     from playwright.sync_api import sync_playwright
 
@@ -67,7 +67,7 @@ def visited(width: int, height: int) -> Iterator[tuple[int, Any]]:
             flags = ["--no-sandbox", "--disable-gpu"]
             browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
             tab = browser.new_page(viewport={"width": width, "height": height})
-            tab.goto(url)
+            tab.goto(f"{url}?{query}" if query else url)
             tab.wait_for_function(SETTLED)
             yield process.pid, tab
             browser.close()

@@ -51,8 +51,10 @@ def loopback(address: str) -> str:
     return str(number)
 
 
-def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> None:
-    """Serve until an interrupt; `ready` is called with the page's address.
+def serve(
+    address: str, port: int, show: bool, ready: Callable[[str], None], query: str = ""
+) -> None:
+    """Serve until an interrupt; `ready` is called with the page's address, at the query of a state.
 
     Raises
     ------
@@ -77,7 +79,7 @@ def serve(address: str, port: int, show: bool, ready: Callable[[str], None]) -> 
         keep_alive_milliseconds=0,
     )  # fmt: skip
     protect(server._tornado, names, port)
-    url = f"http://{host}:{port}/"
+    url = f"http://{host}:{port}/" + (f"?{query}" if query else "")
     # handled by the event loop, so that an interrupt never occurs within a message
     for number_of in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))

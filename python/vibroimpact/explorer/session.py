@@ -5,11 +5,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from .. import Motion, Trajectory
 from ..errors import VibroimpactError
 from . import pictures, sketches, words
+from .attenuation import Judged
 from .background import Background
 from .explorer import Explorer, simulate_run
 from .export import as_namelist, as_python
@@ -27,6 +29,8 @@ TASKS: dict[str, tuple[str, dict[str, Any]]] = {
     "motions": ("the fuller search failed", {"searched": "Not all patterns were searched."}),
     "rest": ("the fuller search failed", {"searched": "Not all patterns were searched.", "peek": True}),
     "diagram": ("the diagram could not be computed", {"diagram": "not computed"}),
+    "map": ("the map could not be computed", {"mapped": "not computed"}),
+    "box": ("the box could not be computed", {"boxed": "not computed"}),
 }  # fmt: skip
 
 
@@ -67,8 +71,16 @@ class Session:
         self.zones_of: Any = None
         self.motions_of: Any = None
         self.diagram_of: Any = None
+        self.map_of: Any = None
+        self.box_of: Any = None
         self.marked: Any = None
+        #: The window of the chart: that of the zones drawn.
+        self.window = state.window
+        self.axes: Any = None
         self.drawn: Any = None
+        #: What happens at points of the box, and the texts for the map and the box.
+        self.found: Judged | None = None
+        self.mapped, self.boxed = "", ""
 
     # -- messages from the page
 
@@ -113,8 +125,8 @@ class Session:
         fault, answer = TASKS[kind]
         if kind != "rest":
             setattr(self, f"{kind}_of", None)
-        if kind == "motions":
-            self.searched = answer["searched"]
+            for name in answer.keys() & {"searched", "mapped", "boxed"}:
+                setattr(self, name, answer[name])
         reason = str(error) if isinstance(error, VibroimpactError) else own_fault(error)
         self.broken[kind] = f"{fault}: {reason}"
         self.send({"fault": joined(self.broken.values()), **answer})
@@ -154,7 +166,7 @@ class Session:
         def peeked(shown: list[Shown], searched: str) -> dict[str, Any]:
             self.drawn = None
             self.draw_motion(shown[0].motion if shown else None)
-            place = words.place(there.r, there.clearance, shown, inside)
+            place = words.place(there, shown, inside)
             return {
                 "table": words.rows(shown, 0),
                 "place": place,
@@ -222,6 +234,11 @@ class Session:
         self.explorer.set({"line": ""})
         return self.update()
 
+    def on_drag(self, message: dict[str, Any]) -> dict[str, Any]:
+        """The box was dragged to a place, or it is to be shown at the point."""
+        self.explorer.drag_box(message["r"], message["clearance"])
+        return self.update()
+
     def on_export(self, message: dict[str, Any]) -> dict[str, Any]:
         """Export the contents of the page as text."""
         write = {"namelist": as_namelist, "python": as_python}[message["form"]]
@@ -247,7 +264,56 @@ class Session:
         if state.line is not None and (state.osc, state.line) != self.diagram_of:
             self.diagram_of = (state.osc, state.line)
             self.background.diagram(state, self.show_diagram)
+        self.map_attenuation()
+        self.judge_box()
         return busy | self.summary()
+
+    def map_attenuation(self) -> None:
+        """Compute the map if it is shown and another one is needed."""
+        state = self.explorer.state
+        wanted = (state.osc, state.window) if state.map == "on" else None
+        if wanted == self.map_of:
+            return
+        self.map_of, self.mapped = wanted, ""
+        self.changes |= pictures.map_picture(None, state.window)
+        if wanted is None:
+            self.background.map.drop()
+        else:
+            self.mapped = "computing 0 % …"
+            self.background.attenuation(state, partial(self.show_map, state.window))
+
+    def show_map(self, window: Any, picture: Any, share: float) -> None:
+        """Show the part of the map that is known."""
+        self.mapped = "" if share == 1 else f"computing {100 * share:.0f} % …"
+        self.changes |= pictures.map_picture(picture, window)
+        self.send({"mapped": self.mapped})
+
+    def judge_box(self) -> None:
+        """Compute what happens in the box if it has changed; another limit needs no computation."""
+        state = self.explorer.state
+        wanted = None if state.box is None else (state.osc, state.box)
+        if wanted != self.box_of:
+            self.box_of, self.found = wanted, None
+            if wanted is None:
+                self.background.box.drop()
+            else:
+                self.background.tolerances(state, self.show_box)
+        self.draw_box()
+
+    def show_box(self, found: Judged) -> None:
+        """Show what happens in the box."""
+        self.found = found
+        self.draw_box()
+        self.send({"boxed": self.boxed})
+
+    def draw_box(self) -> None:
+        """Draw the box, and say what is known of it."""
+        state, good = self.explorer.state, None
+        self.boxed = "" if state.box is None else "computing …"
+        if self.found is not None:
+            good = self.found.attenuation <= state.limit
+            self.boxed = words.box_text(state, self.found, good)
+        self.changes |= pictures.box(state.box, self.found, good)
 
     def simulate(self) -> None:
         """Repeat the simulation for another point or system; an error is shown beside its button."""
@@ -264,6 +330,7 @@ class Session:
     ) -> dict[str, Any]:
         """Draw zones that a thread has computed."""
         self.explorer.zones, self.spaces, self.marked = zones, shapes["spaces"], None
+        self.window = window
         self.changes |= pictures.zones(shapes, window)
         self.explorer.look()  # the zones may contain motions that were not found
         unclosed = words.open_zones(zones)
@@ -292,13 +359,17 @@ class Session:
         running = state.show == "run" and self.trajectory is not None
         drawn = (
             running and self.trajectory, chosen and chosen.definition,
-            state.osc, state.r, state.clearance,
+            state.osc, state.r, state.clearance, state.units,
         )  # fmt: skip
         if drawn != self.drawn and not self.peeking:
             self.drawn = drawn
             self.draw_motion(
                 chosen.motion if chosen else None, self.trajectory if running else None
             )
+        axes = (state.units, self.window)
+        if axes != self.axes:
+            self.axes = axes
+            self.changes |= pictures.physical(*axes)
         marked = (state.r, state.clearance, state.line)
         if marked != self.marked:
             self.marked = marked
@@ -307,7 +378,12 @@ class Session:
             "query": state.query,
             "fields": words.fields(explorer),
             "table": words.rows(explorer.shown, -1 if running else explorer.index),
-            "place": words.place(state.r, state.clearance, explorer.shown, explorer.inside),
+            "place": words.place(state, explorer.shown, explorer.inside),
+            "physical": words.physical_text(chosen.motion if chosen else None, state.units),
+            "map": state.map == "on",
+            "mapped": self.mapped,
+            "box": state.box is not None,
+            "boxed": self.boxed,
             "searched": self.searched,
             "run": self.ran,
             "running": running,
@@ -318,9 +394,12 @@ class Session:
     def draw_motion(self, motion: Motion | None, run: Trajectory | None = None) -> None:
         """Draw history, portrait and multipliers."""
         if run is not None:
-            self.changes |= sketches.history(run, (self.explorer.state.run or Run()).cycles)
+            cycles: float = (self.explorer.state.run or Run()).cycles
         else:
-            self.changes |= sketches.history(motion, max(2, motion.pattern.cycles) if motion else 2)
+            cycles = max(2, motion.pattern.cycles) if motion else 2
+        self.changes |= sketches.history(
+            motion if run is None else run, cycles, self.explorer.state.units
+        )
         self.changes |= sketches.circle(motion)
 
 

@@ -1,5 +1,6 @@
 // Small figures on canvases, for the pictures that follow the pointer: drawn at once, with no layout to compute.
-const EDGE = { left: 62, right: 16, top: 8, bottom: 44 }, FONT = 'system-ui, "Segoe UI", Roboto, Arial, sans-serif'
+const EDGES = { left: 62, right: 16, top: 8, bottom: 44 }, SECOND = { ...EDGES, right: 62, top: 44 }
+const FONT = 'system-ui, "Segoe UI", Roboto, Arial, sans-serif'
 
 function ticks(low, high, most) {
   const rough = (high - low) / most, unit = 10 ** Math.floor(Math.log10(rough))
@@ -13,9 +14,10 @@ function ticks(low, high, most) {
 
 // A figure in a box of the page. A picture has the ends of its axes, x and y, their labels, and its parts: each
 // a band, a line, a disc, marks, texts or an upright in data coordinates, with a colour. Square: one scale both ways.
+// Second: of each axis the label and the scale of another one at the opposite side.
 function sketch(box) {
   const canvas = document.createElement("canvas"), pen = canvas.getContext("2d")
-  let picture = null, scale = null
+  let picture = null, scale = null, EDGE = EDGES
   box.append(canvas)
   new ResizeObserver(() => { if (picture) draw(picture) }).observe(box)
 
@@ -70,6 +72,41 @@ function sketch(box) {
     pen.rotate(-0.5 * Math.PI)
     pen.textBaseline = "top"
     pen.fillText(picture.labels[1], 0, 0)
+    pen.restore()
+    if (picture.second) opposite(picture.second)
+  }
+  // the axes at the top and at the right
+  function opposite([[above, times], [right, upTimes]]) {
+    const { x0, x1, y0, y1, across, up } = scale, end = EDGE.left + across
+    const beside = ticks(x0 * times, x1 * times, across / 38), upward = ticks(y0 * upTimes, y1 * upTimes, up / 30)
+    pen.strokeStyle = "#444444"
+    pen.strokeRect(end + 0.5, EDGE.top, 0, up)
+    pen.strokeRect(EDGE.left, EDGE.top + 0.5, across, 0)
+    pen.beginPath()
+    for (const [x] of beside) {
+      const at = Math.round(scale.x(x / times)) + 0.5
+      pen.moveTo(at, EDGE.top)
+      pen.lineTo(at, EDGE.top - 6)
+    }
+    for (const [y] of upward) {
+      const at = Math.round(scale.y(y / upTimes)) + 0.5
+      pen.moveTo(end, at)
+      pen.lineTo(end + 6, at)
+    }
+    pen.stroke()
+    pen.font = `12px ${FONT}`
+    Object.assign(pen, { textAlign: "center", textBaseline: "bottom" })
+    for (const [x, text] of beside) pen.fillText(text, scale.x(x / times), EDGE.top - 8)
+    Object.assign(pen, { textAlign: "left", textBaseline: "middle" })
+    for (const [y, text] of upward) pen.fillText(text, end + 9, scale.y(y / upTimes))
+    pen.font = `13px ${FONT}`
+    Object.assign(pen, { textAlign: "center", textBaseline: "top" })
+    pen.fillText(above, EDGE.left + 0.5 * across, 1)
+    pen.save()
+    pen.translate(end + EDGE.right - 3, EDGE.top + 0.5 * up)
+    pen.rotate(-0.5 * Math.PI)
+    pen.textBaseline = "bottom"
+    pen.fillText(right, 0, 0)
     pen.restore()
   }
   function mark(kind, x, y, size) {
@@ -134,6 +171,7 @@ function sketch(box) {
     }
     pen.setTransform(dense, 0, 0, dense, 0, 0)
     pen.clearRect(0, 0, wide, high)
+    EDGE = picture.second ? SECOND : EDGES
     scale = fit(wide, high)
     if (scale.across <= 0 || scale.up <= 0) return
     axes()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import Motion, Trajectory
+from .. import Motion, Trajectory, Units
 from ..plot import style
 from ..plot.history import history as history_of
 from .pictures import Changes, fit
@@ -23,8 +23,13 @@ LABELS = {
 SIZE = 3.5
 
 
-def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
-    """Time history with the walls and the events, and the portrait of the relative motion; None: empty."""
+def history(
+    thing: Motion | Trajectory | None, cycles: float, units: Units | None = None
+) -> Changes:
+    """Time history with the walls and the events, and the portrait of the relative motion; None: empty.
+
+    With units both have second axes, in these.
+    """
     if thing is None:
         blank: dict[str, Any] = {"x": [0, 1], "y": [0, 1], "parts": []}
         return {name: blank | {"labels": LABELS[name]} for name in ("history", "portrait")}
@@ -42,6 +47,7 @@ def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
     return {
         "history": {
             "labels": LABELS["history"], "x": fit(t, 0), "y": fit((x.min() - half, x.max() + half)),
+            **second(units, ("time", 2 * np.pi / thing.r, "1/omega"), ("X, Z", 1, "F0/K")),
             "parts": [
                 {"band": [t, x - half, x + half], "color": style.PRIMARY, "alpha": 0.07},
                 *({"line": [t, x + offset], **wall} for offset in (half, -half)),
@@ -53,6 +59,7 @@ def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
         },
         "portrait": {
             "labels": LABELS["portrait"], "x": fit((-half, half)), "y": fit(y_dot),
+            **second(units, ("Y", 1, "F0/K"), ("dY/dt", 1, "omega F0/K")),
             "parts": [
                 *({"upright": place, **wall} for place in (half, -half)),
                 {"name": "y", "line": [h.sample.Y, y_dot], **free},
@@ -60,6 +67,18 @@ def history(thing: Motion | Trajectory | None, cycles: float) -> Changes:
                  **marks},
             ],
         },
+    }  # fmt: skip
+
+
+def second(units: Units | None, *axes: tuple[str, float, str]) -> dict[str, Any]:
+    """The second axes x and y: of each its label, and what a unit of the first axis is on it."""
+    if units is None:
+        return {}
+    return {
+        "second": [
+            [f"{name}  ({units.name(unit)})", scale * units.scale(unit)]
+            for name, scale, unit in axes
+        ]
     }  # fmt: skip
 
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
-from .. import Oscillator, Pattern, checks
+from .. import Oscillator, Pattern, Units, checks
 from ..errors import ParameterError, VibroimpactError
 from .definition import NEEDED, Definition
 from .limits import shown
 
-__all__ = ["Run", "State"]
+__all__ = ["Box", "Run", "State"]
 
 NUMBERS = ("xi", "mu", "R1", "R2", "r", "clearance")
 WINDOW = ("r_min", "r_max", "clearance_min", "clearance_max")
@@ -63,6 +63,44 @@ class Run:
 
 
 @dataclass(frozen=True)
+class Box:
+    """Tolerances of the point: r and d K/F0 in the middle, and how far they may be from there."""
+
+    r: float
+    clearance: float
+    r_half: float
+    clearance_half: float
+
+    def __post_init__(self) -> None:
+        for name in ("r", "clearance"):
+            middle, half = getattr(self, name), getattr(self, f"{name}_half")
+            checks.number(middle, name, f"{name} of the box")
+            if not 0 <= half < middle:
+                raise ParameterError(
+                    f"{name}_half of the box = {half!r}: must be a number with 0 <= {name}_half < {name}, "
+                    f"which is {middle!r}"
+                )
+
+    @classmethod
+    def read(cls, words: dict[str, str]) -> Box:
+        """A box from the text of each field; ParameterError names a field that is no number."""
+        return cls(
+            **{
+                item.name: _finite(words[item.name], f"{item.name} of the box")
+                for item in fields(cls)
+            }
+        )
+
+    @property
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Of r and clearance."""
+        return (
+            (self.r - self.r_half, self.r + self.r_half),
+            (self.clearance - self.clearance_half, self.clearance + self.clearance_half),
+        )
+
+
+@dataclass(frozen=True)
 class State:
     """The state from which everything on the page follows.
 
@@ -81,6 +119,13 @@ class State:
         What the history and the portrait show.
     line : (r, clearance, r, clearance) or None
         The ends of the line of the bifurcation diagram.
+    units : Units or None
+        Physical units, which are shown beside the dimensionless ones.
+    map : {"off", "on"}
+        Whether the map of max|X|/A is shown.
+    box : Box or None
+    limit : float
+        The max|X|/A that the points of the box should not exceed.
 
     Examples
     --------
@@ -111,6 +156,10 @@ class State:
     run: Run | None = None
     show: str = "motion"
     line: tuple[float, float, float, float] | None = None
+    units: Units | None = None
+    map: str = "off"
+    box: Box | None = None
+    limit: float = 0.5
 
     def __post_init__(self) -> None:
         for name in NUMBERS:
@@ -141,6 +190,15 @@ class State:
                     f"and {MOST_CYCLES} cycles"
                 )
         checks.choice(self.show, "show", ("motion", "run"))
+        checks.choice(self.map, "map", ("off", "on"))
+        if not 0 < self.limit < math.inf:
+            raise ParameterError(f"limit = {self.limit!r}: must be a finite number with limit > 0")
+        if self.box is not None and checks.at_resonance(self.xi, 1.0):
+            low, high = self.box.ends[0]
+            if low <= 1 <= high:
+                raise ParameterError(
+                    f"box, r = {low:g} to {high:g}: must not contain 1 when xi = 0"
+                )
         if self.line is not None:
             for value, name in zip(self.line, ("r", "clearance") * 2, strict=True):
                 checks.number(value, name, f"{name} of the line")
@@ -154,7 +212,11 @@ class State:
     @property
     def osc(self) -> Oscillator:
         """The system."""
-        return Oscillator(xi=self.xi, mu=self.mu, restitution=(self.R1, self.R2))
+        units = self.units
+        known: dict[str, Any] = {} if units is None else {
+            "M": units.M, "K": units.K, "F0": units.F0, "unit_names": units.names
+        }  # fmt: skip
+        return Oscillator(xi=self.xi, mu=self.mu, restitution=(self.R1, self.R2), **known)
 
     @property
     def window(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -205,8 +267,10 @@ def _text(value: Any) -> str:
     """A field in the form of a link."""
     if isinstance(value, Definition):
         return value.text
-    if isinstance(value, Run):
+    if isinstance(value, (Run, Box)):
         return ",".join(number_text(getattr(value, item.name)) for item in fields(value))
+    if isinstance(value, Units):
+        return units_text(value).replace(" ", ",")
     if isinstance(value, tuple):
         return ",".join(map(_text, value))
     if isinstance(value, Pattern):
@@ -224,31 +288,58 @@ def pattern_text(pattern: Pattern) -> str:
     return pattern.sides if pattern.cycles == 1 else f"{pattern.sides}/{pattern.cycles}"
 
 
+def units_text(units: Units | None) -> str:
+    """Mass, stiffness and load amplitude with the names of the units; empty without them."""
+    if units is None:
+        return ""
+    return " ".join([*map(number_text, (units.M, units.K, units.F0)), units.names])
+
+
 def _value(name: str, text: str) -> Any:
     """A field from its text."""
     if name in (*NUMBERS, *WINDOW):
         return _number(text, name)
     if name == "patterns":
         return tuple(dict.fromkeys(_pattern(word) for word in text.replace(",", " ").split()))
-    if name == "show":
+    if name in ("show", "map"):
         return text
+    if name == "limit":
+        return _finite(text, name)
+    if name == "units":
+        return _units(text)
     if name == "motion":
         return Definition.read(text) if text else None
-    if name in ("run", "line"):
+    if name in ("run", "line", "box"):
         if not text:
             return None
-        words, count = text.split(","), len(fields(Run)) if name == "run" else 4
-        if len(words) != count:
+        kind: Any = {"run": Run, "box": Box}.get(name)
+        names = [item.name for item in fields(kind)] if kind else 4 * [name]
+        words = text.split(",")
+        if len(words) != len(names):
             raise ParameterError(
-                f"{name} = {shown(text)}: must be {count} numbers with commas between"
+                f"{name} = {shown(text)}: must be {len(names)} numbers with commas between"
             )
-        if name == "run":
-            return Run.read(dict(zip((item.name for item in fields(Run)), words, strict=True)))
+        if kind:
+            return kind.read(dict(zip(names, words, strict=True)))
         return tuple(_finite(word, name) for word in words)
-    names = ", ".join(item.name for item in fields(State))
+    known = ", ".join(item.name for item in fields(State))
     raise ParameterError(
-        f"{name} = {shown(text)}: is no part of the explorer's state; must be {names}"
+        f"{name} = {shown(text)}: is no part of the explorer's state; must be {known}"
     )
+
+
+def _units(text: str) -> Units | None:
+    """Units from M, K, F0 and the names of their units; None from an empty text."""
+    words = text.replace(",", " ").split()
+    if not words:
+        return None
+    if len(words) not in (3, 4, 6):
+        raise ParameterError(
+            f"units = {shown(text)}: must be M, K and F0 and their units of length, force and time, "
+            "as 2.7 42000 6 m N s"
+        )
+    M, K, F0 = (_finite(word, name) for word, name in zip(words, ("M", "K", "F0"), strict=False))
+    return Units(M, K, F0, " ".join(words[3:]) or "SI")
 
 
 def _pattern(word: str) -> Pattern:

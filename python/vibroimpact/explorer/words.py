@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from .. import BifurcationDiagram, Trajectory
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import BifurcationDiagram, Motion, Trajectory, Units
+from .attenuation import Judged
 from .explorer import Explorer, settles_on
 from .limits import Limit, TooLong
 from .motions import Shown
 from .shapes import color, hatch
-from .state import NUMBERS, WINDOW, number_text, pattern_text
+from .state import NUMBERS, WINDOW, State, number_text, pattern_text, units_text
 from .zones import Family
 
-__all__ = ["diagram_text", "fields", "open_zones", "place", "rows", "run_text", "zones_legend"]
+__all__ = [
+    "box_text", "diagram_text", "fields", "open_zones", "physical_text", "place", "rows", "run_text",
+    "zones_legend",
+]  # fmt: skip
 
 
 def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
@@ -33,13 +40,64 @@ def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
     return table
 
 
-def place(r: float, clearance: float, shown: list[Shown], inside: Iterable[Family]) -> str:
-    """A point with its motions and the zones that contain it."""
+def place(state: State, shown: list[Shown], inside: Iterable[Family]) -> str:
+    """The point of a state with its motions and the zones that contain it."""
+    where = at(state.r, state.clearance, state.units)
     names = [family.name for family in inside]
     stable = sum(bool(item.motion.stable) for item in shown)
     within = f"in the zone{'s' * (len(names) > 1)} of {', '.join(names)}" if names else "in no zone"
     count = f"{len(shown)} motion{'s' * (len(shown) != 1)}, {stable} stable"
-    return f"r = {r:.5g}, dK/F₀ = {clearance:.5g}: {count}; {within}"
+    return f"{where}: {count}; {within}"
+
+
+def at(r: float, clearance: float, units: Units | None) -> str:
+    """A point, also as frequency and clearance if there are units."""
+    if units is None:
+        return f"r = {r:.5g}, dK/F₀ = {clearance:.5g}"
+    frequency, d = r * units.frequency, clearance * units.length
+    return (
+        f"r = {r:.5g} ({frequency:.5g} {units.hertz}), "
+        f"dK/F₀ = {clearance:.5g} (d = {d:.5g} {units.name('F0/K')})"
+    )
+
+
+def physical_text(motion: Motion | None, units: Units | None) -> str:
+    """Response quantities of a motion in physical and in dimensionless units; empty without either."""
+    if motion is None or units is None:
+        return ""
+    found = motion.quantities()
+    values = (
+        ("max|X|", found.x.peak, "F0/K", "F₀/K"),
+        ("rms X", found.x.rms, "F0/K", "F₀/K"),
+        ("max|Ẋ|", found.x_dot.peak, "omega F0/K", "ωF₀/K"),
+        ("max|Ẍ|", found.x_ddot.peak, "omega^2 F0/K", "ω²F₀/K"),
+        ("greatest impact speed", found.impacts["speed"].max(), "omega F0/K", "ωF₀/K"),
+        ("period", motion.period, "1/omega", "1/ω"),
+    )  # fmt: skip
+    text = "; ".join(
+        f"{name} = {value * units.scale(unit):.4g} {units.name(unit)} ({value:.4g} {symbol})"
+        for name, value, unit, symbol in values
+    )
+    return text.replace("^2", "²")
+
+
+def box_text(state: State, found: Judged, good: NDArray[np.bool_]) -> str:
+    """How many of the points in the box are good."""
+    n, box = len(good), state.box
+    known = np.flatnonzero(~np.isnan(found.attenuation))
+    assert box is not None
+    if not len(known):
+        return f"none of {n} simulations was completed"
+    worst = known[np.argmax(found.attenuation[known])]
+    place = at(float(found.r[worst]), float(found.clearance[worst]), state.units)
+    lost = (
+        f" {n - len(known)} simulations were given up and count as bad." if len(known) < n else ""
+    )
+    return (
+        f"{100 * good.mean():.4g} % of {n} points have max|X|/A ≤ {state.limit:.6g} on every attractor reached, "
+        f"{100 * found.stable.mean():.4g} % settle on periodic motions. "
+        f"Greatest max|X|/A: {found.attenuation[worst]:.4g} at {place}.{lost}"
+    )
 
 
 def fields(explorer: Explorer) -> dict[str, str]:
@@ -47,7 +105,12 @@ def fields(explorer: Explorer) -> dict[str, str]:
     state = explorer.state
     return (
         {name: number_text(getattr(state, name)) for name in (*NUMBERS, *WINDOW)}
-        | {"patterns": " ".join(map(pattern_text, state.patterns))}
+        | {
+            "patterns": " ".join(map(pattern_text, state.patterns)),
+            "units": units_text(state.units),
+        }
+        | {"limit": number_text(state.limit)}
+        | {f"box_{name}": number_text(value) for name, value in vars(explorer.box()).items()}
         | {f"run_{name}": number_text(value) for name, value in vars(explorer.start()).items()}
     )
 

@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door
 from ..design_hosts import FIGURES, DecayHost, StructureHost
 from ..design_hosts import TARGETS as OF_STRUCTURES
-from ..design_problem import LIMITED, OscillatorHost, Problem
+from ..design_problem import LIMITED, OscillatorHost, Problem, parameters_of
 from ..design_search import Archive, grid, refined, search
 from ..distribution import Uncertain, interval, uncertain
 from ..errors import ParameterError, ParameterTypeError
 from ..model import Oscillator
 from ..namelist import keys_of
 from ..noun import Noun
+from ..performance import PARAMETERS
 from ..status import VERDICT
 from ..tables import Result, made
 
@@ -96,6 +97,9 @@ class Design(Noun, study="design", example=EXAMPLE):
     feasible : bool or None
         True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
         False if one of the upper ends is below it, None if the samples do not tell.
+    spread : dict
+        Least, middle and greatest clearance, xi, mu, R1 and R2 of the units; an error for a host that is a
+        function.
     sensitivity : dict
         Derivatives of the target of the worst unit by its parameters; empty where it has no periodic motion.
     candidates, front : ndarray
@@ -190,6 +194,30 @@ class Design(Noun, study="design", example=EXAMPLE):
     def ends(self) -> tuple[float, float]:
         """The ends of the band."""
         return self._one("first"), self._one("last")
+
+    @property
+    def spread(self) -> dict[str, tuple[float, float, float]]:
+        """Least, middle and greatest clearance (d K/F0 of each load), xi, mu, R1 and R2 of the units.
+
+        Those of normal distributions are 3 standard deviations from the middle.
+        """
+        if self._asked is None and not self.case:
+            raise ParameterError(f"{self!r}: has no host, since it was read from a file")
+        problem, order = self._asked or asked_by(self.osc, self.keys)
+        if not isinstance(problem.host, OscillatorHost):
+            raise ParameterError(
+                f"target = {order.target!r} of the design: must be one of an Oscillator under a load"
+            )
+        values = {name: np.full(3, value) for name, value in self.values.items()}
+        for name, item in problem.tolerance.items():
+            values[name] = values.get(name, 0.0) + reach(item)
+        # the least clearance in F0/K is that of the greatest load
+        load = reach(problem.load)[::-1]
+        numbers = parameters_of(problem.host.osc, problem.host.clearance, values, np.ones(3), load)
+        return {
+            name: (float(low), float(middle), float(high))
+            for name, (low, middle, high) in zip(PARAMETERS[1:], numbers[1:], strict=True)
+        }
 
     @property
     def sensitivity(self) -> dict[str, float]:
@@ -478,6 +506,14 @@ def asked_by(
     )  # fmt: skip
     names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
     return problem, Order(target, keys.get("limit"), *(keys[name] for name in names))
+
+
+def reach(item: Uncertain) -> _Array:
+    """Least, middle and greatest value; of a normal distribution within 3 standard deviations."""
+    if item.normal:
+        mean, deviation = item.numbers
+        return np.array([mean - 3 * deviation, mean, mean + 3 * deviation])
+    return np.array([item.low, item.middle, item.high])
 
 
 def numbers_of(item: Uncertain) -> list[float]:
