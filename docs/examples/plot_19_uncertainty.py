@@ -2,8 +2,8 @@
 A zone of an uncertain rig
 ==========================
 
-The damping ratio, the gap and the coefficient of restitution are known within the tolerances of the rig of 1983. The
-colour is the probability that the equispaced motion is stable. Solid lines: the band in which 95 % of the
+The damping ratio, the gap and the coefficient of restitution are known within the tolerances of the rig of 1983.
+The colour is the probability that the equispaced motion is stable. Solid lines: the band in which 95 % of the
 displaced boundaries lie. Dashed lines: the band from first derivatives; crosses mark where it does not hold.
 """
 

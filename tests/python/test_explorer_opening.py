@@ -2,7 +2,6 @@
 
 import signal
 from dataclasses import replace
-from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import pytest
@@ -31,7 +30,7 @@ def made():
     """A design of the rig, whose clearance and restitution have tolerances, for loads that vary."""
     return vi.design(
         RIG, r=(1.0, 1.02), free={"clearance": (25, 40)}, load=(0.9, 1.1), limit=0.5, evaluations=8,
-        tolerance={"clearance": (-2, 3), "restitution": (0.7, 0.8)}, units=4, nodes=3, samples=0,
+        tolerance={"clearance": (-2, 3), "restitution": (0.7, 0.8)}, specimens=4, nodes=3, samples=0,
     )  # fmt: skip
 
 
@@ -51,7 +50,6 @@ def test_a_motion_is_chosen_at_its_point(motion):
     assert state.units == RIG.units()
     assert vi.same_motion(explorer.chosen.motion, motion)
     assert explorer.chosen.motion.attenuation == pytest.approx(motion.attenuation, rel=1e-12)
-    assert state_of(SimpleNamespace(motion=motion, oscillator=RIG)) == state_of(motion)
     assert state_of(motion.physical("mm N s")).units == RIG.units().to("mm N s")
 
 
@@ -95,12 +93,14 @@ def test_a_design_has_its_box(made):
 
 def test_what_cannot_be_shown_is_named(motion, capsys):
     """Other results, a load of 0, free vibration and missing files give one message each."""
-    with pytest.raises(ParameterTypeError, match="must be an Oscillator, a Motion, a Design"):
+    with pytest.raises(
+        ParameterTypeError, match="must be an Oscillator, a Motion, an Identification or a Design"
+    ):
         state_of(3)
     with pytest.raises(ParameterError, match=r"load = 0\.0 of the motion: must not be 0"):
         state_of(replace(motion, load=0.0))
     damped = vi.design(
-        RIG, target="damping", amplitude=(5, 20), free={"clearance": (2, 10)}, evaluations=8, units=2,
+        RIG, target="damping", amplitude=(5, 20), free={"clearance": (2, 10)}, evaluations=8, specimens=2,
         nodes=2, samples=0, r=None,
     )  # fmt: skip
     with pytest.raises(ParameterError, match="target = 'damping' of the design"):
@@ -141,6 +141,38 @@ def test_a_design_opens_with_its_box(page, made, tmp_path):
     assert ends == pytest.approx([end for pair in state.box.ends for end in pair])
     assert page.field("limit") == "0.5"
     assert "of 400 points have max|X|/A ≤ 0.5" in page.text("boxed")
+
+
+def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
+    """The identified motion is chosen at its point, in the units of the rig whose record it is from."""
+    pytest.importorskip("scipy")
+    rig = vi.VirtualRig(
+        M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=(0.75, 0.65), F0=6.0, frequency=19.5
+    )  # fmt: skip
+    found = vi.identify(rig.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11})
+    found.save(tmp_path / "found.json")
+    state = state_of(vi.load(tmp_path / "found.json"))
+    assert vi.same_motion(shown(state).chosen.motion, found.motion)
+    page.open(state.query)
+    assert page.text("fault") == ""
+    assert float(page.field("r")) == found.r
+    assert page.data("zones.point", "y") == [state.clearance]
+    assert state.clearance == pytest.approx(found.clearance, rel=1e-12)
+    chosen = page.page.locator("#table tr.chosen td").all_inner_texts()
+    assert chosen[0].strip() == "3/1 RLL"
+    assert chosen[2] == f"{found.motion.attenuation:.6g}"
+    assert f"({found.frequency:.5g} Hz)" in page.text("place")
+    d = found.clearance * found.oscillator.units().length
+    assert d == pytest.approx(found.d, rel=1e-4)
+    assert f"(d = {d:.5g} m)" in page.text("place")
+    peak = found.motion.physical().quantities().x.peak
+    assert f"max|X| = {peak:.4g} m " in page.text("physical")
+    still = vi.VirtualRig(
+        M=2.7, K=42e3, m=0.11, d=0.5, xi=0.01143, restitution=(0.75, 0.65), F0=6.0, frequency=19.5
+    )  # fmt: skip
+    none = vi.identify(still.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11})
+    with pytest.raises(ParameterError, match="of the identification: must be 'periodic'"):
+        state_of(none)
 
 
 def test_a_box_out_of_range_is_named():

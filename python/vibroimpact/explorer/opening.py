@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from .. import Design, Motion, Oscillator, Physical, Units, checks, exact
+from .. import Design, Identification, Motion, Oscillator, Physical, Units, checks, exact
 from ..errors import ParameterError, ParameterTypeError, SingularError
 from .definition import definition_of
 from .state import MOST_CYCLES, MOST_PATTERNS, MOST_SYMBOLS, Box, State
@@ -49,7 +49,7 @@ def explore(
 def state_of(start: Any) -> State:
     """The state that shows an oscillator, a motion at its point, or a design with the box of its tolerances.
 
-    Anything that has a `motion`, as an identification, is shown by that. Physical units are those of the result,
+    An identification is shown by its motion. Physical units are those of the result,
     or else of its oscillator, if that knows its load amplitude.
 
     Raises
@@ -76,14 +76,17 @@ def state_of(start: Any) -> State:
         return of_system(result, units)
     if isinstance(result, Design):
         return of_design(result, units)
-    motion = result if isinstance(result, Motion) else getattr(result, "motion", None)
+    if isinstance(result, Identification) and result.motion is None:
+        raise ParameterError(
+            f"status = {result.status!r} of the identification: must be 'periodic'; there is no motion to show"
+        )
+    motion = result.motion if isinstance(result, Identification) else result
     if not isinstance(motion, Motion):
         raise ParameterTypeError(
-            f"start = {result!r}: must be an Oscillator, a Motion, a Design, or a result with a motion, as an "
-            "Identification"
+            f"start = {result!r}: must be an Oscillator, a Motion, an Identification or a Design, not "
+            f"{type(result).__name__}"
         )
-    # the oscillator of an identification may know more than that of its motion
-    return of_motion(motion, units or units_of(getattr(result, "oscillator", motion.osc)))
+    return of_motion(motion, units or units_of(motion.osc))
 
 
 def units_of(osc: Oscillator) -> Units | None:

@@ -410,8 +410,8 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     """Searches, and confirms what was found."""
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
     archive = search(
-        problem, max(order.evaluations, 8 * len(problem.free)), order.specimens, order.nodes, order.states, order.seed,
-        searching,
+        problem, max(order.evaluations, 8 * len(problem.free)), order.specimens, order.nodes, order.states,
+        order.seed, searching,
     )  # fmt: skip
     archive, order = firmer(problem, order, archive)
     best = archive.best
