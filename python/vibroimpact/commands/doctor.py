@@ -30,12 +30,15 @@ EXAMPLE = "vibroimpact doctor"
 PURPOSES = {
     "completion": "completion in a shell (`vibroimpact completion`)",
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
+    "design": "designs (`vibroimpact design`)",
     "explorer": "the explorer in a browser (`vibroimpact explore`)",
     "film": "MP4 films, where the program ffmpeg is missing",
+    "identify": "identification from records (`vibroimpact identify`)",
     "jax": "derivatives in JAX (`vibroimpact.jax`)",
     "matlab": "MATLAB files",
     "plot": "pictures",
     "reproduce": "`vibroimpact reproduce`",
+    "uff": "records in universal files (UFF)",
 }
 
 
