@@ -86,11 +86,12 @@ def test_figures_with_rest_are_those_of_samples():
 def test_motions_without_impacts_have_the_amplitude_of_linear_theory():
     parameters, places = random_systems(4, 1, (0.5, 0.8))
     parameters[1] = 1e6
-    found = perform(parameters, 0 * places, settling=3000)
+    parameters[2, 0] = 1e-3
+    found = perform(parameters, 0 * places)
     assert (found.impacts == 0).all()
-    np.testing.assert_allclose(found.displacement, found.amplitude, rtol=1e-9)
-    np.testing.assert_allclose(found.rms, found.amplitude / math.sqrt(2), rtol=1e-9)
-    np.testing.assert_allclose(found.acceleration, parameters[0] ** 2 * found.amplitude, rtol=1e-9)
+    np.testing.assert_allclose(found.displacement, found.amplitude, rtol=2e-4)
+    np.testing.assert_allclose(found.rms, found.amplitude / math.sqrt(2), rtol=2e-4)
+    np.testing.assert_allclose(found.acceleration, parameters[0] ** 2 * found.amplitude, rtol=2e-4)
     assert np.isnan(found.multiplier).all()
 
 
