@@ -36,8 +36,8 @@ module vi_attractor_performance
    integer, parameter :: chunk = 8, longest = 8
    !> States one period apart are refined to a periodic motion within this share of the clearance.
    real(wp), parameter :: near = 2.0e-3_wp
-   !> Damping ratio times load cycles after which a transient without impacts is below 1e-4, and most
-   !! load cycles that are waited for it.
+   !> Damping ratio times load cycles after which a transient without impacts is below 1e-4, and
+   !! the largest number of load cycles that are waited for it.
    real(wp), parameter :: decayed = 1.5_wp
    integer, parameter :: longest_decay = 100000
 
