@@ -49,10 +49,10 @@ module vi_channels
 
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
-   integer :: at
-   !> 1/i, and 1/i!.
-   real(wp), parameter :: inverse(order + 1) = [(1.0_wp/at, at=1, order + 1)]
-   real(wp), parameter :: inverse_factorial(0:order) = [(1/gamma(at + 1.0_wp), at=0, order)]
+   !> 1/i, and 1/i!. An index of implied loops would be a variable that all threads share.
+   real(wp), parameter :: numbers(order + 1) = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, &
+      15, 16, 17, 18, 19, 20, 21], &
+      inverse(order + 1) = 1/numbers, inverse_factorial(0:order) = 1/gamma(numbers)
 
    !> Room for a search.
    type, public :: space_type
