@@ -396,3 +396,26 @@ def test_faults_of_files_are_named(name, text, message, tmp_path):
         vi.read_record(tmp_path / name, rate=rate)
     with pytest.raises(vi.ParameterError, match="there is none"):
         vi.read_record(tmp_path / "nothing.csv")
+
+
+@pytest.mark.parametrize(
+    ("header", "step"),
+    [("time (ms),load (lbf),acc (g)", 1.0), ("t_us,force_lbf,acc_g", 1000.0), ("time [s],load_lbf,a g", 1e-3)],
+)  # fmt: skip
+def test_units_in_a_header_count(tmp_path, header, step):
+    """A record has the same samples in SI units whatever units its header names, those of time included."""
+    rows = "\n".join(f"{i * step:.17g},{i % 7},{i % 5}" for i in range(100))
+    (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
+    found = vi.read_record(tmp_path / "bench.csv")
+    assert found.rate == pytest.approx(1000)
+    assert found.load[1] == pytest.approx(4.4482216152605)
+    assert found.acceleration[1] == pytest.approx(9.80665)
+
+
+def test_an_unknown_unit_of_time_is_an_error(tmp_path):
+    """Times in a unit that is not known are not taken for seconds."""
+    (tmp_path / "bench.csv").write_text(
+        "time (days),load,a\n" + "\n".join(f"{i},1,2" for i in range(20))
+    )
+    with pytest.raises(vi.ParameterError, match=r"unit of time = 'days': must be one of s,"):
+        vi.read_record(tmp_path / "bench.csv")

@@ -28,6 +28,16 @@ NAMES = {
     "displacement": ("displacement", "disp", "position", "x"),
     "time": ("time", "t"),
 }
+#: Seconds in the units of time, by what they are called.
+SECONDS = {
+    name: one
+    for names, one in (
+        (("s", "sec", "second", "seconds"), 1.0), (("ms", "msec", "millisecond", "milliseconds"), 1e-3),
+        (("us", "microsecond", "microseconds"), 1e-6), (("ns", "nanosecond", "nanoseconds"), 1e-9),
+        (("min", "minute", "minutes"), 60.0),
+    )
+    for name in names
+}  # fmt: skip
 RATES = ("rate", "fs", "sampling_rate", "sample_rate", "samplerate")
 #: The quantity of a data set of a universal file, by its code of specific data.
 UFF_CODES = {8: "displacement", 9: "load", 11: "velocity", 12: "acceleration", 13: "load"}
@@ -63,7 +73,7 @@ def read_record(
     """Read a record of the load and the motion of a rig.
 
     Channels are known by their names (load or force, acceleration, velocity, displacement and common short
-    forms), or by their units.
+    forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``.
 
     Parameters
     ----------
@@ -148,8 +158,9 @@ def assembled(
             label = label_of(channel.name, unit)
         else:
             label = checks.choice(labels[i], f"channels[{i}]", (*SI, "time", "none"))
+        unit = unit or unit_in(channel.name, label)
         if label == "time":
-            times = channel.values
+            times = seconds(channel.values, unit)
         if label in (None, "none", "time"):
             continue
         if label in arrays:
@@ -201,6 +212,21 @@ def label_of(name: str, unit: str) -> str | None:
     stripped = unit.strip().strip("[]()")
     fitting = [label for label, known in UNITS.items() if stripped and stripped in known]
     return fitting[0] if len(fitting) == 1 else None
+
+
+def unit_in(name: str, label: str | None) -> str:
+    """The unit with which the name of a channel ends, as in acc_g; "" without one."""
+    words = re.split(r"[\s_]+", name.strip())
+    known = SECONDS if label == "time" else UNITS.get(str(label), {})
+    return words[-1] if len(words) > 1 and words[-1] in known else ""
+
+
+def seconds(times: _Array, unit: str) -> _Array:
+    """Times in seconds; a unit of netCDF goes on, as "ms since 2026-01-01"."""
+    plain = unit.strip().strip("[]()").split(" since ")[0].replace("\N{MICRO SIGN}", "u")
+    if plain and plain.lower() not in SECONDS:
+        raise ParameterError(f"unit of time = {unit!r}: must be one of {', '.join(SECONDS)}")
+    return times * SECONDS[plain.lower() or "s"]
 
 
 def rate_of(times: _Array) -> tuple[float, float]:
@@ -352,7 +378,7 @@ def read_netcdf(path: Path) -> Content:
             values = np.asarray(variable.values, dtype=np.float64)
             unit = str(variable.attrs.get("units", variable.attrs.get("unit", "")))
             if label_of(str(name), "") == "time":
-                times = values
+                times = seconds(values, unit or unit_in(str(name), "time"))
             else:
                 channels.append(Channel(str(name), unit, values))
         rates = [data.attrs[name] for name in RATES if name in data.attrs]
