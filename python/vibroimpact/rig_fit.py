@@ -520,6 +520,7 @@ def fit(
     guesses: list[Motion] = []
     latest: list[Motion] = []
     turns: list[float] = []
+    sizes: list[int] = []
 
     def shared(x: _Array) -> dict[str, float]:
         return {name: float(x[place[name]]) if name in place else known[name] for name in SHARED}
@@ -556,6 +557,7 @@ def fit(
             all_f.append(f)
             all_J.append(J)
         latest[:] = new
+        sizes[:] = [f.size for f in all_f]
         return np.concatenate(all_f), np.vstack(all_J)
 
     def accept() -> None:
@@ -653,7 +655,7 @@ def fit(
     x, *_ = levenberg(residuals, x, scales * still, 1 / 3, accept)
     stage = 10**9
     x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept)
-    return finished(records, x, f, J, converged, names, place, shared(x), guesses, scales, ringing)
+    return finished(sizes, x, f, J, converged, names, place, shared(x), guesses, scales, ringing)
 
 
 def predicted(data: Measured, found: Fit, i: int) -> _Complex:
@@ -672,11 +674,11 @@ def predicted(data: Measured, found: Fit, i: int) -> _Complex:
 
 
 def finished(
-    records: Sequence[Measured], x: _Array, f: _Array, J: _Array, converged: bool, names: list[str],
+    sizes: Sequence[int], x: _Array, f: _Array, J: _Array, converged: bool, names: list[str],
     place: dict[str, int], values: dict[str, float], motions: list[Motion], scales: _Array, ringing: bool,
 ) -> Fit:  # fmt: skip
-    """Covariance, and what is not determined."""
-    count = len(records)
+    """Covariance, and what is not determined; `sizes` are the numbers of residuals of the records."""
+    count = len(sizes)
     scaled = J * scales
     _, s, Vt = np.linalg.svd(scaled, full_matrices=True)
     s = np.concatenate([s, np.zeros(Vt.shape[0] - s.size)])
@@ -689,14 +691,8 @@ def finished(
     kept = [name for name in names if name in SHARED or name.startswith("F0/K")]
     undetermined = [name for name in kept if place[name] in vague]
     columns = [place[name] for name in kept]
-    parts = []
-    start = 0
-    for data in records:
-        size = 2 * data.orders.size if data.orders.size else data.angles.size
-        size += data.phase is not None
-        own = f[start : start + size]
-        start += size
-        parts.append(float(own @ own) / max(1, own.size - 4))
+    each = np.split(f, np.cumsum(sizes)[:-1])
+    parts = [float(own @ own) / max(1, own.size - 4) for own in each]
     return Fit(
         values, [float(x[place[f"F0/K {i}"]]) for i in range(count)],
         [float(x[place[f"phase {i}"]]) for i in range(count)],
