@@ -179,10 +179,13 @@ def product(parts: Segments, u: _Complex, v: _Complex) -> float:
 
 def extremes(parts: Segments, u: _Complex, r: float) -> tuple[float, float]:
     """The least and the greatest value of a signal, with both ends of each segment."""
-    many = 2 + np.ceil(POINTS * max(1.0, r) * parts.duration).astype(np.int64)
+    # where rest begins at the instant of an impact, no flight lies in between
+    real = parts.duration > 0 if parts.duration.any() else slice(None)
+    u, rates, duration = u[:, real], parts.rates[:, real], parts.duration[real]
+    many = 2 + np.ceil(POINTS * max(1.0, r) * duration).astype(np.int64)
     if many.max(initial=0) > 10 * MOST:
         raise ParameterError(
-            f"flight of {parts.duration.max():.6g} without an event: must be at most "
+            f"flight of {duration.max():.6g} without an event: must be at most "
             f"{10 * MOST / POINTS / max(1.0, r):.6g} for its extremes"
         )
     low, high = math.inf, -math.inf
@@ -190,7 +193,7 @@ def extremes(parts: Segments, u: _Complex, r: float) -> tuple[float, float]:
     for here in np.split(np.arange(len(many)), np.unique(blocks)):
         if not here.size:
             continue
-        values = stationary(u[:, here], parts.rates[:, here], parts.duration[here], many[here])
+        values = stationary(u[:, here], rates[:, here], duration[here], many[here])
         low, high = min(low, values.min()), max(high, values.max())
     return float(low), float(high)
 

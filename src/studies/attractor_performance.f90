@@ -267,7 +267,9 @@ contains
       found(rows) = 0
       square = 0
       do i = 0, size(events)
-         x = primary_segment(system, starts(:, i), resting(i), max(0.0_wp, times(i + 1) - times(i)))
+         ! where rest begins at the instant of an impact, no flight lies in between
+         if (.not. times(i + 1) > times(i)) cycle
+         x = primary_segment(system, starts(:, i), resting(i), times(i + 1) - times(i))
          square = square + square_integral(x%oscillation_type, x%duration)
          other = x
          do j = 1, 3

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.errors import ParameterError, ParameterTypeError
+from vibroimpact.performance import perform
 
 DAMPER = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 UNEVEN = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
@@ -240,3 +241,14 @@ def test_windows_that_are_refused(cycles):
 def test_harmonics_that_are_refused(harmonics):
     with pytest.raises((ParameterError, ParameterTypeError), match=r"^harmonics = "):
         CASES["motion"].quantities(harmonics=harmonics)
+
+
+def test_rest_at_the_instant_of_an_impact():
+    """With R = 0 no flight lies between an impact and the rest: its acceleration counts in no figure."""
+    osc = vi.Oscillator(xi=0.02, mu=1.0, restitution=0.0)
+    run = vi.simulate(osc, r=0.8, clearance=1.5, cycles=6, discard=60)
+    times = np.linspace(run.initial_state["t"], run.final_state["t"], 40_001)
+    sampled = abs(run.sample(times).X_ddot).max()
+    assert run.quantities().x_ddot.peak == pytest.approx(sampled, rel=1e-4)
+    found = perform(np.array([[0.8], [1.5], [0.02], [1.0], [0.0], [0.0]]), np.full((4, 1), 0.1))
+    assert found.acceleration[0] == pytest.approx(sampled, rel=1e-3)
