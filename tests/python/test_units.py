@@ -329,3 +329,14 @@ def test_command_draws_in_physical_units(tmp_path, capsys):
         path.write_text(text.format(keys))
         assert main(["plot", str(path), "--units", units, "-o", str(tmp_path / "other")]) == 2
         assert f"--units {'= ' if units == 'mm' else ''}" in capsys.readouterr().err
+
+
+def test_the_ends_of_a_trajectory_are_within_it():
+    """Sampling at both ends is possible in any units, whose conversion rounds them."""
+    for f in np.linspace(13, 29, 30):
+        rig = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=m, restitution=0.7, F0=F0)
+        run = vi.simulate(rig, rig.units().frequency_ratio(f=f), 14.0, cycles=5).physical(
+            "in lbf ms"
+        )
+        ends = run.sample([run.initial_state["t"], run.final_state["t"]])
+        assert ends.X[1] == pytest.approx(run.final_state["x"], rel=1e-9)
