@@ -128,13 +128,21 @@ def search(
         # an infinite level, of runs that failed, would make differences of levels undefined
         return np.asarray(np.minimum(found[1], 1e300))
 
-    differential_evolution(
-        level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
-        popsize=size, init=_even_start(low, high, size, seed), seed=seed, tol=1e-3,
-        maxiter=max(1, evaluations // size - 1), integrality=[name in problem.whole for name in problem.free],
-    )  # fmt: skip
+    try:
+        differential_evolution(
+            level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
+            popsize=size, init=_even_start(low, high, size, seed), seed=seed, tol=1e-3,
+            maxiter=max(1, evaluations // size - 1), integrality=[name in problem.whole for name in problem.free],
+        )  # fmt: skip
+    except (RuntimeError, TypeError) as error:
+        raise cause_of(error) from None
     candidates, found = np.concatenate(tried), np.concatenate(levels)
     return refined(problem, fine, candidates, found, progress)
+
+
+def cause_of(error: BaseException) -> BaseException:
+    """The first of a chain of errors: SciPy replaces those of values and types by its own."""
+    return error if error.__cause__ is None else cause_of(error.__cause__)
 
 
 def refined(

@@ -76,19 +76,24 @@ module vi_design_study
       key_type('normal', a_word, most=7, may_miss=.true., &
       words='clearance mu xi restitution R1 R2 load', takes='names of parameters or ''load''', &
       meaning='those whose tolerance is mean and standard deviation of a normal distribution'), &
-      key_type('limit_displacement', low=tiny_value, may_miss=.true., unit='F0/K', &
+      key_type('limit_displacement', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='F0/K', &
       takes='a number > 0', meaning='greatest allowed |X|'), &
-      key_type('limit_rms', low=tiny_value, may_miss=.true., unit='F0/K', takes='a number > 0', &
+      key_type('limit_rms', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='F0/K', takes='a number > 0', &
       meaning='greatest allowed root mean square of X'), &
-      key_type('limit_acceleration', low=tiny_value, may_miss=.true., unit='omega^2 F0/K', &
+      key_type('limit_acceleration', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='omega^2 F0/K', &
       takes='a number > 0', meaning='greatest allowed acceleration between impacts'), &
-      key_type('limit_force', low=tiny_value, may_miss=.true., unit='F0', takes='a number > 0', &
+      key_type('limit_force', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='F0', takes='a number > 0', &
       meaning='greatest allowed force on the base'), &
-      key_type('limit_speed', low=tiny_value, may_miss=.true., unit='omega F0/K', &
+      key_type('limit_speed', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='omega F0/K', &
       takes='a number > 0', meaning='greatest allowed approach speed of an impact'), &
-      key_type('limit_multiplier', low=tiny_value, may_miss=.true., takes='a number > 0', &
-      meaning='greatest allowed modulus of the multipliers; a motion without a period is above&
-      & it'), &
+      key_type('limit_multiplier', low=tiny_value, may_miss=.true., never='amplitude', &
+      takes='a number > 0', meaning='greatest allowed modulus of the multipliers; a motion &
+      &without a period is above it'), &
       key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, &
       meaning='oscillations over which the damping of free vibration is averaged'), &
       key_type('states', a_whole, default='2', low=1.0_wp, high=64.0_wp, &
@@ -190,6 +195,7 @@ contains
       !> The case.
       type(case_type), intent(inout) :: case
       character(:), allocatable :: name
+      character(2), parameter :: wall(2) = ['r1', 'r2']
       real(wp) :: least_xi
       integer :: i
 
@@ -201,6 +207,9 @@ contains
          if (study%has('amplitude')) call check_order(case, 'amplitude')
          least_xi = case%osc%xi
          if (study%has('free_xi')) least_xi = minval(study%numbers('free_xi'))
+         if (study%has('tolerance_xi') .and. .not. study%has('free_xi')) then
+            least_xi = minval(study%numbers('tolerance_xi'))
+         end if
          if (study%has('band') .and. .not. least_xi > 0) then
             associate (band => study%numbers('band'))
                if (band(1) <= 1 .and. band(size(band)) >= 1) call study%refuse('band', &
@@ -211,6 +220,13 @@ contains
             name = 'free_'//lower(trim(names(i)))
             if (study%has(name)) call check_order(case, name)
             call check_spread(case, trim(names(i)))
+         end do
+         ! what is said of both walls would replace what is said of one
+         do i = 1, 2
+            if (study%has('free_restitution') .and. study%has('tolerance_'//wall(i))) call &
+               study%forbid('tolerance_'//wall(i), ' beside free_restitution')
+            if (study%has('tolerance_restitution') .and. study%has('free_'//wall(i))) call &
+               study%forbid('free_'//wall(i), ' beside tolerance_restitution')
          end do
          if (.not. any([(study%has('free_'//lower(trim(names(i)))), i=1, size(names))])) call &
             study%refuse('free_clearance', 'at least one parameter must be free')

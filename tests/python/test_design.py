@@ -421,6 +421,28 @@ GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
             {"tolerance": {"restitution": (0.9, 1.2)}},
             r"tolerance\['restitution'\] = 0.9, 1.2: .* in the range",
         ),
+        (
+            {
+                "free": {"R1": (0.3, 0.9)},
+                "tolerance": {"restitution": (0.5, 0.7)},
+                "clearance": 20.0,
+            },
+            r"free\['R1'\] = 0.3, 0.9: must be left out beside tolerance_restitution",
+        ),
+        (
+            {
+                "free": {"restitution": (0.3, 0.9)},
+                "tolerance": {"R2": (0.5, 0.7)},
+                "clearance": 20.0,
+            },
+            r"tolerance\['R2'\] = 0.5, 0.7: must be left out beside free_restitution",
+        ),
+        (
+            {"target": "damping", "r": None, "amplitude": 1.0, "limits": {"speed": 1.0}},
+            r"limits\['speed'\] = 1.0: must be left out beside amplitude",
+        ),
+        ({"tolerance": {"xi": (0.0, 0.01)}}, "without damping r = 1 is resonance"),
+        ({"progress": 3}, "progress = 3: must be None or callable"),
         ({"tolerance": {"xi": (0.02, 0.01)}}, "low <= high"),
         ({"tolerance": {"xi": stats.norm(0.01, 0.01)}}, "6 standard deviations"),
         ({"clearance": 20.0}, "clearance = 20.0: must be left out beside free"),
@@ -445,3 +467,11 @@ GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
 def test_bad_arguments_are_refused(change, message):
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
         vi.design(OSC, **{**GOOD, **QUICK, **change})
+
+
+def test_errors_of_a_host_are_its_own():
+    """SciPy replaces errors of values and types that a function raises; the caller sees the first one."""
+    with pytest.raises(vi.ParameterTypeError, match="host returned 3"):
+        vi.design(lambda r, load, clearance: 3, **GOOD, **QUICK)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'clearance'"):
+        vi.design(lambda r, load: 3, **GOOD, **QUICK)

@@ -646,6 +646,8 @@ def design(
         "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep, "seed": seed,
     }  # fmt: skip
     workers = None if threads is None else checks.integer(threads, "threads", 1, 1024)
+    if progress is not None and not callable(progress):
+        raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
     if not isinstance(host, Oscillator):
         return _designed_structure(
             host, r, free, uncertain_ones, bounds, loads, coordinate, keys, workers, progress
