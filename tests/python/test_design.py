@@ -475,3 +475,14 @@ def test_errors_of_a_host_are_its_own():
         vi.design(lambda r, load, clearance: 3, **GOOD, **QUICK)
     with pytest.raises(TypeError, match="unexpected keyword argument 'clearance'"):
         vi.design(lambda r, load: 3, **GOOD, **QUICK)
+
+
+def test_parts_of_a_band_without_samples_have_no_share():
+    """Ten samples leave parts of the band empty; the answer is said of one that has some."""
+    found = vi.design(OSC, **GOOD, **QUICK | {"samples": 10}, limit=5.0)
+    empty = found.bands["samples"] == 0
+    assert empty.any()
+    assert np.isnan(found.bands["probability"][empty]).all()
+    assert found.probability == 1
+    assert ", 100 % from" in found.verdict
+    assert found.feasible is None

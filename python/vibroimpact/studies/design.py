@@ -93,7 +93,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         Its 95 % confidence interval, by Clopper and Pearson.
     bands : dict of ndarray
         The same for parts of the band: ``from, to, samples, good, probability, low, high, worst``. These intervals
-        hold for all parts at once with 95 %.
+        hold for all parts at once with 95 %. Shares of parts without samples are NaN.
     feasible : bool or None
         True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
         False if one of the upper ends is below it, None if the samples do not tell.
@@ -256,7 +256,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         if not self.samples:
             return f"{wanted}: {self.level:.4g} in the search, not confirmed by samples{above}"
         low, high = self.interval
-        weak = int(np.argmin(self.bands["probability"]))
+        weak = int(np.nanargmin(self.bands["probability"]))
         met = self.level <= self.limit if symbol == "<=" else self.level >= self.limit
         failed = "does not hold" if met else "was not reached by any candidate"
         answer = {True: "holds", False: failed, None: "is not decided"}
@@ -386,7 +386,9 @@ def confirmed(
     }  # fmt: skip
     bands = {
         "from": edges[:-1], "to": edges[1:], "samples": count, "good": good,
-        "probability": good / np.maximum(1, count), "low": ends[0], "high": ends[1], "worst": order.sign * worst,
+        "probability": np.divide(good, count, out=np.full(parts, math.nan), where=count > 0),
+        "low": ends[0], "high": ends[1],
+        "worst": order.sign * np.where(np.isfinite(worst), worst, math.nan),
     }  # fmt: skip
     return design, bands
 
