@@ -204,6 +204,8 @@ class Impulses:
         total = each @ jumps
         more = []
         if x.size > 2 * N:
+            if not (0 < x[2 * N] < 2 * self.frequencies[-1] and 0 < x[2 * N + 1] < 0.5):
+                raise SingularError("no mode rings so")
             value, by_w, by_zeta = resonance(self.frequencies[used], x[2 * N :])
             share = x[2 * N + 2]
             response = response + share * value
