@@ -130,7 +130,9 @@ def levenberg(
                 break
             damping *= 10
             if damping > 1e12:
-                return x, f, J, False
+                # at a minimum only rounding is left to gain
+                left = float(np.sum(np.where(kept, slope**2 / (1 + squares), 0.0)))
+                return x, f, J, left <= 1e-4 * max(1.0, float(f @ f))
         accepted()
         gain = f @ f - new_f @ new_f
         x, f, J = trial, new_f, new_J
@@ -489,7 +491,6 @@ class Fit:
     covariance: _Array
     undetermined: list[str]
     misfits: list[float]
-    converged: bool
 
 
 def fit(
@@ -657,7 +658,12 @@ def fit(
     x, *_ = levenberg(residuals, x, scales * still, 1 / 3, accept)
     stage = 10**9
     x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept)
-    return finished(sizes, x, f, J, converged, names, place, shared(x), guesses, scales, ringing)
+    if not converged:
+        raise SingularError(
+            f"the fit did not converge: after {MOST_ITERATIONS} steps the sum of squares of the weighted residuals is "
+            f"{float(f @ f):.3g} for {f.size} of them"
+        )
+    return finished(sizes, x, f, J, names, place, shared(x), guesses, scales, ringing)
 
 
 def predicted(data: Measured, found: Fit, i: int) -> _Complex:
@@ -676,7 +682,7 @@ def predicted(data: Measured, found: Fit, i: int) -> _Complex:
 
 
 def finished(
-    sizes: Sequence[int], x: _Array, f: _Array, J: _Array, converged: bool, names: list[str],
+    sizes: Sequence[int], x: _Array, f: _Array, J: _Array, names: list[str],
     place: dict[str, int], values: dict[str, float], motions: list[Motion], scales: _Array, ringing: bool,
 ) -> Fit:  # fmt: skip
     """Covariance, and what is not determined; `sizes` are the numbers of residuals of the records."""
@@ -687,7 +693,8 @@ def finished(
     determined = s > 1 / VAGUE
     freedom = max(1, f.size - int(determined.sum()))
     misfit = float(f @ f) / freedom
-    inverse = np.where(determined, 1 / np.where(determined, s, 1.0) ** 2, 0.0)
+    # what the records do not determine may be wrong by as much as itself, and what depends on it a little by less
+    inverse = np.minimum(1 / np.where(s > 0, s, 1e-300) ** 2, 1.0)
     covariance = (Vt.T * inverse) @ Vt * np.outer(scales, scales) * max(1.0, misfit)
     vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
     kept = [name for name in names if name in SHARED or name.startswith("F0/K")]
@@ -699,7 +706,7 @@ def finished(
         values, [float(x[place[f"F0/K {i}"]]) for i in range(count)],
         [float(x[place[f"phase {i}"]]) for i in range(count)],
         x[[place[name] for name in RING]] if ringing else None, list(motions), kept,
-        covariance[np.ix_(columns, columns)], undetermined, parts, converged,
+        covariance[np.ix_(columns, columns)], undetermined, parts,
     )  # fmt: skip
 
 

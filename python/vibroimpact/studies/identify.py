@@ -59,6 +59,8 @@ FACTORS = {
 }
 #: Harmonics of the load that are measured, in its own channel and, at most, in that of the motion.
 LOAD_TONES, MOTION_TONES = 6, 90
+#: Share of harmonics in the load from which a result says that its errors do not contain their effect.
+SHAPED = 0.003
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
@@ -1069,6 +1071,17 @@ def tables_of(
         if record is not None:
             add_samples(samples, i, step, record, found)
         said_of = f"record {i + 1}: " if len(steps) > 1 else ""
+        if step.load is not None and found is not None:
+            tone = abs(step.load.values)
+            share = math.sqrt(float(np.sum(tone[2:] ** 2))) / float(tone[1])
+            if share > SHAPED:
+                notes.append(
+                    (
+                        False,
+                        f"{said_of}the load has harmonics of {100 * share:.2g} % of its fundamental: the "
+                        "impacts of the fitted motion ignore them, and the errors do not contain this",
+                    )
+                )
         if pattern is not None:
             notes.append(
                 (False, f"{said_of}{pattern.sides}/{pattern.cycles} at r = {records['r'][i]:.6g}")
