@@ -660,8 +660,8 @@ def fit(
     x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept)
     if not converged:
         raise SingularError(
-            f"the fit did not converge: after {MOST_ITERATIONS} steps the sum of squares of the weighted residuals is "
-            f"{float(f @ f):.3g} for {f.size} of them"
+            f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted residuals "
+            f"add up to {float(f @ f):.3g}"
         )
     return finished(sizes, x, f, J, names, place, shared(x), guesses, scales, ringing)
 

@@ -61,6 +61,8 @@ FACTORS = {
 LOAD_TONES, MOTION_TONES = 6, 90
 #: Share of harmonics in the load from which a result says that its errors do not contain their effect.
 SHAPED = 0.003
+#: Misfit from which a result says that it is doubtful.
+DOUBTFUL = 10.0
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
@@ -1071,6 +1073,14 @@ def tables_of(
         if record is not None:
             add_samples(samples, i, step, record, found)
         said_of = f"record {i + 1}: " if len(steps) > 1 else ""
+        if found is not None and found.misfits[i] > DOUBTFUL:
+            notes.append(
+                (
+                    False,
+                    f"{said_of}misfit of {found.misfits[i]:.3g}: the motion does not describe the record to "
+                    "its scatter, so that the pattern or a known value may be wrong",
+                )
+            )
         if step.load is not None and found is not None:
             tone = abs(step.load.values)
             share = math.sqrt(float(np.sum(tone[2:] ** 2))) / float(tone[1])
