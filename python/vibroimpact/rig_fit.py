@@ -14,19 +14,26 @@ from numpy.typing import NDArray
 from .errors import ParameterError, SingularError, VibroimpactError
 from .model import Oscillator, Pattern
 from .motion import Motion
-from .newton import exact
-from .solve import periodic
+from .newton import exact, newton
+from .solve import equispaced, periodic
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
 #: What all records share, in this order; then the mode that rings: frequency (rad/s), damping ratio, share.
-SHARED = ("omega", "xi", "mu", "R1", "R2", "d")
+SHARED = ("omega", "xi", "mu", "R1", "R2", "exponent", "d")
 RING = ("ring omega", "ring damping", "ring share")
 #: Largest relative standard error of a combination of parameters that a record determines.
 VAGUE = 0.5
 #: Largest difference of an impact time, in load cycles, from that where it was picked.
 NEAR = 0.05
 MOST_ITERATIONS = 60
+#: Share of the weighted squares of the harmonics that a fit leaves unexplained, above which it is none.
+BAD = 0.5
+#: Approach speed, over the largest velocity, that counts as none.
+TOUCHING = 1e-6
+#: Step of a coefficient of restitution for central differences; error of one that obeys its law, and the most
+#: steps to there.
+STEP, LAWFUL, MOST_STEPS = 1e-5, 1e-12, 20
 #: A fit of impulses is good below this misfit; jumps below this share of the largest one are none; an impact
 #: more has to take so much from the sum of squares, and this share of it; and the largest number of impacts in
 #: a load cycle.
@@ -441,11 +448,25 @@ def start_of(
 
 
 class Slopes(NamedTuple):
-    """Load phases of the impacts and changes of velocity there, and their derivatives by r, D, xi, mu, R1, R2."""
+    """Load phases of the impacts and changes of velocity there, and their derivatives by all of a `Point`."""
 
     phases: _Array
     jumps: _Array
     by: _Array
+
+
+class Point(NamedTuple):
+    """Where a motion is wanted: the coefficient of an impact is R1 or R2 times (v/speed)^-exponent."""
+
+    r: float
+    clearance: float
+    xi: float
+    mu: float
+    R1: float
+    R2: float
+    exponent: float = 0.0
+    #: Of reference, in F0 omega/K; None: the coefficients are constants.
+    speed: float | None = None
 
 
 def described(motion: Motion) -> tuple[_Array, _Array]:
@@ -453,15 +474,34 @@ def described(motion: Motion) -> tuple[_Array, _Array]:
     return motion.phases + motion.load_phase, motion.X_dot_after - motion.X_dot_before
 
 
-def slopes(motion: Motion) -> Slopes:
-    """The exact derivatives of a motion."""
+def approach_speeds(motion: Motion) -> _Array:
+    """Approach speeds of the impacts."""
+    return np.asarray(motion.pattern.signs * (motion.Z_dot_before - motion.X_dot_before))
+
+
+def slopes(motion: Motion, point: Point) -> Slopes:
+    """The derivatives of a motion."""
     gradient = motion.gradient()
     columns = [
         gradient.parameters.index(name) for name in ("r", "clearance", "xi", "mu", "R1", "R2")
     ]
     phases = (gradient["phases"] + gradient["load_phase"])[:, columns]
     jumps = (gradient["X_dot_after"] - gradient["X_dot_before"])[:, columns]
-    by = np.stack([phases.T, jumps.T], axis=1)
+    by = np.zeros((len(Point._fields), 2, phases.shape[0]))
+    by[:6] = np.stack([phases.T, jumps.T], axis=1)
+    if point.speed is not None:
+        v, R, p = approach_speeds(motion), motion.restitution, point.exponent
+        right = motion.pattern.signs > 0
+        # of the coefficients at fixed speeds
+        rates = np.zeros((len(Point._fields), R.size))
+        rates[4], rates[5] = R / point.R1 * right, R / point.R2 * ~right
+        rates[6], rates[7] = -R * np.log(v / point.speed), p * R / point.speed
+        # and with the speeds, which change by the other parameters and by the coefficients
+        rates[:4] -= p * R / v * gradient["approach_speeds"][:, columns[:4]].T
+        of_phases, of_jumps, of_speeds = by_restitution(motion)
+        changes = np.linalg.solve(np.eye(R.size) + (p * R / v)[:, None] * of_speeds, rates.T)
+        by[4:6] = 0.0
+        by += np.stack([of_phases @ changes, of_jumps @ changes]).transpose(2, 0, 1)
     if not np.isfinite(by).all():
         raise SingularError(
             f"{motion!r}: has no derivatives: {', '.join(gradient.status.values())}"
@@ -469,11 +509,67 @@ def slopes(motion: Motion) -> Slopes:
     return Slopes(*described(motion), by)
 
 
-def motion_at(point: _Array, guess: Motion | tuple[_Array, Pattern]) -> Motion:
-    """The exact motion at r, D, xi, mu, R1, R2, near another one."""
-    r, clearance, xi, mu, right, left = point.tolist()
-    osc = Oscillator(xi=xi, mu=mu, restitution=(right, left))
-    return exact(osc, r, clearance, guess)
+def by_restitution(motion: Motion) -> _Array:
+    """Derivatives of load phases, changes of velocity and approach speeds by the coefficient of each impact.
+
+    `Motion.gradient` has those by both walls alone, so these are central differences.
+    """
+    columns = []
+    for change in STEP * np.eye(motion.restitution.size):
+        ends = []
+        for each in (motion.restitution + change, motion.restitution - change):
+            near = with_restitution(motion, each)
+            ends.append(np.array([*described(near), approach_speeds(near)]))
+        off = ends[0] - ends[1]
+        off[0] -= 2 * math.pi * np.round(off[0] / (2 * math.pi))
+        columns.append(off / (2 * STEP))
+    return np.stack(columns, axis=-1)
+
+
+def with_restitution(motion: Motion, each: _Array) -> Motion:
+    """The motion near another one with a coefficient of restitution for each impact."""
+    if not ((each >= 0) & (each <= 1)).all():
+        raise SingularError(f"coefficients of restitution {each}: must be from 0 to 1")
+    return newton(
+        motion.osc, motion.r, motion.clearance, 1.0, motion.pattern, motion.X, motion.phases + motion.tau, each
+    )  # fmt: skip
+
+
+def lawful(point: Point, motion: Motion) -> _Array:
+    """The coefficients of restitution by the law at the speeds of a motion."""
+    walls = np.where(motion.pattern.signs > 0, point.R1, point.R2)
+    if point.speed is None:
+        return walls
+    return np.asarray(walls * (approach_speeds(motion) / point.speed) ** -point.exponent)
+
+
+def motion_at(point: Point, guess: Motion | tuple[_Array, Pattern]) -> Motion:
+    """The exact motion at a point near another one, whose coefficients obey the law at its own speeds."""
+    osc = Oscillator(xi=point.xi, mu=point.mu, restitution=(point.R1, point.R2))
+    if point.speed is None:
+        return approaching(exact(osc, point.r, point.clearance, guess))
+    assert isinstance(guess, Motion)
+    motion = newton(
+        osc, point.r, point.clearance, 1.0, guess.pattern, guess.X * (point.clearance / guess.clearance),
+        guess.phases + guess.tau, guess.restitution,
+    )  # fmt: skip
+    # Newton's method on the coefficients, with the derivatives of the first motion
+    slope = -point.exponent * lawful(point, motion) / approach_speeds(motion)
+    matrix = np.eye(slope.size) - slope[:, None] * by_restitution(motion)[2]
+    for _ in range(MOST_STEPS):
+        off = lawful(point, approaching(motion)) - motion.restitution
+        if np.max(abs(off)) < LAWFUL:
+            return motion
+        motion = with_restitution(motion, motion.restitution + np.linalg.solve(matrix, off))
+    raise SingularError(f"{motion!r}: no motion near it obeys the law of restitution")
+
+
+def approaching(motion: Motion) -> Motion:
+    """The motion, if each impact has an approach speed, which is more than a rounding error."""
+    speeds = approach_speeds(motion)
+    if not speeds.min() > TOUCHING * max(1.0, float(np.max(abs(motion.Z_dot_before)))):
+        raise SingularError(f"{motion!r}: the walls are not approached at its impacts")
+    return motion
 
 
 @dataclass
@@ -491,15 +587,20 @@ class Fit:
     covariance: _Array
     undetermined: list[str]
     misfits: list[float]
+    #: Reference speed of a power law of restitution (m/s); None: the coefficients are constants.
+    speed: float | None = None
 
 
 def fit(
     records: Sequence[Measured], known: dict[str, float], starts: dict[str, float], lengths: Sequence[float],
     phases: Sequence[float], ring: _Array | None, M: float | None = None, K: float | None = None,
+    speed: float | None = None, near: Sequence[Motion] = (), rough: bool = False,
 ) -> Fit:  # fmt: skip
     """Fit exact motions to the harmonics of one or more records.
 
     `known` are the shared parameters that are not fitted; `M` or `K` with the load of a record give its F0/K.
+    With a reference `speed` (m/s) the coefficients of restitution obey a power law, and `near` has motions whose
+    speeds are about those of the records. A `rough` fit, from which another one starts, need not converge.
     """
     free = [name for name in SHARED if name not in known]
     count = len(records)
@@ -515,7 +616,7 @@ def fit(
             *(ring if ringing and ring is not None else ()),
         ]
     )
-    typical = {"R1": 0.5, "R2": 0.5, "xi": max(starts["xi"], 0.005)}
+    typical = {"R1": 0.5, "R2": 0.5, "exponent": 0.25, "xi": max(starts["xi"], 0.005)}
     scales = np.array(
         [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *([1.0] * count),
          *([0.05 * ring[0], 0.02, 0.3] if ringing and ring is not None else ())]
@@ -528,24 +629,29 @@ def fit(
     def shared(x: _Array) -> dict[str, float]:
         return {name: float(x[place[name]]) if name in place else known[name] for name in SHARED}
 
-    def points(x: _Array) -> list[_Array]:
+    def points(x: _Array) -> list[Point]:
         p = shared(x)
-        return [
-            np.array(
-                [
-                    data.Omega / p["omega"],
-                    p["d"] / x[place[f"F0/K {i}"]],
-                    p["xi"],
-                    p["mu"],
-                    p["R1"],
-                    p["R2"],
-                ]
+        found = []
+        for i, data in enumerate(records):
+            static = float(x[place[f"F0/K {i}"]])
+            walls = (p["R1"], p["R2"], p["exponent"])
+            unit = None if speed is None else speed / (p["omega"] * static)
+            found.append(
+                Point(data.Omega / p["omega"], p["d"] / static, p["xi"], p["mu"], *walls, unit)
             )
-            for i, data in enumerate(records)
-        ]
+        return found
 
-    for data, point in zip(records, points(x), strict=True):
-        guesses.append(first_motion(point, data))
+    for i, (data, point) in enumerate(zip(records, points(x), strict=True)):
+        static, phase = float(x[place[f"F0/K {i}"]]), float(x[place[f"phase {i}"]])
+        start = partial(first_motion, data=data, unit=shared(x)["omega"] * static, phase=phase)
+        if point.speed is None:
+            guesses.append(start(point))
+            continue
+        # with constants that the law gives at about the speeds
+        each, right = lawful(point, near[i]), near[i].pattern.signs > 0
+        means = {"R1": float(each[right].mean()), "R2": float(each[~right].mean())}
+        first = start(point._replace(**means, exponent=0.0, speed=None))
+        guesses.append(checked(motion_at(point, first), data))
     for i, data in enumerate(records):
         here, _ = described(guesses[i])
         off = data.angles - (here - x[place[f"phase {i}"]])
@@ -553,10 +659,11 @@ def fit(
 
     def residuals(x: _Array) -> tuple[_Array, _Array]:
         p = shared(x)
-        new = [motion_at(point, guess) for point, guess in zip(points(x), guesses, strict=True)]
+        here = points(x)
+        new = [motion_at(point, guess) for point, guess in zip(here, guesses, strict=True)]
         all_f, all_J = [], []
         for i, data in enumerate(records):
-            f, J = residuals_of(data, i, new[i], p, x)
+            f, J = residuals_of(data, i, new[i], here[i], p, x)
             all_f.append(f)
             all_J.append(J)
         latest[:] = new
@@ -567,22 +674,23 @@ def fit(
         guesses[:] = latest
 
     def residuals_of(
-        data: Measured, i: int, motion: Motion, p: dict[str, float], x: _Array
+        data: Measured, i: int, motion: Motion, point: Point, p: dict[str, float], x: _Array
     ) -> tuple[_Array, _Array]:
         omega, xi = p["omega"], p["xi"]
         static, phase = x[place[f"F0/K {i}"]], x[place[f"phase {i}"]]
-        s = slopes(motion)
+        s = slopes(motion, point)
         angles = s.phases - phase + turns[i]
-        # by omega, xi, mu, R1, R2, d and then F0/K: what r = Omega/omega and D = d/(F0/K) change
-        r, D = motion.r, motion.clearance
+        # by those of SHARED and then F0/K, which change r = Omega/omega, D = d/(F0/K) and the unit of speeds
+        r, D, u = motion.r, motion.clearance, point.speed or 0.0
         by = np.stack([
-            s.by[0] * (-r / omega), s.by[2], s.by[3], s.by[4], s.by[5], s.by[1] / static, s.by[1] * (-D / static),
+            -(s.by[0] * r + s.by[7] * u) / omega, *s.by[2:7], s.by[1] / static,
+            -(s.by[1] * D + s.by[7] * u) / static,
         ])  # fmt: skip
         unit = omega * static
         jumps = s.jumps * unit
         d_angles, d_jumps = by[:, 0], by[:, 1] * unit
         d_jumps[0] += s.jumps * static
-        d_jumps[6] += s.jumps * omega
+        d_jumps[-1] += s.jumps * omega
         f, J = [], []
         columns = [place.get(name) for name in SHARED] + [place[f"F0/K {i}"]]
 
@@ -622,7 +730,7 @@ def fit(
                 2 * omega + 2j * xi * w
             )
             by_values[1] += -direct * force / below * 2j * omega * w
-            by_values[6] += direct * omega**2 * turned
+            by_values[-1] += direct * omega**2 * turned
             by_phase = -(by_angle.sum(axis=1)) * response
             by_phase = by_phase + direct * omega**2 * static * turned * 1j * data.orders / data.k
             ring_columns[place[f"phase {i}"]] = by_phase
@@ -639,13 +747,13 @@ def fit(
             off = math.remainder(phase - data.phase, 2 * math.pi)
             row(
                 np.array([off / data.phase_error]),
-                np.zeros((7, 1)),
+                np.zeros((len(columns), 1)),
                 {place[f"phase {i}"]: np.array([1 / data.phase_error])},
             )
         if data.F0 is not None and (K is not None or M is not None):
             stiffness = K if K is not None else (M or 0.0) * omega**2
-            change = np.zeros((7, 1))
-            change[6] = stiffness / data.F0_error
+            change = np.zeros((len(columns), 1))
+            change[-1] = stiffness / data.F0_error
             if K is None:
                 change[0] = 2 * stiffness / omega * static / data.F0_error
             row(np.array([(static * stiffness - data.F0) / data.F0_error]), change, {})
@@ -658,12 +766,19 @@ def fit(
     x, *_ = levenberg(residuals, x, scales * still, 1 / 3, accept)
     stage = 10**9
     x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept)
-    if not converged:
+    if not converged and not rough:
         raise SingularError(
             f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted residuals "
             f"add up to {float(f @ f):.3g}"
         )
-    return finished(sizes, x, f, J, names, place, shared(x), guesses, scales, ringing)
+    found = finished(sizes, x, f, J, names, place, shared(x), guesses, scales, ringing)
+    for i, data in enumerate(records):
+        left = np.sum(abs((predicted(data, found, i) - data.values) / data.errors) ** 2)
+        if left > BAD * np.sum(abs(data.values / data.errors) ** 2):
+            raise SingularError(
+                f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts fits the record"
+            )
+    return replace(found, speed=speed)
 
 
 def predicted(data: Measured, found: Fit, i: int) -> _Complex:
@@ -710,17 +825,37 @@ def finished(
     )  # fmt: skip
 
 
-def first_motion(point: _Array, data: Measured) -> Motion:
-    """The exact motion to start from: of the phases of the impacts by the linear equations, or by continuation."""
-    r, clearance, xi, mu, right, left = point.tolist()
-    osc = Oscillator(xi=xi, mu=mu, restitution=(right, left))
+def first_motion(point: Point, data: Measured, unit: float, phase: float) -> Motion:
+    """The exact motion to start from: of the phases of the impacts by the linear equations, or by continuation.
+
+    `unit` is F0 omega/K in m/s, and `phase` the load phase in the middle of the record.
+    """
+    r, clearance = point.r, point.clearance
+    osc = Oscillator(xi=point.xi, mu=point.mu, restitution=(point.R1, point.R2))
     phases = data.angles - data.angles[0]
     linear = periodic(osc, r, phases, data.pattern)
-    errors = []
-    try:
-        return checked(exact(osc, r, clearance, linear), data)
-    except VibroimpactError as error:
-        errors.append(error)
+
+    def unlike(motion: Motion) -> float:
+        """How far load phases and changes of velocity are from those that were picked."""
+        here, jumps = described(motion)
+        off = float(np.max(abs(np.sin(0.5 * (here - data.angles - phase)))))
+        if data.jumps.any():
+            off += float(np.max(abs(jumps * unit - data.jumps)) / np.max(abs(data.jumps)))
+        return off
+
+    errors, found = [], []
+    guesses: list[Motion] = [linear]
+    if phases.size == 2 and data.k % 2 and abs(phases[1] / (math.pi * data.k) - 1) < 2 * NEAR:
+        # equally spaced impacts leave the amplitude of the linear equations nearly free
+        both = replace(osc, restitution=(0.5 * (point.R1 + point.R2),) * 2)
+        guesses += equispaced(both, r, clearance, data.k)
+    for guess in guesses:
+        try:
+            found.append(checked(exact(osc, r, clearance, guess), data))
+        except VibroimpactError as error:
+            errors.append(error)
+    if found:
+        return min(found, key=unlike)
     # from the clearance of the linear equations to this one in steps
     try:
         motion = exact(osc, r, linear.clearance, linear)
@@ -737,7 +872,8 @@ def first_motion(point: _Array, data: Measured) -> Motion:
 
 
 def checked(motion: Motion, data: Measured) -> Motion:
-    """The motion, if its impacts are about where they were picked."""
+    """The motion, if its impacts are impacts, about where they were picked."""
+    approaching(motion)
     off = np.diff(motion.phases) - np.diff(data.angles)
     if off.size and np.max(abs(off)) > NEAR * 2 * math.pi * 2:
         raise SingularError("Newton's method went to another motion")

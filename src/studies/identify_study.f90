@@ -14,6 +14,7 @@ module vi_identify_study
    !> Quantities of which a record has channels.
    character(*), parameter :: channel_words = 'load acceleration velocity displacement none'
    character(*), parameter :: with_times = 'impact_times'
+   character(*), parameter :: with_law = 'law=power'
    real(wp), parameter :: tiny_value = 1.0e-12_wp, huge_value = 1.0e12_wp
 
    type(key_type), parameter :: identify_keys(*) = [ &
@@ -57,7 +58,15 @@ module vi_identify_study
       meaning='F0, if it is known; by default that of the load'), &
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
-      meaning='parameters of &system that are known; the fit starts from the others')]
+      meaning='parameters of &system that are known; the fit starts from the others'), &
+      key_type('law', a_word, default='''constant''', words='constant power', &
+      meaning='how the coefficients of restitution depend on the approach speed v: constants, or &
+      &R1 and R2 times (v/v0)^-p'), &
+      key_type('law_speed', low=tiny_value, high=huge_value, only=with_law, may_miss=.true., &
+      unit='m/s', meaning='v0, at which R1 and R2 hold; by default the geometric mean of the &
+      &speeds of all impacts'), &
+      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, only=with_law, may_miss=.true., &
+      meaning='p, if it is known')]
 
    type(column_type), parameter :: identify_columns(*) = [ &
       column_type('parameters', 'name', words, meaning='the parameter'), &
@@ -100,6 +109,10 @@ module vi_identify_study
       meaning='standard error of it'), &
       column_type('impacts', 'fitted', unit='rad', listed=.false., &
       meaning='load phase in the fitted motion'), &
+      column_type('impacts', 'speed', unit='m/s', listed=.false., &
+      meaning='approach speed in the fitted motion'), &
+      column_type('impacts', 'restitution', listed=.false., &
+      meaning='coefficient of restitution in the fitted motion'), &
       column_type('picks', 'number', wholes, listed=.false., meaning='number of the record'), &
       column_type('picks', 'time', unit='s', listed=.false., meaning='time of each impact'), &
       column_type('picks', 'side', words, words='R,L', listed=.false., meaning='wall'), &

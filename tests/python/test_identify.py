@@ -94,6 +94,129 @@ def test_what_a_symmetric_motion_cannot_tell_is_named():
     assert abs(clear.d - 0.0036) < 4 * clear.errors["d"]
 
 
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_pair_of_equal_impacts_is_found(seed):
+    """Equally spaced impacts, whose linear equations leave the amplitude free, start from the right motion."""
+    rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": 0.75, "frequency": 20.6})
+    found = vi.identify(rig.record(seed=seed), known=KNOWN)
+    for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.75), ("d", 0.0036)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.misfit < 2
+
+
+#: A power law on both walls, which is one above 0.02 m/s, and load amplitudes of three records.
+LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
+LOADS = (5.4, 6.0, 6.8)
+
+
+def records_at_loads(walls, seed):
+    """Records of the bench rig at three load amplitudes."""
+    return [
+        vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}).record(2.0, seed=seed + i)
+        for i, F0 in enumerate(LOADS)
+    ]
+
+
+def true_of_law(walls, v0):
+    """What an identification with a power law should find."""
+    exponent = walls[0].exponent if isinstance(walls[0], vi.PowerLaw) else 0.0
+    right, left = (float(law(v0)) if exponent else law for law in walls)
+    return {"xi": 0.01143, "d": 0.006, "exponent": exponent, "R1": right, "R2": left}
+
+
+@pytest.mark.parametrize("walls", [LAW, (0.75, 0.65)])
+def test_a_power_law_is_found(walls):
+    """Three loads tell the exponent, 0 for constants; the law found is that of the rig, with its multipliers."""
+    found = vi.identify(records_at_loads(walls, 1), known=KNOWN, law="power")
+    assert found.undetermined == []
+    true = true_of_law(walls, found.values["v0"])
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.errors["exponent"] < 1e-3
+    assert found.misfit < 1.5
+    speeds = found._result.column("impacts", "speed").values
+    right = found._result.column("impacts", "side").decoded() == "R"
+    for law, own in zip(found.restitution, (right, ~right), strict=True):
+        here = found._result.column("impacts", "restitution").values[own]
+        assert law(speeds[own]) == pytest.approx(here, rel=1e-6)
+    for i, motion in enumerate(found.motions):
+        assert motion.stable
+        fitted = found._of(i, "impacts", "fitted")
+        assert np.exp(1j * motion.phases) == pytest.approx(np.exp(1j * fitted), abs=1e-6)
+        assert motion.multipliers == pytest.approx(
+            found._result.column("records", "multipliers").values[i], abs=1e-6
+        )
+
+
+def test_a_power_law_holds_where_constants_fail():
+    """Impacts of different speeds in one period tell the exponent too; constants do not fit them."""
+    record = records_at_loads(LAW, 1)[1]
+    constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
+    assert constant.misfit > 100
+    assert found.misfit < 2
+    for name, value in true_of_law(LAW, found.values["v0"]).items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.nearest_boundary().distance < 0.1
+    here = vi.identify(record, known=KNOWN | {"exponent": 0.1}, law="power", law_speed=0.3)
+    assert here.values["v0"] == 0.3
+    assert abs(here.values["R1"] - float(LAW[0](0.3))) < 4 * here.errors["R1"]
+
+
+def test_equal_speeds_do_not_tell_the_exponent():
+    """A record whose impacts have one speed names the exponent; the rest is as with constants."""
+    walls = (vi.PowerLaw(1.0, speed=0.02, exponent=0.1, sharpness=20),) * 2
+    rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": walls, "frequency": 20.6})
+    record = rig.record(seed=4)
+    constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
+    assert found.undetermined == ["exponent"]
+    assert np.isinf(found.errors["exponent"])
+    for name in ("xi", "R1", "R2", "d"):
+        assert found.values[name] == pytest.approx(constant.values[name], rel=1e-6)
+        assert found.errors[name] == pytest.approx(constant.errors[name], rel=1e-3)
+    assert found.values["R1"] == pytest.approx(float(walls[0](found.values["v0"])), abs=1e-3)
+
+
+@pytest.mark.slow
+def test_intervals_of_a_law():
+    """Over 40 triples of records the 95 % intervals cover."""
+    inside = {name: [] for name in ("xi", "d", "exponent", "R1", "R2")}
+    for seed in range(40):
+        found = vi.identify(records_at_loads(LAW, 100 * seed), known=KNOWN, law="power")
+        for name, value in true_of_law(LAW, found.values["v0"]).items():
+            low, high = found.interval(name)
+            inside[name].append(low < value < high)
+    # 33 of 40 or fewer have a probability of 0.3 % each
+    assert all(sum(covered) > 33 for covered in inside.values())
+
+
+def test_derivatives_of_a_motion_with_a_law():
+    """Those of load phases and changes of velocity agree with differences of motions that obey the law."""
+    from vibroimpact import rig_fit
+
+    rig = vi.VirtualRig(**BENCH)
+    run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=20, discard=400)
+    near = vi.exact(rig.oscillator, rig.r, rig.clearance, run)
+    # the derivatives by the coefficient of each impact sum to those by walls
+    right, gradient = near.pattern.signs > 0, near.gradient()
+    speeds = rig_fit.by_restitution(near)[2]
+    for name, own in (("R1", right), ("R2", ~right)):
+        assert speeds[:, own].sum(axis=1) == pytest.approx(
+            gradient["approach_speeds", name], rel=1e-6, abs=1e-6
+        )
+    point = rig_fit.Point(rig.r, rig.clearance, 0.01143, 0.0407, 0.75, 0.65, 0.15, 28.0)
+    motion = rig_fit.motion_at(point, near)
+    assert motion.restitution == pytest.approx(rig_fit.lawful(point, motion), abs=1e-11)
+    found = rig_fit.slopes(motion, point).by
+    for i, name in enumerate(point._fields):
+        h = 1e-6 * point[i]
+        ends = [
+            np.array(rig_fit.described(rig_fit.motion_at(point._replace(**{name: x}), motion)))
+            for x in (point[i] + h, point[i] - h)
+        ]
+        differences = (ends[0] - ends[1]) / (2 * h)
+        assert found[i] == pytest.approx(differences, abs=1e-5 * np.abs(differences).max()), name
+
+
 def test_impact_times_alone_tell_the_clearance():
     """With everything else known, the exact phases of a motion give its clearance back."""
     rig = vi.VirtualRig(**BENCH)
@@ -197,6 +320,12 @@ def test_faults_of_records_are_named(change, message):
         ({"frequency": 0.0}, "frequency = 0.0: must be"),
         ({"bandwidth": 300.0}, "bandwidth: must be left out beside a record"),
         ({"impact_times": [0, 1]}, "impact_times: must be given without a record"),
+        ({"law": "table"}, "law = 'table': must be"),
+        ({"law_speed": 0.3}, "law_speed = 0.3: must come with law = 'power'"),
+        ({"known": {"exponent": 0.1}}, "known exponent = 0.1: must come with law = 'power'"),
+        ({"law": "power", "law_speed": -1.0}, "law_speed = -1.0: must be"),
+        ({"law": "power", "known": {"exponent": np.nan}}, "known exponent = nan: must be"),
+        ({"law": "power", "known": {"R1": 0.7}}, "known R1 = 0.7: must come with law_speed"),
     ],
 )
 def test_faults_of_calls_are_named(call, message):

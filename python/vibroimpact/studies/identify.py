@@ -18,7 +18,8 @@ from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import exact
 from ..noun import Noun
-from ..rig_fit import SHARED, Fit, Measured, fit, refine, start_of
+from ..restitution import PowerLaw, Restitution, TabulatedRestitution
+from ..rig_fit import SHARED, Fit, Measured, approach_speeds, described, fit, refine, start_of
 from ..signals import (
     Rhythm,
     Tones,
@@ -31,6 +32,9 @@ from ..signals import (
     spikes,
     tones,
 )  # fmt: skip
+from ..structure import Load
+from ..structure_branch import branch_structure
+from ..structure_motion import StructureMotion, exact_structure
 from ..tables import made
 from ..units import SI as SI_UNITS
 from ..units import Units, positive
@@ -41,11 +45,15 @@ _Array = NDArray[np.float64]
 #: What may be known, and its unit.
 KNOWN = {
     "M": "kg", "K": "N/m", "C": "N s/m", "m": "kg", "d": "m", "F0": "N", "omega": "rad/s", "xi": "", "mu": "",
-    "R1": "", "R2": "",
+    "R1": "", "R2": "", "exponent": "",
 }  # fmt: skip
+#: How the coefficients of restitution may depend on the approach speed.
+LAWS = ("constant", "power")
+OF_LAW = ("R1", "R2", "exponent")
 #: The keys of &identify for them.
 OF_KEYS = {
     "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
+    "law_exponent": "exponent",
 }  # fmt: skip
 #: Least number of load cycles of a record, and largest ratio of two load amplitudes that should be the same.
 LEAST_CYCLES, LARGEST_RATIO = 8, 1.5
@@ -67,8 +75,8 @@ DOUBTFUL = 10.0
 WIDTH = 1.959963984540054
 #: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
 RISE, CLEAR = 0.2, 6.0
-#: Misfit above which a fitted motion is not that of the record.
-BAD = 20.0
+#: The sharpness of a power law, with which it is one down to where it is 1; exponent of a constant.
+SHARP, FLAT = 20.0, 1e-7
 #: Samples and load cycles of each record that a result keeps for its picture.
 SHOWN_SAMPLES, SHOWN_CYCLES = 3000, 6
 
@@ -104,19 +112,25 @@ class Identification(Noun, study="identify"):
         records have motions, and parameters that are fitted.
     values, errors : dict
         The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
-        were fitted; infinite where the records do not determine a parameter.
+        were fitted; infinite where the records do not determine a parameter. With a power law the coefficient of
+        an impact at the approach speed v is R1 or R2 times (v/v0)^-exponent.
     undetermined : list of str
         Names of the parameters that the records do not determine; their values are those that the fit started
         from.
     oscillator : Oscillator or None
-        The identified system, with its units if M and K are among the values.
+        The identified system, with its units if M and K are among the values. With a power law its coefficients
+        of restitution are those at the speed v0.
+    restitution : (Restitution, Restitution) or None
+        Of the right and of the left wall; a power law as a `PowerLaw` over the approach speed in m/s, which is
+        1 at the most.
     r, frequency : float
         Frequency ratio, and load frequency in Hz.
     F0, d, clearance : float
         Load amplitude (NaN if it is not known), clearance d, and d K/F0.
     pattern : Pattern or None
-    motion : Motion or None
-        The exact motion with these parameters, with its multipliers and verdicts.
+    motion : Motion, StructureMotion or None
+        The exact motion with these parameters, with its multipliers and verdicts; with a power law that of
+        ``oscillator.structure``, whose multipliers take the law into account.
     impact_times : ndarray (impacts,)
         Times of all impacts that were picked in the record, s.
     impact_sides : ndarray (impacts,) of str
@@ -129,7 +143,7 @@ class Identification(Noun, study="identify"):
     """
 
     __slots__ = ("_motions",)
-    _motions: list[Motion | None]
+    _motions: list[Motion | StructureMotion | None]
 
     @property
     def records(self) -> int:
@@ -199,6 +213,11 @@ class Identification(Noun, study="identify"):
         return Oscillator(xi=values["xi"], mu=values["mu"], restitution=walls, **scale)
 
     @property
+    def restitution(self) -> tuple[Restitution, Restitution] | None:
+        """Of the right and of the left wall, over the approach speed in m/s with a power law."""
+        return None if self.status != "periodic" else walls_of(self.values, 1.0)
+
+    @property
     def osc(self) -> Any:
         """The identified system, as of other results."""
         return self.oscillator
@@ -252,12 +271,12 @@ class Identification(Noun, study="identify"):
         return multipliers
 
     @property
-    def motion(self) -> Motion | None:
+    def motion(self) -> Motion | StructureMotion | None:
         """The exact motion with the identified parameters."""
         return self.motions[0]
 
     @property
-    def motions(self) -> list[Motion | None]:
+    def motions(self) -> list[Motion | StructureMotion | None]:
         """Of each record, the exact motion with the identified parameters."""
         try:
             return self._motions
@@ -266,17 +285,16 @@ class Identification(Noun, study="identify"):
             object.__setattr__(self, "_motions", found)
             return found
 
-    def _motion_of(self, record: int) -> Motion | None:
+    def _motion_of(self, record: int) -> Motion | StructureMotion | None:
         pattern, osc = self.pattern_of(record), self.oscillator
         if pattern is None or osc is None:
             return None
         phases = self._of(record, "impacts", "fitted")
-        return exact(
-            osc,
-            self._one("r", record),
-            self._one("clearance", record),
-            (phases - phases[0], pattern),
-        )
+        r, clearance = self._one("r", record), self._one("clearance", record)
+        if "v0" in self.values:
+            unit = self.values["omega"] * self._one("static", record)
+            return motion_of_law(osc, r, clearance, phases, pattern, walls_of(self.values, unit))
+        return exact(osc, r, clearance, (phases - phases[0], pattern))
 
     def _of(self, record: int, table: str, name: str) -> NDArray[Any]:
         """The rows of a table that belong to a record."""
@@ -336,11 +354,16 @@ class Identification(Noun, study="identify"):
         if motion is None:
             return None
         found = []
-        for parameter, here, factor in (("clearance", motion.clearance, 2.0), ("r", motion.r, 1.1)):
-            line = branch(motion, parameter, (here / factor, here * factor))
-            for point in line.special_points:
-                value = float(getattr(point, parameter))
-                found.append(Boundary(point.type, parameter, value, abs(value / here - 1)))
+        for parameter, factor in (("clearance", 2.0), ("r", 1.1)):
+            here = self._one(parameter, record)
+            if isinstance(motion, StructureMotion):
+                name, unit = {"clearance": ("opening", 2.0), "r": ("frequency", 1.0)}[parameter]
+                path = branch_structure(motion, name, (here / unit / factor, here / unit * factor))
+                values = [(point.type, unit * point.value) for point in path.special_points]
+            else:
+                line = branch(motion, parameter, (here / factor, here * factor))
+                values = [(point.type, getattr(point, parameter)) for point in line.special_points]
+            found += [Boundary(kind, parameter, v, abs(v / here - 1)) for kind, v in values]
         return min(found, key=lambda boundary: boundary.distance, default=None)
 
     def plot(self, ax: Any = None, kind: str | None = None, record: int = 0) -> Any:
@@ -397,6 +420,8 @@ class Identification(Noun, study="identify"):
             "frequency": keys.get("frequency"),
             "known": known,
             "start": case.osc,
+            "law": keys.get("law", "constant"),
+            "law_speed": keys.get("law_speed"),
         }
         if "impact_times" in keys:
             options |= {
@@ -419,13 +444,43 @@ class Identification(Noun, study="identify"):
         assert pattern is not None
         fitted = ", ".join(
             said(name, self.values[name], error)
-            for name, error in self.errors.items() if name in ("xi", "mu", "R1", "R2", "d") and
-            math.isfinite(error)
+            for name, error in self.errors.items()
+            if name in ("xi", "mu", "R1", "R2", "exponent", "d") and math.isfinite(error)
         )  # fmt: skip
         left = f"; undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
         return (
             f"<Identification {pattern.sides}/{pattern.cycles} at r = {self.r:.6g}: {fitted}{left}>"
         )
+
+
+def walls_of(values: Mapping[str, float], unit: float) -> tuple[Restitution, Restitution]:
+    """The coefficients of restitution of the right and of the left wall, over speeds in some unit.
+
+    R (v/v0)^-p is `PowerLaw` far above the speed where it is 1, or, if it is nearly constant, far above a
+    thousandth of v0. Where it grows with the speed, it is a table from v0/100 to 100 v0.
+    """
+    walls = []
+    for R in (values["R1"], values["R2"]):
+        p, v0 = values.get("exponent", 0.0), values.get("v0", unit) / unit
+        law: Restitution = R
+        if p > FLAT:
+            low = max(min(1.0, R) ** (1 / p), 1e-3)
+            law = PowerLaw(min(1.0, R * low**-p), low * v0, p, sharpness=SHARP)
+        elif p < -FLAT:
+            ratios = np.geomspace(0.01, 100, 41)
+            law = TabulatedRestitution(v0 * ratios, np.minimum(1.0, R * ratios**-p))
+        walls.append(law)
+    return walls[0], walls[1]
+
+
+def motion_of_law(
+    osc: Oscillator, r: float, clearance: float, phases: _Array, pattern: Pattern,
+    walls: tuple[Restitution, Restitution],
+) -> StructureMotion:  # fmt: skip
+    """The exact motion with laws of restitution, speeds in F0 omega/K, from load phases of its impacts."""
+    pair = osc.structure(clearance, walls)
+    gaps = np.where(pattern.signs > 0, 0, 1)
+    return exact_structure(pair, Load(r, sine=[1, 0]), (phases, gaps, pattern.cycles))
 
 
 def said(name: str, value: float, error: float | None) -> str:
@@ -463,6 +518,8 @@ def identify(
     load_phase: float | None = None,
     known: Mapping[str, float] | None = None,
     start: Oscillator | None = None,
+    law: str = "constant",
+    law_speed: float | None = None,
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
@@ -492,9 +549,16 @@ def identify(
     load_phase : float, optional
         Phase of the load at time 0 of the impact times (radians).
     known : mapping, optional
-        What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2.
+        What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
+        and the exponent of a power law.
     start : Oscillator, optional
         What to start from where the records do not tell; xi = 0.01, mu = 0.05 and R = 0.7 by default.
+    law : {"constant", "power"}
+        How the coefficients of restitution depend on the approach speed v: R1 and R2 are constants, or those at
+        the speed v0 of R1 (v/v0)^-exponent and R2 (v/v0)^-exponent. Impacts of different speeds tell the
+        exponent: in records at different loads, or in one period.
+    law_speed : float, optional
+        v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
 
     Returns
     -------
@@ -533,7 +597,7 @@ def identify(
             raise ParameterError("impact_times: must be given without a record")
         return identified(
             impact_times=impact_times, impact_sides=impact_sides, frequency=frequency, load_phase=load_phase,
-            known=known, start=start,
+            known=known, start=start, law=law, law_speed=law_speed,
         )  # fmt: skip
     if record is None:
         if not given:
@@ -557,8 +621,9 @@ def identify(
     if not several:
         raise ParameterError("record = []: must be at least one record")
     return identified(
-        [one_record(item) for item in several], frequency=frequency, known=known, start=start
-    )
+        [one_record(item) for item in several], frequency=frequency, known=known, start=start, law=law,
+        law_speed=law_speed,
+    )  # fmt: skip
 
 
 def one_record(item: Any) -> SensorRecord:
@@ -575,12 +640,23 @@ def one_record(item: Any) -> SensorRecord:
 def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
-    start: Oscillator | None = None, case: str = "",
+    start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None, case: str = "",
 ) -> Identification:  # fmt: skip
     """All steps; arguments as of `identify`."""
     if frequency is not None:
         frequency = positive(frequency, "frequency")
     scale, shared = known_values(known or {})
+    power = checks.choice(law, "law", LAWS) == "power"
+    if law_speed is not None:
+        law_speed = positive(law_speed, "law_speed")
+    for name, given in (("law_speed", law_speed), ("known exponent", shared.get("exponent"))):
+        if given is not None and not power:
+            raise ParameterError(f"{name} = {given!r}: must come with law = 'power'")
+    for name in ("R1", "R2"):
+        if power and name in shared and law_speed is None:
+            raise ParameterError(
+                f"known {name} = {shared[name]!r}: must come with law_speed, at which it is known"
+            )
     guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
     if start is not None:
         checks.instance(start, "start", Oscillator)
@@ -598,7 +674,7 @@ def identified(
         ]
     found = None
     if all(step.rhythm.status == "periodic" for step in steps):
-        found = fitted(steps, scale, shared, guess)
+        found = fitted(steps, scale, shared, guess, power, law_speed)
     return Identification(tables_of(steps, found, scale, shared, case))
 
 
@@ -615,6 +691,10 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
             values[name] = checks.number(
                 value, "restitution" if name[0] == "R" else name, f"known {name}"
             )
+        elif name == "exponent":
+            values[name] = checks.to_float(value, f"known {name}", "a finite number")
+            if not math.isfinite(values[name]):
+                raise ParameterError(f"known {name} = {value!r}: must be a finite number")
         else:
             values[name] = positive(value, f"known {name}", zero=name == "C")
     if values.get("mu") == 0:
@@ -881,9 +961,14 @@ def of_times(
 
 
 def fitted(
-    steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float]
-) -> Fit:
+    steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
+    power: bool, law_speed: float | None,
+) -> Fit:  # fmt: skip
     """The fit of exact motions to all records."""
+    law = shared
+    # constants first: what is known of a law does not hold for them
+    shared = {name: value for name, value in shared.items() if not (power and name in OF_LAW)}
+    shared |= {"exponent": 0.0}
     starts: list[dict[str, float]] = []
     lengths, phases, rings = [], [], []
     for step in steps:
@@ -901,15 +986,15 @@ def fitted(
         phases.append(phase)
     M, K = scale.get("M"), scale.get("K")
     found = [step.data for step in steps if step.data is not None]
-    if len(found) == 1:
-        return fit(found, shared, starts[0], lengths, phases, rings[0], M, K)
     # each record by itself, and then all from what these tell together
     single = [
-        fit([data], shared, begin, [length], [phase], ring, M, K)
+        fit([data], shared, begin, [length], [phase], ring, M, K, rough=power)
         for data, begin, length, phase, ring in zip(
             found, starts, lengths, phases, rings, strict=True
         )
     ]
+    if len(found) == 1 and not power:
+        return single[0]
     middle = dict(shared)
     for name in (name for name in SHARED if name not in shared):
         sizes = [
@@ -920,8 +1005,37 @@ def fitted(
         weights = weights if weights.any() else np.ones(len(single))
         middle[name] = float(np.average([one.values[name] for one in single], weights=weights))
     ring = next((one.ring for one in single if one.ring is not None), None)
-    lengths = [one.lengths[0] for one in single]
-    return fit(found, shared, middle, lengths, [one.phases[0] for one in single], ring, M, K)
+    lengths, phases = [one.lengths[0] for one in single], [one.phases[0] for one in single]
+    if not power:
+        return fit(found, shared, middle, lengths, phases, ring, M, K)
+    speed, of_law = start_of_law(single, law, law_speed)
+    near = [one.motions[0] for one in single]
+    return fit(found, law, middle | of_law, lengths, phases, ring, M, K, speed, near)
+
+
+def start_of_law(
+    single: Sequence[Fit], known: Mapping[str, float], speed: float | None
+) -> tuple[float, dict[str, float]]:
+    """The reference speed, and a power law through the coefficients of records that were fitted by themselves."""
+    units = [one.values["omega"] * one.lengths[0] for one in single]
+    all_speeds = [
+        unit * approach_speeds(one.motions[0]) for unit, one in zip(units, single, strict=True)
+    ]
+    if speed is None:
+        speed = float(np.exp(np.mean(np.log(np.concatenate(all_speeds)))))
+    x, y = np.empty((2, len(single))), np.empty((2, len(single)))
+    for i, (one, speeds) in enumerate(zip(single, all_speeds, strict=True)):
+        for j, (name, sign) in enumerate((("R1", 1), ("R2", -1))):
+            own = one.motions[0].pattern.signs == sign
+            x[j, i] = np.mean(np.log(speeds[own] / speed))
+            y[j, i] = math.log(min(max(one.values[name], 0.05), 1.0))
+    apart = x - x.mean(axis=1, keepdims=True)
+    # none where the speeds are nearly alike
+    steep = float(np.clip(-np.sum(apart * y) / (np.sum(apart**2) + 1e-2), -0.5, 0.5))
+    values = {"exponent": known.get("exponent", steep)}
+    for name, level in zip(("R1", "R2"), np.mean(y + values["exponent"] * x, axis=1), strict=True):
+        values[name] = known.get(name, float(min(math.exp(level), 0.99)))
+    return speed, values
 
 
 def refined(step: Step, omega: float) -> Measured:
@@ -1020,7 +1134,8 @@ def tables_of(
     )  # fmt: skip
     records: dict[str, list[Any]] = {name: [] for name in names}
     impacts: dict[str, list[Any]] = {
-        name: [] for name in ("number", "side", "picked", "picked_error", "fitted")
+        name: []
+        for name in ("number", "side", "picked", "picked_error", "fitted", "speed", "restitution")
     }
     picks: dict[str, list[Any]] = {name: [] for name in ("number", "time", "side")}
     samples: dict[str, list[Any]] = {
@@ -1030,6 +1145,9 @@ def tables_of(
     for i, step in enumerate(steps):
         data, record = step.data, step.record
         motion = found.motions[i] if found is not None else None
+        multipliers = (
+            np.full(4, complex(math.nan, math.nan)) if motion is None else motion.multipliers
+        )
         pattern = data.pattern if data is not None and found is not None else None
         middle = 0.0 if record is None else (len(record) - 1) / 2 / record.rate
         begin = 0.0 if record is None else record.start
@@ -1048,12 +1166,18 @@ def tables_of(
             "clearance": motion.clearance if motion else math.nan,
             "static": found.lengths[i] if found is not None else math.nan,
             "misfit": found.misfits[i] if found is not None else math.nan,
-            "multipliers": motion.multipliers if motion else np.full(4, complex(math.nan, math.nan)),
         }  # fmt: skip
-        for name, value in fit_of.items():
-            records[name].append(value)
         first = math.nan
-        if motion is not None and data is not None:
+        if found is not None and motion is not None and data is not None:
+            unit = found.values["omega"] * found.lengths[i]
+            if found.speed is not None:
+                of_law = {**found.values, "v0": found.speed}
+                multipliers = motion_of_law(
+                    motion.osc, motion.r, motion.clearance, described(motion)[0], motion.pattern,
+                    walls_of(of_law, unit),
+                ).multipliers  # fmt: skip
+            impacts["speed"] += (unit * approach_speeds(motion)).tolist()
+            impacts["restitution"] += motion.restitution.tolist()
             fitted_angles = motion.phases + motion.load_phase
             turn = fitted_angles - phase - data.angles
             fitted_angles = fitted_angles - 2 * math.pi * round(
@@ -1066,7 +1190,8 @@ def tables_of(
             impacts["picked"] += (data.angles + phase).tolist()
             impacts["picked_error"] += data.angle_errors.tolist()
             impacts["fitted"] += fitted_angles.tolist()
-        records["first"].append(first)
+        for name, value in {**fit_of, "multipliers": multipliers, "first": first}.items():
+            records[name].append(value)
         picks["number"] += [i + 1] * step.times.size
         picks["time"] += step.times.tolist()
         picks["side"] += ["R" if sign > 0 else "L" for sign in step.signs]
@@ -1170,7 +1295,7 @@ def parameters_of(
 ) -> dict[str, list[Any]]:
     """The table of parameters: what is known, what was fitted, and what follows from both."""
     rows: list[tuple[str, float, float, str, str]] = []
-    units = KNOWN | {"F0/K": "m"}
+    units = KNOWN | {"F0/K": "m", "v0": "m/s"}
 
     def add(name: str, value: float, error: float, state: str) -> None:
         rows.append(
@@ -1240,7 +1365,11 @@ def parameters_of(
                 value * share if math.isfinite(value) else math.inf,
                 "fitted" if math.isfinite(share) else "undetermined",
             )
+    if found is not None and found.speed is not None:
+        add("v0", found.speed, 0.0, "known")
     for name in SHARED:
+        if name == "exponent" and (found is None or found.speed is None):
+            continue
         if name in shared:
             add(name, shared[name], 0.0, "known")
         elif found is not None:
