@@ -2,9 +2,9 @@ r"""
 A rig identified from its record
 ================================
 
-A virtual rig is recorded as a bench would be: 2.7 kg on 42 kN/m, a particle of 0.11 kg with 6 mm of travel from wall
-to wall, 6 N at 19.5 Hz. Noise is 40 dB below the signals, the sensors have 2 kHz of bandwidth, and a second mode rings
-at 430 Hz after each impact. M, K and m are known; the record gives the rest.
+A virtual rig is recorded as a bench would be: 2.7 kg on 42 kN/m, a particle of 0.11 kg with 6 mm of travel from
+wall to wall, 6 N at 19.5 Hz. Noise is 40 dB below the signals, the sensors have 2 kHz of bandwidth, and a second
+mode rings at 430 Hz after each impact. M, K and m are known; the record gives the rest.
 """
 
 import vibroimpact as vi
@@ -15,8 +15,8 @@ found = vi.identify(rig.record(seed=17), known=known)
 print(found)
 
 # %%
-# Every step, from above: the load and its fit; the record with the picked impacts; their load phases over the whole
-# record, with those of the pattern; the exact motion that was fitted; and what it leaves.
+# Every step, from above: the load and its fit; the record with the picked impacts; their load phases over the
+# whole record, with those of the pattern; the exact motion that was fitted; and what it leaves.
 
 found.plot()
 
@@ -26,8 +26,8 @@ found.plot()
 found.plot(kind="motion")
 
 # %%
-# A rig whose coefficients of restitution fall with the approach speed. Records at three loads tell the law, R1 and R2
-# at the speed v0 and one exponent.
+# A rig whose coefficients of restitution fall with the approach speed. Records at three loads tell the law, R1 and
+# R2 at the speed v0 and one exponent.
 
 walls = [vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9)]
 records = [
