@@ -768,8 +768,8 @@ def fit(
     x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept)
     if not converged and not rough:
         raise SingularError(
-            f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted residuals "
-            f"add up to {float(f @ f):.3g}"
+            f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted "
+            f"residuals add up to {float(f @ f):.3g}"
         )
     found = finished(sizes, x, f, J, names, place, shared(x), guesses, scales, ringing)
     for i, data in enumerate(records):

@@ -80,6 +80,10 @@ def state_of(start: Any) -> State:
         raise ParameterError(
             f"status = {result.status!r} of the identification: must be 'periodic'; there is no motion to show"
         )
+    if isinstance(result, Identification) and not isinstance(result.motion, Motion):
+        raise ParameterError(
+            "law = 'power' of the identification: must be 'constant'; the explorer has no laws of restitution"
+        )
     motion = result.motion if isinstance(result, Identification) else result
     if not isinstance(motion, Motion):
         raise ParameterTypeError(
