@@ -809,7 +809,7 @@ def finished(
     freedom = max(1, f.size - int(determined.sum()))
     misfit = float(f @ f) / freedom
     # what the records do not determine may be wrong by as much as itself, and what depends on it a little by less
-    inverse = np.minimum(1 / np.where(s > 0, s, 1e-300) ** 2, 1.0)
+    inverse = 1 / np.maximum(s, 1.0) ** 2
     covariance = (Vt.T * inverse) @ Vt * np.outer(scales, scales) * max(1.0, misfit)
     vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
     kept = [name for name in names if name in SHARED or name.startswith("F0/K")]

@@ -173,6 +173,9 @@ def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
     none = vi.identify(still.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11})
     with pytest.raises(ParameterError, match="of the identification: must be 'periodic'"):
         state_of(none)
+    law = vi.identify(rig.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, law="power")
+    with pytest.raises(ParameterError, match="law = 'power' of the identification: must be"):
+        state_of(law)
 
 
 def test_a_box_out_of_range_is_named():
