@@ -1,9 +1,9 @@
 """Seconds for a design: the search, warm, and its confirmation by samples; beside a grid of `response`.
 
-A damper for r from 1 to 1.04 with uncertain restitution: the clearance and the mass for which max|X|/A stays below
-0.3 for 99 % of the units. The peer is what one would write by hand: `vi.response` for the nominal unit at each point
-of a grid, whose best point is taken. The answers agree if some candidate is at least as good as the best point of the
-grid, for the nominal unit.
+A damper for r from 1 to 1.04 with uncertain restitution: the clearance and the mass for which max|X|/A stays
+below 0.3 for 99 % of the units. The peer is what one would write by hand: `vi.response` for the nominal unit at
+each point of a grid, whose best point is taken. The answers agree if some candidate is at least as good as the
+best point of the grid, for the nominal unit.
 
 Run with `python benchmarks/design_speed.py`.
 """
