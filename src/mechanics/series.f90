@@ -3,8 +3,7 @@
 !!
 !! At any time a bound on the fourth derivative gives a step within which neither limit can be
 !! reached (vi_advance). Such steps cannot jump over a contact, however short it is, and converge to
-!! it with third order. Where the distance certainly falls until the contact, Newton's method finds
-!! it with fewer steps. Just after departure from a limit the distance g to it is a small difference
+!! it with third order. Just after departure from a limit the distance g to it is a small difference
 !! of large numbers. There g(t) = t k(t), with k(0) the departure speed, is evaluated by the series
 !! of k, so that flights in an accumulation of impacts keep their relative accuracy.
 module vi_series
@@ -24,7 +23,7 @@ module vi_series
    type, public :: series_type
       !> Time about which it is, and how far it is valid.
       real(wp) :: centre = 0, reach = -1
-      real(wp) :: c(0:order)
+      real(wp) :: c(0:order) = 0
       !> The last order that is used.
       integer :: last = order
       !> Bounds on the fifth derivative and on the one after the last, if all orders are used.
@@ -38,7 +37,7 @@ module vi_series
       integer :: wall = 0
       real(wp) :: speed = 0
       !> k(t) = g(t)/t, and the time up to which this series is valid.
-      real(wp) :: k(0:order - 1), near = 0
+      real(wp) :: k(0:order - 1) = 0, near = 0
       !> Bounds on the fourth and on the fifth derivative of g.
       real(wp) :: fourth = 0, fifth = 0
    end type opening_type
@@ -102,7 +101,6 @@ contains
       real(wp), intent(out) :: speed
       real(wp) :: d(0:3), h, step
       integer :: side
-      logical :: found
 
       wall = 0
       speed = 0
@@ -111,15 +109,6 @@ contains
          call evaluate(series, t, d)
          if (opening%wall /= 0 .and. t <= 0) d(:1) = [merge(opening%upper, opening%lower, &
             opening%wall > 0), -opening%wall*opening%speed]
-         if (walls < 3) then
-            side = merge(1, -1, walls == 1)
-            if (side /= opening%wall .or. t >= opening%near) then
-               call pinpoint(series, merge(opening%upper, opening%lower, side > 0), side, d, &
-                  bound, min(end, series%centre + series%reach), t, speed, found)
-               if (found) wall = side
-               if (found) return
-            end if
-         end if
          step = huge(1.0_wp)
          do side = 1, -1, -2
             if (iand(walls, merge(1, 2, side > 0)) == 0) cycle
@@ -140,55 +129,6 @@ contains
          t = t + step
       end do
    end subroutine follow
-
-   !> The contact, where it is certain that the gap closes and falls until then: by Newton's method.
-   !!
-   !! With g and g' now, the gap is closed after 2g/|g'| at the latest if its slope stays below g'/2
-   !! until then.
-   pure subroutine pinpoint(series, limit, side, at, bound, end, t, speed, found)
-      !> The series.
-      type(series_type), intent(in) :: series
-      !> The limit that may be reached, and its side: +1 upper, -1 lower.
-      real(wp), intent(in) :: limit
-      integer, intent(in) :: side
-      !> Derivatives of order 0 to 3 now, bound on the absolute fourth one, end of the search.
-      real(wp), intent(in) :: at(0:3), bound, end
-      !> In: the time now. Out: that of the contact, if it is found.
-      real(wp), intent(inout) :: t
-      !> Approach speed, if it is found; otherwise not changed.
-      real(wp), intent(inout) :: speed
-      !> Whether it is found.
-      logical, intent(out) :: found
-      real(wp) :: d(0:3), g, h, e, a, b, last, now
-      integer :: i
-
-      found = .false.
-      g = side*(limit - at(0))
-      if (.not. (g > 0 .and. side*at(1) > 0)) return
-      h = 2*g/(side*at(1))
-      if (t + h > end .or. .not. h*(abs(at(2)) + h*(0.5_wp*abs(at(3)) + h*(bound/6))) &
-         < 0.5_wp*side*at(1)) return
-      last = t + h
-      now = t
-      d = at
-      do i = 1, 5
-         ! the zero of the cubic with these derivatives: a series, then a step of Newton's method
-         e = (limit - d(0))/d(1)
-         a = 0.5_wp*d(2)/d(1)
-         b = d(3)/(6*d(1))
-         h = e*(1 - e*(a - e*(2*a*a - b)))
-         h = h - (d(0) - limit + h*(d(1) + h*(0.5_wp*d(2) + h*(d(3)/6))))/(d(1) + h*(d(2) &
-            + h*(0.5_wp*d(3))))
-         if (bound*abs(h)**3 <= epsilon(1.0_wp)*abs(d(1))) then
-            found = .true.
-            t = min(max(now + h, t), last)
-            speed = max(0.0_wp, side*(d(1) + h*(d(2) + h*(0.5_wp*d(3)))))
-            return
-         end if
-         now = min(max(now + h, t), last)
-         call evaluate(series, now, d)
-      end do
-   end subroutine pinpoint
 
    !> Value and first three derivatives of a series.
    pure subroutine evaluate(series, t, d)
