@@ -42,10 +42,11 @@ CASES["structure"] = (
 CASES["record"] = CASES["structure"].partition("&load")[0] + (
     "&load record = 1, -1, .5, 2, -2, 1, step = 2, base = 'acceleration' /\n&simulate duration = 40 /\n"
 )
-# for other studies, except two slow ones, the case that `vibroimpact init` writes
+# for other studies of the core, except two slow ones, the case that `vibroimpact init` writes
 CASES |= {
-    name: template(name, "case.nml") for name in STUDIES if name not in (*CASES, "chart", "atlas")
-}
+    name: template(name, "case.nml") for name in STUDIES
+    if name not in (*CASES, "chart", "atlas", "design", "identify")
+}  # fmt: skip
 #: A case without a solution.
 NOWHERE = FREE + (
     "&zone sides = 'RL', symmetric = 'yes', r_min = 3, r_max = 3.1,\n"

@@ -46,8 +46,8 @@ def test_templates_run_through_all_doors(templates, tool, same_build):
     """
     batch = Runner([find_batch()], templates)
     for name in IN_PYTHON:
-        done = tool("run", f"{name}.nml", "-o", "ours")
-        assert (done.status, done.err, sorted(contents(templates / "ours"))) == (
+        done = tool("run", f"{name}.nml", "-o", f"ours_{name}")
+        assert (done.status, done.err, sorted(contents(templates / f"ours_{name}"))) == (
             0,
             b"",
             [f"{name}.csv"],

@@ -211,7 +211,7 @@ def test_a_period_that_does_not_close_is_not_admissible(zone_with_folds):
     """A solution with a residual above 1e-9, as from some starts beyond the fold, is not called admissible."""
     found = [
         motion
-        for offset in (3e-10, 1e-9)
+        for offset in np.geomspace(1e-10, 1e-7, 10)
         for motion in starts_near(zone_with_folds, "fold", offset)
     ]
     open_ends = [motion for motion in found if motion.residual > 1e-9]

@@ -14,7 +14,7 @@ FILES = sorted((Path(__file__).parents[2] / "inputs").glob("*.nml"))
 THREADS = 8
 ROUNDS = 25
 #: Kinds of cases that take seconds.
-LONG = {"atlas", "basins", "chart", "zone"}
+LONG = {"atlas", "basins", "chart", "zone", "design", "identify"}
 WRONG = """
 &system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /
 &motion sides = 'RL', phases_over_pi = 0, 1.37, clearance = 37 /
