@@ -173,7 +173,8 @@ class StructureBranch(Followed, study="branch_structure"):
         if isinstance(i, range):
             return [self[j] for j in i]
         structure, load = self.at(float(self.values[i]))
-        phases = np.array(self.phases[:, i])
+        # of two impacts at one instant rounding may put the second one first
+        phases = np.maximum.accumulate(self.phases[:, i])
         # at a fold Newton's method has no unique step, while for known phases all else is linear
         return motion_from_phases(structure, load, self.gaps, phases, self.cycles)
 
