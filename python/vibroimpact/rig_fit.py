@@ -653,9 +653,7 @@ def fit(
         first = start(point._replace(**means, exponent=0.0, speed=None))
         guesses.append(checked(motion_at(point, first), data))
     for i, data in enumerate(records):
-        here, _ = described(guesses[i])
-        off = data.angles - (here - x[place[f"phase {i}"]])
-        turns.append(2 * math.pi * round(float(np.median(off)) / (2 * math.pi)))
+        turns.append(turn_of(guesses[i], data, x[place[f"phase {i}"]]))
 
     def residuals(x: _Array) -> tuple[_Array, _Array]:
         p = shared(x)
@@ -781,12 +779,19 @@ def fit(
     return replace(found, speed=speed)
 
 
+def turn_of(motion: Motion, data: Measured, phase: float) -> float:
+    """The load cycles (radians) from the impacts of a motion to those that were picked."""
+    off = data.angles - (described(motion)[0] - phase)
+    return 2 * math.pi * round(float(np.median(off)) / (2 * math.pi))
+
+
 def predicted(data: Measured, found: Fit, i: int) -> _Complex:
     """The harmonics of the acceleration of the fitted motion of record i."""
     phases, jumps = described(found.motions[i])
     omega, xi = found.values["omega"], found.values["xi"]
     static, w = found.lengths[i], data.frequencies
-    _, impulse = data.impulses(phases - found.phases[i], jumps * omega * static)
+    turn = turn_of(found.motions[i], data, found.phases[i])
+    _, impulse = data.impulses(phases - found.phases[i] + turn, jumps * omega * static)
     force = impulse + omega**2 * static * data.shape * np.exp(
         1j * found.phases[i] * data.orders / data.k
     )

@@ -377,6 +377,8 @@ def test_three_hundred_rigs():
             for cycle in range(k)
         ]
         assert min(errors) < 1e-3 * k, seed
+        own, shown = (found._of(0, "samples", name) for name in ("motion", "motion_fit"))
+        assert np.std(own - shown) < 0.2 * np.std(own), seed
         right, left = rig.restitution
         wanted = {"xi": rig.xi, "R1": right, "R2": left, "d": rig.d, "F0": rig.F0}
         for name, value in wanted.items():
