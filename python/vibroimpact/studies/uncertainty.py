@@ -488,7 +488,7 @@ def limits_of(limit: Any, names: tuple[str, ...]) -> dict[str, float]:
 def axis(values: ArrayLike, name: str) -> _Array:
     """Increasing numbers, as an array that a caller cannot change."""
     wanted = "increasing numbers, one list"
-    found = np.atleast_1d(checks.real_array(values, name, wanted)).copy()
+    found: _Array = np.atleast_1d(checks.real_array(values, name, wanted)).copy()
     if found.ndim != 1 or found.size == 0 or not (np.diff(found) > 0).all():
         raise ParameterError(f"{name} of shape {found.shape}: must be {wanted}")
     for value in (found[0], found[-1]):
