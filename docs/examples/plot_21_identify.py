@@ -34,7 +34,7 @@ records = [
     vi.VirtualRig(**known, d=0.006, xi=0.01143, restitution=walls, F0=F0, frequency=19.5).record(
         seed=1
     )
-    for F0 in (5.4, 6.0, 6.8)
+    for F0 in (6.0, 6.4, 6.8)
 ]
 law = vi.identify(records, known=known, law="power")
 print(f"exponent {law.values['exponent']:.4f}, 95 % interval {law.interval('exponent')}")

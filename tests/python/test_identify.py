@@ -106,7 +106,7 @@ def test_a_pair_of_equal_impacts_is_found(seed):
 
 #: A power law on both walls, which is one above 0.02 m/s, and load amplitudes of three records.
 LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
-LOADS = (5.4, 6.0, 6.8)
+LOADS = (6.0, 6.4, 6.8)
 
 
 def records_at_loads(walls, seed):
