@@ -113,7 +113,7 @@ class Savable:
 
         Raises
         ------
-        ParameterError, ParameterTypeError
+        errors.ParameterError, errors.ParameterTypeError
             If the oscillator does not know M, K and F0, or a unit is not known.
         """
         from .physical import physical
