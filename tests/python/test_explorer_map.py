@@ -111,7 +111,7 @@ def test_the_box_is_dragged(page):
     library."""
     page.open("box=1.02,25,0.02,5&limit=0.6&patterns=RL")
     mouse, seen = page.page.mouse, []
-    for part in (0.3, 0.7):  # two points whose pixels are known
+    for part in (0.3, 0.7):  # two points whose pixels are known; two quick clicks are two points
         pixel = page.place(part, part)
         address = page.page.url
         mouse.click(*pixel)

@@ -175,3 +175,20 @@ def test_a_run_from_the_portrait(page):
     page.page.click("#stop")
     page.page.wait_for_function("!location.search.includes('run')")
     page.settle()
+
+
+def test_two_quick_clicks_are_two_points(page):
+    """A second click within the time of a double click chooses its own point."""
+    page.open()
+    first, second = page.place(0.3, 0.3), page.place(0.7, 0.7)
+    page.page.mouse.click(*first)
+    page.page.mouse.click(*second)
+    page.page.wait_for_function("location.search.includes('clearance=')")
+    page.settle()
+    quick = page.page.url
+    page.page.wait_for_timeout(400)
+    page.page.mouse.click(*first)
+    page.page.wait_for_function("address => location.href !== address", arg=quick)
+    page.page.wait_for_timeout(400)
+    page.page.mouse.click(*second)
+    page.page.wait_for_function("address => location.href === address", arg=quick)

@@ -97,7 +97,7 @@ def figures() -> dict[str, Any]:
 def zone_chart() -> Any:
     """Zones with their boundaries, the chosen point, and the line of the diagram."""
     plot = blank(
-        "zones", ("mousemove", "mouseleave", "tap", "panstart", "pan", "panend"),
+        "zones", ("mousemove", "mouseleave", "tap", "doubletap", "panstart", "pan", "panend"),
         x_axis_label="frequency ratio  r = Ω/ω", y_axis_label="clearance  dK/F₀", y_axis_type="log",
         **ranges("zones", 2, 1),
     )  # fmt: skip

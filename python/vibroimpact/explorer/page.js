@@ -213,7 +213,8 @@ export function render({ model }) {
         waiting.delete("peek")
         ask("unpeek")
       }
-      if (event === "tap") {
+      // Bokeh calls a second tap within 0.3 s a double one, wherever it is
+      if (event === "tap" || event === "doubletap") {
         at("chart").focus({ preventScroll: true })
         ask("point", { r: x, clearance: y })
       }
