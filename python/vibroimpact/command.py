@@ -53,9 +53,16 @@ class Parser(argparse.ArgumentParser):
     in_json = False
 
     def __init__(self, **options: Any) -> None:
+        #: What stands outside groups, in order.
+        self.added: list[argparse.Action] = []
         super().__init__(**options)
         self.register("type", int, whole)
         self.register("type", float, number)
+
+    def add_argument(self, *names: Any, **options: Any) -> argparse.Action:
+        """As in the base class; the argument is kept in `added`."""
+        self.added.append(super().add_argument(*names, **options))
+        return self.added[-1]
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As in the base class; also -1e-3 and -inf are values, not options: a blank before each makes them so."""

@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
 
     parser, each = parsers()
     for name, command in each.items():
-        for action in command._actions:
+        for action in command.added:
             if name == "reproduce" and action.dest == "names":
                 action.choices = list(NAMES)
             elif action.dest in ("files", "folder", "file"):
