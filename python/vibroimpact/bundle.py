@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, checks
 from .errors import ParameterError
 from .interrupt import new_counters, stoppable
-from .model import Oscillator
+from .model import Oscillator, of_numbers
 from .states import TWO_PI
 
 __all__ = ["Bundle", "simulate_bundle"]
@@ -98,7 +98,7 @@ def simulate_bundle(
     >>> vi.simulate_bundle(osc, r=np.linspace(1.03, 1.05, 5), clearance=25.0, cycles=1000)
     <Bundle of 5 simulations, 5 done, 9981 impacts>
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     given = {"r": r, "clearance": clearance, "load": load}
     columns = {name: checks.real_array(value, name, "numbers") for name, value in given.items()}
     start = np.zeros(5) if states is None else checks.real_array(states, "states", "numbers (5, M)")

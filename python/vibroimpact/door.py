@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _core, checks, namelist
 from .errors import OutOfMemoryError, ParameterError, ParameterTypeError, StudyInterrupted
 from .interrupt import new_counters, stoppable
-from .model import Oscillator
+from .model import Oscillator, of_numbers
 from .spacing import spacing_of
 from .tables import Handle, Result, from_core, language, message_of
 
@@ -56,7 +56,7 @@ def run(
         After Ctrl-C, with what was finished.
     """
     study: str = noun.study  # type: ignore[attr-defined]
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     names = parameters or {}
     values = {key: plain(study, key, value, names.get(key, key)) for key, value in keys.items()}
     before = {} if start is None else {"motion": start}

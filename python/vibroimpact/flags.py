@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
-from .model import Oscillator, Pattern, plain_pattern
+from .model import Oscillator, Pattern, of_numbers, plain_pattern
 from .solve import frequency_ratios, impact_restitution
 
 __all__ = ["StabilityFlags", "stability_flags"]
@@ -98,7 +98,7 @@ def stability_flags(
     >>> round(float(np.mean(flags.stable == 1)), 3)
     0.441
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     pattern = plain_pattern(pattern)
     n = len(pattern)
     wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from . import checks
 from .errors import MissingExtraError, ParameterError, SingularError
 from .gradient import PARAMETERS, Gradient
-from .model import Oscillator
+from .model import Oscillator, of_numbers
 from .motion import Motion
 from .newton import exact
 from .states import NEEDED
@@ -165,7 +165,7 @@ def final_state(
     >>> sorted(slopes)
     ['x', 'z_dot']
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     checks.number(cycles, "cycles_simulated", "cycles")
     own = dict(zip(NAMES, (r, clearance, osc.xi, osc.mu, *osc.restitution, load), strict=True))
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from . import checks
 from .errors import ParameterError, ParameterTypeError
 from .jupyter import facts_html
-from .restitution import PowerLaw, Restitution, TabulatedRestitution
-from .structure import Gap, Structure
+from .restitution import Restitution, checked
+from .structure import Gap, Load, Structure
 from .units import SI, Units, checked_names, positive
 
 __all__ = ["Oscillator", "Pattern"]
@@ -60,9 +60,11 @@ class Oscillator:
     mu : float
         Mass ratio m/M, ``0 <= mu <= 1e6``. With 0 the primary mass does not feel the impacts (the
         impact pair).
-    restitution : float or (float, float)
-        Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1]; one
-        number stands for both.
+    restitution : float, PowerLaw or TabulatedRestitution, or two of them
+        Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law over the
+        approach speed in F0 omega/K; one stands for both. An oscillator with a law is treated as
+        `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov` and `basins` take it and give the results
+        of a `Structure`; all others ask for numbers.
     M, K, F0 : float, optional
         Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
         All results of the oscillator and their files keep them. They are not part of the dimensionless
@@ -82,11 +84,17 @@ class Oscillator:
     >>> import vibroimpact as vi
     >>> vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+
+    With a law, further arguments and results are those of structures:
+
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
+    >>> vi.exact(osc, 0.94, 37.0, ([1.6, 6.0], [0, 1]))
+    <StructureMotion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
     """
 
     xi: float
     mu: float
-    restitution: tuple[float, float]
+    restitution: tuple[Any, Any]
     #: Primary mass in physical units, if set by `from_dimensional`.
     M: float | None = field(default=None, repr=False, compare=False, kw_only=True)
     #: Stiffness in physical units, if set by `from_dimensional`.
@@ -102,7 +110,7 @@ class Oscillator:
         *,
         xi: float,
         mu: float,
-        restitution: float | tuple[float, float],
+        restitution: Restitution | tuple[Restitution, Restitution],
         M: float | None = None,
         K: float | None = None,
         F0: float | None = None,
@@ -145,7 +153,7 @@ class Oscillator:
         K: float,
         C: float,
         m: float,
-        restitution: float | tuple[float, float],
+        restitution: Restitution | tuple[Restitution, Restitution],
         F0: float | None = None,
         units: str = SI,
     ) -> Oscillator:
@@ -161,7 +169,7 @@ class Oscillator:
             Primary mass (> 0), stiffness (> 0) and viscous damping (>= 0, below critical).
         m : float
             Free mass (>= 0).
-        restitution : float or (float, float)
+        restitution : float, PowerLaw or TabulatedRestitution, or two of them
             As for the class.
         F0 : float, optional
             Load amplitude (> 0).
@@ -355,8 +363,22 @@ class Oscillator:
             self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
         )
 
+    @property
+    def _has_law(self) -> bool:
+        """Whether a coefficient of restitution depends on the speed."""
+        return not all(isinstance(each, float) for each in self.restitution)
+
+    def _as_structure(
+        self, r: float, clearance: float, load: float = 1.0
+    ) -> tuple[Structure, Load]:
+        """The same system as a structure with its load."""
+        structure = self.structure(clearance)
+        r = checks.frequency_ratio(r, self.xi)
+        return structure, Load(r, sine=[checks.number(load, "load"), 0])
+
     def _keys(self, r: float | None = None) -> dict[str, Any]:
         """The keys of a &system; None where they are not known."""
+        of_numbers(self)
         return {
             "xi": self.xi, "mu": self.mu, "restitution": list(self.restitution), "r": r, "mass": self.M,
             "stiffness": self.K, "force": self.F0, "unit_names": self.unit_names,
@@ -470,6 +492,16 @@ class Pattern:
         return Pattern(max(turned), self.cycles)
 
 
+def of_numbers(osc: Any, name: str = "osc") -> None:
+    """Checks that a value is an oscillator whose coefficients of restitution are numbers."""
+    checks.instance(osc, name, Oscillator)
+    if osc._has_law:
+        raise ParameterError(
+            f"restitution = {osc.restitution!r} of {name}: must be numbers here; simulate, exact, find, lyapunov "
+            "and basins take laws, and so does all that takes a Structure (Oscillator.structure)"
+        )
+
+
 def pattern_of(value: Any, name: str = "pattern") -> Pattern:
     """A pattern, also from its text: SIDES, or SIDES/CYCLES.
 
@@ -507,21 +539,13 @@ def plain_pattern(value: Any) -> Pattern:
     return pattern
 
 
-def _walls(restitution: Any) -> tuple[float, float]:
-    laws = restitution if isinstance(restitution, (tuple, list)) else (restitution,)
-    if any(isinstance(law, (PowerLaw, TabulatedRestitution)) for law in laws):
-        raise ParameterTypeError(
-            f"restitution = {restitution!r}: must be numbers; Oscillator.structure takes laws over the speed"
-        )
+def _walls(restitution: Any) -> tuple[Any, Any]:
     if isinstance(restitution, (tuple, list, np.ndarray)) and np.ndim(restitution) == 1:
         if len(restitution) != 2:
             raise ParameterError(
                 f"restitution = {restitution!r}: must be one number or two (R1 right wall, R2 left wall)"
             )
         first, second = restitution
-        return (
-            checks.number(first, "restitution", "restitution[0]"),
-            checks.number(second, "restitution", "restitution[1]"),
-        )
-    value = checks.number(restitution, "restitution")
+        return checked(first, "restitution[0]"), checked(second, "restitution[1]")
+    value = checked(restitution)
     return value, value

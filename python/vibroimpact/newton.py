@@ -11,7 +11,7 @@ from . import _core, checks
 from .errors import ParameterError, ParameterTypeError
 from .events import event_table
 from .interrupt import with_stack
-from .model import Oscillator, Pattern
+from .model import Oscillator, Pattern, of_numbers
 from .motion import Motion
 from .period import end_of, letters_of, not_periodic
 from .solve import frozen, impact_restitution, periodic
@@ -27,7 +27,20 @@ MOST_ITERATIONS = 50
 REST_EVENTS = (200, 20_000)
 
 
-@or_structure(exact_structure)
+def _guess_by_gaps(given: dict[str, Any]) -> None:
+    """Turns a guess for an oscillator into one for a structure: load phases, gaps, cycles."""
+    guess = given.get("guess")
+    if isinstance(guess, Motion):
+        if guess.pattern.has_rest:
+            raise ParameterError(
+                f"guess = {guess!r}: must be a motion without rest where restitution depends on the speed, or a "
+                "simulation with that restitution"
+            )
+        gaps = np.where(guess.pattern.signs > 0, 0, 1).tolist()
+        given["guess"] = (guess.phases + guess.load_phase, gaps, guess.pattern.cycles)
+
+
+@or_structure(exact_structure, of_law=_guess_by_gaps)
 def exact(
     osc: Oscillator,
     r: float,
@@ -79,7 +92,7 @@ def exact(
     >>> vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
     <Motion RL*/1 at r = 0.9, d K/F0 = 6: admissible, stable (max|lambda| = 0.9189)>
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
     clearance = checks.number(clearance, "clearance")
     load = checks.number(load, "load")

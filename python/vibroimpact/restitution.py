@@ -159,11 +159,11 @@ class TabulatedRestitution(ByValue, _Law):
 Restitution: TypeAlias = float | PowerLaw | TabulatedRestitution
 
 
-def checked(restitution: Restitution) -> Restitution:
-    """A law, or a number from 0 to 1."""
+def checked(restitution: Restitution, label: str | None = None) -> Restitution:
+    """A law, or a number from 0 to 1; `label` is its name in the message."""
     if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
         return restitution
-    return checks.number(restitution, "restitution")
+    return checks.number(restitution, "restitution", label)
 
 
 def numbers_of(restitution: Restitution) -> list[float]:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
 from .errors import ParameterError
-from .model import Oscillator, Pattern, plain_pattern
+from .model import Oscillator, Pattern, of_numbers, plain_pattern
 from .motion import Motion, Motions
 from .status import NO_MOTION, VERDICT, raise_status
 from .structure import or_structure
@@ -73,7 +73,7 @@ def periodic(
     >>> motion
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: admissible, stable (max|lambda| = 0.9347)>
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     pattern = plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)
@@ -129,7 +129,7 @@ def periodic_batch(
     >>> vi.periodic_batch(osc, 0.94, [np.zeros(7), second], vi.Pattern("RL"))
     <Motions RL/1: 7 points, 7 computed, 5 consistent, admissible and stable>
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     pattern = plain_pattern(pattern)
     table = checks.phase_table(phases, len(pattern), pattern.cycles)
     m = table.shape[1]
@@ -272,7 +272,7 @@ def equispaced_batch(
 
 def equispaced_pattern(osc: Oscillator, cycles: int) -> Pattern:
     """RL over an odd number of load cycles; an error if the walls differ."""
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     if osc.restitution[0] != osc.restitution[1]:
         raise ParameterError(
             f"restitution = {osc.restitution!r}: must be equal on both walls for equispaced impacts; use "
@@ -313,7 +313,7 @@ def linear_system(
     >>> matrix.shape, rhs.shape
     ((6, 5), (6,))
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     pattern = plain_pattern(pattern)
     r = checks.frequency_ratio(r, osc.xi)
     table = checks.phases(phases, len(pattern), pattern.cycles)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ParamSpec, TypeVar
 
@@ -384,9 +385,14 @@ _Result = TypeVar("_Result")
 
 
 def or_structure(
-    of_structure: Callable[..., Any], kind: type | None = None
-) -> Callable[[Callable[_Arguments, _Result]], Callable[_Arguments, _Result]]:
-    """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over."""
+    of_structure: Callable[..., Any], kind: type | None = None,
+    of_law: Callable[[dict[str, Any]], None] | None = None,
+) -> Callable[[Callable[_Arguments, _Result]], Callable[_Arguments, _Result]]:  # fmt: skip
+    """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
+
+    With `of_law` it also hands oscillators over whose restitution depends on the speed; `of_law` turns further
+    arguments, by name, into those for structures.
+    """
 
     def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
         @functools.wraps(of_oscillator)
@@ -398,8 +404,37 @@ def or_structure(
                 raise ParameterTypeError(
                     f"motion = {given[0]!r}: must be a vibroimpact.{kind.__name__}, not Structure"
                 )
+            if of_law and getattr(args[0] if args else kwargs.get("osc"), "_has_law", False):
+                names = inspect.signature(of_oscillator).bind_partial(*args).arguments
+                return handed_over(names | kwargs)
             return of_oscillator(*args, **kwargs)
+
+        def handed_over(given: dict[str, Any]) -> Any:
+            osc = given.pop("osc")
+            system = {name: given.pop(name) for name in ("r", "clearance", "load") if name in given}
+            structure, load = osc._as_structure(**system)
+            assert of_law
+            of_law(given)
+            (_, _, *known) = inspect.signature(of_structure).parameters
+            for name, value in given.items():
+                if name not in known:
+                    raise ParameterTypeError(
+                        f"{name} = {value!r}: must be left out where restitution depends on the speed; further "
+                        f"arguments are {', '.join(known)}"
+                    )
+            return of_structure(structure, load, **given)
 
         return either
 
     return decorate
+
+
+def state_by_coordinates(given: dict[str, Any]) -> None:
+    """Turns the argument `state` of a study of an oscillator into those of a structure, if it is a mapping."""
+    state = given.get("state")
+    if isinstance(state, Mapping):
+        wanted = ("t", "x", "x_dot", "z", "z_dot")
+        if sorted(state) != sorted(wanted):
+            raise ParameterError(f"state = {state!r}: must have the keys {', '.join(wanted)}")
+        given["start"] = state["t"]
+        given["state"] = ([state["x"], state["z"]], [state["x_dot"], state["z_dot"]])

@@ -14,14 +14,14 @@ from . import _core, checks, namelist
 from .errors import ParameterError, SingularError
 from .events import EVENT_TYPE, WORDS, Sample, event_columns, events_of, sample, segments
 from .gradient import Gradient, trajectory_gradient
-from .model import Oscillator
+from .model import Oscillator, of_numbers
 from .motion import osc_of, units_of
 from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
 from .quantities import Quantities, quantities_of
 from .states import NEEDED, Moment, State, System, as_numbers, later, moments_of, start_of, state_of
 from .status import MORE_EVENTS, raise_status
-from .structure import or_structure
+from .structure import or_structure, state_by_coordinates
 from .structure_trajectory import simulate_structure
 from .tables import Result, made
 
@@ -363,7 +363,7 @@ class Simulation(Noun, study="simulate"):
         return f"<Simulation: {', '.join(map(repr, self.parts())) or 'none'}>"
 
 
-@or_structure(simulate_structure)
+@or_structure(simulate_structure, of_law=state_by_coordinates)
 def simulate(
     osc: Oscillator,
     r: float,
@@ -431,7 +431,7 @@ def simulate(
     >>> run.events[-1]["kind"].item(), run.events[-1]["side"].item()
     ('stick', 'L')
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi, near=True)
     clearance = checks.number(clearance, "clearance")
     load = checks.number(load, "load")

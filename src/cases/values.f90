@@ -102,6 +102,8 @@ contains
          place = place_of(values%keys, item%key)
          if (place == 0) then
             call list_keys(values%keys, text)
+            if (values%name == 'system' .and. index(item%key, 'law') == 1) text = text// &
+               '; a law of restitution stands in a &gap of a &structure'
             call blame(values, item, 'is not a key of &'//values%name//'; must be one of '//text)
             return
          end if

@@ -79,6 +79,7 @@ FORMS = [
     ("blank", " \n\t\n! nothing\n", 0, "holds no namelist group", "&system"),
     ("byte order mark only", b"\xef\xbb\xbf", 0, "holds no namelist group", "&system"),
     ("unknown key", changed(3, "weight = 1"), 3, "&system weight = 1", "xi, mu, restitution, r"),
+    ("a law", changed(3, "law = 'power'"), 3, "&system law = 'power'", "a &gap of a &structure"),
     ("component", changed(3, "mu%x = 1"), 3, "&system mu%x = 1", "xi, mu, restitution, r"),
     ("key of another group", changed(9, "xi = 0.1"), 9, "&motion xi = 0.1", "kind, cycles"),
     ("key twice", changed(3, "xi = 0.1"), 3, "&system xi = 0.1", "line 2"),

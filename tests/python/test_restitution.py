@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.explorer.opening import state_of
 
 LAWS = [
     vi.PowerLaw(0.9, 0.3, 0.25), vi.PowerLaw(1.0, 0.5, 0.25, sharpness=0.2),
@@ -206,3 +207,66 @@ def test_bad_laws(make, message):
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
         make()
     assert message in str(caught.value)
+
+
+def oscillator(law):
+    return vi.Oscillator(xi=0.005, mu=0.042, restitution=law)
+
+
+def test_an_oscillator_with_a_law_is_its_structure():
+    """Each verb gives what it gives for the structure with these laws, bit for bit."""
+    laws = (vi.PowerLaw(0.75, 20, 0.25), vi.TabulatedRestitution([0, 10, 40], [0.8, 0.75, 0.6]))
+    osc = oscillator(laws)
+    pair, load = osc.structure(37.0), vi.Load(0.94, sine=[2.0, 0])
+    assert [gap.restitution for gap in pair.gaps] == list(laws)
+    state = {"t": 0.3, "x": 0.1, "x_dot": -1.0, "z": 2.0, "z_dot": 3.0}
+    by_pair = {"start": 0.3, "state": ([0.1, 2.0], [-1.0, 3.0])}
+    ours = vi.simulate(osc, 0.94, 37.0, 50, state=state, load=2.0)
+    theirs = vi.simulate(pair, load, cycles=50, **by_pair)
+    assert ours.events.tobytes() == theirs.events.tobytes()
+    assert len(ours.events) > 20
+    ours = vi.find(osc, 0.94, 37.0, states=4, guesses=4, load=2.0)
+    theirs = vi.find(pair, load, states=4, guesses=4)
+    assert [m.phases.tolist() for m in ours] == [m.phases.tolist() for m in theirs]
+    assert ours
+    more = {"cycles": 40, "discard": 10}
+    ours = vi.lyapunov(osc, 0.94, 37.0, state=state, load=2.0, **more)
+    assert ours.to_json() == vi.lyapunov(pair, load, **by_pair, **more).to_json()
+    ours = vi.basins(osc=osc, r=0.94, clearance=37.0, states=3, settling=50, load=2.0)
+    assert ours.to_json() == vi.basins(pair, load, states=3, settling=50).to_json()
+
+
+def test_a_constant_law_of_an_oscillator_is_its_number():
+    """Motion, multipliers and the flip along the clearance, from a motion with the number as the guess."""
+    plain, flat = oscillator(0.75), oscillator(vi.PowerLaw(0.75, 1.0, 0.0))
+    motion = vi.exact(plain, 0.94, 37.0, ([0, 4.34], "RL"))
+    same = vi.exact(flat, 0.94, 37.0, motion)
+    assert np.diff(same.phases) == pytest.approx(np.diff(motion.phases), abs=1e-12)
+    assert np.poly(same.multipliers) == pytest.approx(np.poly(motion.multipliers), abs=1e-9)
+    ours, theirs = vi.branch(same, "opening", (15, 20)), vi.branch(motion, "clearance", (30, 40))
+    assert [p.type for p in ours.special_points] == [p.type for p in theirs.special_points]
+    found = [2 * point.value for point in ours.special_points]
+    assert found == pytest.approx([point.clearance for point in theirs.special_points], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda osc: vi.periodic(osc, 0.94, [0, 4.3], "RL"), "restitution.*PowerLaw.*must be numbers"),
+        (lambda osc: vi.equispaced(osc, 0.94, 37.0), "of osc: must be numbers"),
+        (lambda osc: vi.zone(osc, "RL", (0.9, 1), (10, 20)), "of osc: must be numbers"),
+        (lambda osc: vi.atlas(osc, (0.9, 1), (10, 20)), "of osc: must be numbers"),
+        (lambda osc: vi.response(osc, [1, 1.1], clearance=10), "Oscillator.structure"),
+        (lambda osc: vi.bifurcation_diagram(osc, "r", [1, 1.1], clearance=5), "Oscillator.structure"),
+        (lambda osc: vi.design(osc, r=(0.9, 1.1), free={"clearance": (5, 50)}), "of host: must be numbers"),
+        (state_of, "the explorer has no laws"),
+        (lambda osc: vi.simulate(osc, 0.94, 37.0, 20, discard=5), "discard = 5: must be left out"),
+        (lambda osc: vi.simulate(osc, 0.94, 37.0, 20, state={"t": 0}), "must have the keys t, x"),
+        (lambda osc: vi.simulate(osc, 0.0, 37.0, 20), "r = 0.0"),
+        (lambda osc: vi.exact(osc, 0.94, 37.0, ([0, 4.3], "RL")), "gap numbers"),
+        (lambda osc: vi.find(oscillator((osc.restitution[0], 2)), 0.94, 37.0), r"restitution\[1\] = 2"),
+    ],
+)  # fmt: skip
+def test_what_takes_no_law_says_so(call, words):
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=words):
+        call(oscillator(vi.PowerLaw(0.75, 20, 0.25)))

@@ -73,6 +73,10 @@ def state_of(start: Any) -> State:
     units = start.units if isinstance(start, Physical) else None
     result = start.result if isinstance(start, Physical) else start
     if isinstance(result, Oscillator):
+        if not all(isinstance(value, float) for value in result.restitution):
+            raise ParameterError(
+                f"restitution = {result.restitution!r}: must be numbers; the explorer has no laws of restitution"
+            )
         return of_system(result, units)
     if isinstance(result, Design):
         return of_design(result, units)

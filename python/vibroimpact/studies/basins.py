@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
 from ..errors import ParameterError
-from ..model import Oscillator
+from ..model import Oscillator, of_numbers
 from ..noun import Noun, column
 from ..spacing import Axis
-from ..structure import or_structure
+from ..structure import or_structure, state_by_coordinates
 from .catalogue import BasinAttractor, attractors_of
 from .structure_basins import basins_structure
 
@@ -173,7 +173,7 @@ class Basins(Noun, study="basins"):
         return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
 
 
-@or_structure(basins_structure)
+@or_structure(basins_structure, of_law=state_by_coordinates)
 def basins(
     osc: Oscillator,
     r: float,
@@ -252,7 +252,7 @@ def basins(
     >>> bool(abs(result.fractions[0] - 0.43) < 0.1)
     True
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
     if (plane is None) == (states is None):
         raise ParameterError(

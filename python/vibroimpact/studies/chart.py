@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door
 from ..errors import StudyInterrupted
 from ..libraries import xarray
-from ..model import Oscillator, Pattern, plain_pattern
+from ..model import Oscillator, Pattern, of_numbers, plain_pattern
 from ..namelist import symmetric_word
 from ..noun import Noun
 from ..status import status_text
@@ -261,7 +261,7 @@ def compute_chart(
     guesses: int = 32, seeds: int = 12,
 ) -> Chart:  # fmt: skip
     """The result of `chart`, for which xarray is not needed."""
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     pattern = plain_pattern(pattern)
     with_multipliers = checks.truth(multipliers, "multipliers")
     keys = {

@@ -17,7 +17,7 @@ from ..design_problem import LIMITED, OscillatorHost, Problem, parameters_of
 from ..design_search import Archive, grid, refined, search
 from ..distribution import Uncertain, interval, uncertain
 from ..errors import ParameterError, ParameterTypeError
-from ..model import Oscillator
+from ..model import Oscillator, of_numbers
 from ..namelist import keys_of
 from ..noun import Noun
 from ..performance import PARAMETERS
@@ -654,6 +654,7 @@ def design(
         return _designed_structure(
             host, r, free, uncertain_ones, bounds, loads, coordinate, keys, workers, progress
         )
+    of_numbers(host, "host")
     checks.integer(coordinate, "coordinate", 0, 0)
     keys |= {"band": r, "amplitude": amplitude, "cycles": cycles}
     names = {"band": "r"}

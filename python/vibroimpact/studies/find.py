@@ -12,10 +12,10 @@ import numpy as np
 from .. import _core, checks, door
 from ..errors import ParameterError, ParameterTypeError
 from ..jupyter import rows_html
-from ..model import Oscillator
+from ..model import Oscillator, of_numbers
 from ..motion import Motion, motions_of
 from ..noun import Noun
-from ..structure import or_structure
+from ..structure import or_structure, state_by_coordinates
 from ..structure_find import find_structure
 
 __all__ = ["Findings", "FoundMotions", "Search", "find"]
@@ -219,7 +219,7 @@ class FoundMotions(list[Motion]):
         )
 
 
-@or_structure(find_structure)
+@or_structure(find_structure, of_law=state_by_coordinates)
 def find(
     osc: Oscillator,
     r: float,
@@ -291,7 +291,7 @@ def find(
     >>> [(motion.pattern.sides, motion.stable) for motion in motions]
     [('RL', True), ('RL', True), ('RRLRLRLLRLRL', True), ('RL', False), ('RL', False)]
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
     keys = {
         "clearance": clearance, "max_impacts": max_impacts, "max_cycles": max_cycles, "load": load,

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError, SingularError
 from ..measured import MOTIONS, SensorRecord, sensor_response
-from ..model import Oscillator, Pattern
+from ..model import Oscillator, Pattern, of_numbers
 from ..motion import Motion
 from ..newton import exact
 from ..noun import Noun
@@ -659,7 +659,7 @@ def identified(
             )
     guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
     if start is not None:
-        checks.instance(start, "start", Oscillator)
+        of_numbers(start, "start")
         guess = {
             "xi": start.xi,
             "mu": start.mu,

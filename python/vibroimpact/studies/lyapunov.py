@@ -13,7 +13,7 @@ from ..errors import ParameterError, SingularError
 from ..model import Oscillator
 from ..noun import Noun, column
 from ..states import NEEDED, checked_state
-from ..structure import or_structure
+from ..structure import or_structure, state_by_coordinates
 from .structure_lyapunov import lyapunov_structure
 
 __all__ = ["Lyapunov", "lyapunov"]
@@ -112,7 +112,7 @@ class Lyapunov(Noun, study="lyapunov"):
         )
 
 
-@or_structure(lyapunov_structure)
+@or_structure(lyapunov_structure, of_law=state_by_coordinates)
 def lyapunov(
     osc: Oscillator,
     r: ArrayLike,

@@ -13,7 +13,7 @@ from .. import checks, door
 from ..distribution import Uncertain, interval, shares, systems, uncertain_parameters
 from ..errors import ParameterError, ParameterTypeError
 from ..libraries import xarray
-from ..model import Oscillator, Pattern, pattern_of
+from ..model import Oscillator, Pattern, of_numbers, pattern_of
 from ..performance import FIGURES, perform
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
@@ -231,7 +231,7 @@ def uncertainty(
     >>> bool((found.probability[found.zone.contains(found.r, found.clearance[:, None])] > 0.3).all())
     True
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     pattern = pattern_of(pattern)
     parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
     limits = limits_of(limit, OF_MOTION)
@@ -383,7 +383,7 @@ def limit_probability(
     >>> float(found.probability), float(found.low) > 0.9
     (1.0, True)
     """
-    checks.instance(osc, "osc", Oscillator)
+    of_numbers(osc)
     parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
     limits = limits_of(limit, OF_ATTRACTOR)
     if not limits:
