@@ -16,7 +16,7 @@ SUBJECTS = {
                    "record"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
-    "Attractors": ("studies.basins", "studies.catalogue", "studies.bifurcation", "studies.lyapunov",
+    "Attractors": ("studies.basins", "studies.basin_attractors", "studies.bifurcation", "studies.lyapunov",
                    "studies.response", "spacing"),
     "Records of a rig": ("studies.identify", "measured", "formats.measured"),
     "Uncertain parameters": ("studies.uncertainty", "studies.boundary_band"),

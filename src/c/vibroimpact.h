@@ -87,18 +87,18 @@ enum {
 
 /* Copies a text of a result.
  *
- * Writes at most room bytes to out, the last one a null character, and returns the length of the whole
- * text without that character: a second call with a room of this length plus one gets the whole text. out
- * may be NULL if room is 0. A missing text is empty. Each call generates the CSV again; for a large result
+ * Writes at most capacity bytes to out, the last one a null character, and returns the length of the whole
+ * text without that character: a second call with a capacity of this length plus one gets the whole text. out
+ * may be NULL if capacity is 0. A missing text is empty. Each call generates the CSV again; for a large result
  * use vibroimpact_write. */
-size_t vibroimpact_text(vibroimpact_result result, int what, char *out, size_t room);
+size_t vibroimpact_text(vibroimpact_result result, int what, char *out, size_t capacity);
 
 /* Writes a result as the CSV file path, completely or not at all.
  *
  * The error is written to message, as by vibroimpact_text.
  *
  * Returns VIBROIMPACT_DONE or VIBROIMPACT_FAILED. */
-int vibroimpact_write(vibroimpact_result result, const char *path, char *message, size_t room);
+int vibroimpact_write(vibroimpact_result result, const char *path, char *message, size_t capacity);
 
 /* A table: a grid of rows with 0 to 3 dimensions; one without dimensions has one row. */
 struct vibroimpact_table {
@@ -153,7 +153,7 @@ int vibroimpact_find(vibroimpact_result result, const char *table, const char *n
                      struct vibroimpact_column *column);
 
 /* The word that a value of a column of words stands for, 1 to n_words, as by vibroimpact_text. */
-size_t vibroimpact_word(vibroimpact_result result, int column, int value, char *out, size_t room);
+size_t vibroimpact_word(vibroimpact_result result, int column, int value, char *out, size_t capacity);
 
 /* A result without tables for the case of a text, to be filled with values that were computed earlier, for
  * example those of a file. Nothing is computed; vibroimpact_open and vibroimpact_put_... fill it. */
@@ -184,10 +184,10 @@ int vibroimpact_put_words(vibroimpact_result result, const char *table, const ch
 int vibroimpact_say(vibroimpact_result result, const char *cut, const char *remarks);
 
 /* The language of namelists and the columns of all results, as JSON; as by vibroimpact_text. */
-size_t vibroimpact_describe(char *out, size_t room);
+size_t vibroimpact_describe(char *out, size_t capacity);
 
 /* The version of the library; as by vibroimpact_text. */
-size_t vibroimpact_version(char *out, size_t room);
+size_t vibroimpact_version(char *out, size_t capacity);
 
 /* Frees a result with all that its columns point to; 0 is ignored. */
 void vibroimpact_free(vibroimpact_result result);

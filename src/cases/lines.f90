@@ -15,24 +15,24 @@ contains
       !> The same text with a line feed between two lines.
       character(:), allocatable, intent(out) :: clean
       character, parameter :: line_feed = achar(10), carriage_return = achar(13)
-      character(:), allocatable :: room
+      character(:), allocatable :: copied
       character :: this, before
       integer :: first, i, n
 
       first = 1
       if (index(text(:min(3, len(text))), char(239)//char(187)//char(191)) == 1) first = 4
-      allocate (character(len(text)) :: room)
+      allocate (character(len(text)) :: copied)
       n = 0
       before = ' '
       do i = first, len(text)
          this = text(i:i)
          if (this /= line_feed .or. before /= carriage_return) then
             n = n + 1
-            room(n:n) = merge(line_feed, this, this == carriage_return)
+            copied(n:n) = merge(line_feed, this, this == carriage_return)
          end if
          before = this
       end do
-      clean = room(:n)
+      clean = copied(:n)
    end subroutine unify_line_ends
 
 end module vi_lines

@@ -94,11 +94,11 @@ contains
       character(*), intent(in) :: source
       !> The text to be read, with the same number of lines.
       character(:), allocatable, intent(out) :: text
-      character(:), allocatable :: room
+      character(:), allocatable :: copied
       logical :: is_result, starts, kept
       integer :: i, n
 
-      allocate (character(len(source)) :: room)
+      allocate (character(len(source)) :: copied)
       is_result = index(source, '#') == 1
       starts = .true.
       kept = .true.
@@ -107,11 +107,11 @@ contains
          if (starts) kept = .not. is_result .or. source(i:i) == '#'
          if (source(i:i) == line_feed .or. (kept .and. .not. (starts .and. is_result))) then
             n = n + 1
-            room(n:n) = merge(' ', source(i:i), source(i:i) == tab)
+            copied(n:n) = merge(' ', source(i:i), source(i:i) == tab)
          end if
          starts = source(i:i) == line_feed
       end do
-      text = room(:n)
+      text = copied(:n)
    end subroutine clean
 
    !> Position of the first character at or after `from` that is neither blank nor part of a comment

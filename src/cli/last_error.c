@@ -1,12 +1,12 @@
-/* Why the last call of the C library failed, as text of at most `room` bytes with its terminating null. Fortran
+/* Why the last call of the C library failed, as text of at most `capacity` bytes with its terminating null. Fortran
    cannot read errno, which is a macro. */
 #define _POSIX_C_SOURCE 200112L
 #include <errno.h>
 #include <string.h>
 
-void vibroimpact_last_error(char *text, size_t room)
+void vibroimpact_last_error(char *text, size_t capacity)
 {
     int code = errno;
-    if (strerror_r(code, text, room) != 0)
-        strncpy(text, "unknown error", room);
+    if (strerror_r(code, text, capacity) != 0)
+        strncpy(text, "unknown error", capacity);
 }

@@ -111,7 +111,7 @@ contains
       real(wp), parameter :: shortest_span = 1.0e6_wp       ! 1/omega; takes about 0.1 s
       integer(int64) :: cycle
       real(wp) :: span, phase
-      integer :: found, room
+      integer :: found, capacity
       logical :: ends, looks
 
       n = 0
@@ -125,11 +125,11 @@ contains
             cycle = last_cycle
             phase = last_phase
          end if
-         room = min(size(events) - n, left)
+         capacity = min(size(events) - n, left)
          looks = .true.
-         if (present(looks_on)) looks = looks_on .or. room == left
-         call simulate(system, state, cycle, phase, events(n + 1:n + room), found, final, status, &
-            looks)
+         if (present(looks_on)) looks = looks_on .or. capacity == left
+         call simulate(system, state, cycle, phase, events(n + 1:n + capacity), found, final, &
+            status, looks)
          n = n + found
          left = left - found
          if ((ends .and. status == stat%ok) .or. .not. &

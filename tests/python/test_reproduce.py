@@ -433,10 +433,10 @@ def test_two_readings_of_section_2(whole):
         assert f"{shares} % ({rule})" in rows[1]["found"]
 
 
-def test_tally_counts_every_statement():
+def test_counts_every_statement():
     """Each verdict is counted once."""
     verdicts = [*VERDICTS, "agrees", "simulation agrees", "simulation agrees", "simulation differs"]
-    assert statements.tally(verdicts) == (
+    assert statements.counted(verdicts) == (
         "2 agree, 1 differ, 1 cannot be checked; 3 are about measurements that the text does not give: for 2 of "
         "them a simulation agrees with the computed zone"
     )
@@ -471,8 +471,8 @@ def test_report_stands_alone(whole):
     for row in statements_of(whole):
         assert row["verdict"] in {*VERDICTS, "simulation agrees", "simulation differs"}
         assert row["found"]
-    tally = statements.tally([row["verdict"] for row in statements_of(whole)])
-    assert text.index(tally) < text.index("<nav>")
+    counted = statements.counted([row["verdict"] for row in statements_of(whole)])
+    assert text.index(counted) < text.index("<nav>")
     assert len(text) < 3_000_000
     assert text.count("<section") == text.count("</section>")
 

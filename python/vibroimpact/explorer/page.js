@@ -26,41 +26,41 @@ export function render({ model }) {
 
   // -- what Python tells
   model.on("msg:custom", ({ text, numbers }) => {
-    const told = JSON.parse(text, (_, part) => part?.to === undefined ? part : numbers.slice(part.from, part.to))
-    if (told.number) busy = 0
-    draw(told.pictures)
-    if (told.fault !== undefined) fault(told.fault)
+    const reply = JSON.parse(text, (_, part) => part?.to === undefined ? part : numbers.slice(part.from, part.to))
+    if (reply.number) busy = 0
+    draw(reply.pictures)
+    if (reply.fault !== undefined) fault(reply.fault)
     // while the pointer is over the chart, what is found for the chosen point waits until it has left
-    if (told.table && (told.peek || told.number || !peeking)) {
-      peeking = told.peek
-      table(told)
-      at("place").textContent = told.place
-      at("where").textContent = told.peek ? "under the pointer" : ""
-      at("motions").classList.toggle("peeking", told.peek)
+    if (reply.table && (reply.peek || reply.number || !peeking)) {
+      peeking = reply.peek
+      table(reply)
+      at("place").textContent = reply.place
+      at("where").textContent = reply.peek ? "under the pointer" : ""
+      at("motions").classList.toggle("peeking", reply.peek)
     }
-    if (told.zones) {
-      families(told.zones)
+    if (reply.zones) {
+      families(reply.zones)
       untab(document)
     }
-    if (told.status !== undefined) at("status").textContent = told.status
-    if (told.fields) fields(told.fields)
-    if (told.number && told.query !== undefined) {
-      history.replaceState(null, "", location.pathname + (told.query ? "?" + told.query : ""))
+    if (reply.status !== undefined) at("status").textContent = reply.status
+    if (reply.fields) fields(reply.fields)
+    if (reply.number && reply.query !== undefined) {
+      history.replaceState(null, "", location.pathname + (reply.query ? "?" + reply.query : ""))
     }
-    if (told.searched !== undefined && (told.peek || !peeking)) at("searched").textContent = told.searched
-    for (const name of ["mapped", "boxed"]) if (told[name] !== undefined) at(name).textContent = told[name]
-    if (told.physical !== undefined) {
-      at("physical").textContent = told.physical
-      at("physical").hidden = !told.physical
+    if (reply.searched !== undefined && (reply.peek || !peeking)) at("searched").textContent = reply.searched
+    for (const name of ["mapped", "boxed"]) if (reply[name] !== undefined) at(name).textContent = reply[name]
+    if (reply.physical !== undefined) {
+      at("physical").textContent = reply.physical
+      at("physical").hidden = !reply.physical
     }
     for (const name of ["map", "box"]) {
-      if (told[name] !== undefined) at(name).setAttribute("aria-pressed", String(told[name]))
+      if (reply[name] !== undefined) at(name).setAttribute("aria-pressed", String(reply[name]))
     }
-    if (told.box !== undefined) at("tolerances").hidden = !told.box
-    if (told.run !== undefined) at("ran").textContent = told.run
-    if (told.line !== undefined) reveal(told.line)
-    if (told.diagram !== undefined) at("windows").textContent = told.diagram
-    if (told.export !== undefined) exported(told)
+    if (reply.box !== undefined) at("tolerances").hidden = !reply.box
+    if (reply.run !== undefined) at("ran").textContent = reply.run
+    if (reply.line !== undefined) reveal(reply.line)
+    if (reply.diagram !== undefined) at("windows").textContent = reply.diagram
+    if (reply.export !== undefined) exported(reply)
     next()
   })
 
@@ -175,16 +175,16 @@ export function render({ model }) {
     at("along").hidden = !line
     window.dispatchEvent(new Event("resize"))
   }
-  function said(text) {
+  function announce(text) {
     at("done").textContent = text
     setTimeout(() => { if (at("done").textContent === text) at("done").textContent = "" }, 4000)
   }
   async function copied(text, what) {
     try {
       await navigator.clipboard.writeText(text)
-      said(what + " copied")
+      announce(what + " copied")
     } catch {
-      said(what + " could not be copied; copy it by hand")
+      announce(what + " could not be copied; copy it by hand")
     }
   }
   function exported({ form, export: text }) {
@@ -194,7 +194,7 @@ export function render({ model }) {
       file.download = "explorer.nml"
       file.click()
       setTimeout(() => URL.revokeObjectURL(file.href), 10000)
-      said("explorer.nml saved")
+      announce("explorer.nml saved")
     } else {
       const shown = at("export").querySelector("textarea")
       shown.value = text

@@ -23,7 +23,7 @@ LOAD, GAP = style.LOAD_LABEL, style.CLEARANCE_LABEL
 THINNED = 1e-4
 
 
-def sheet(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) -> tuple[Any, Any]:
+def panels(columns: int = 1, height: float = 3.6, rows: int = 1, **options: Any) -> tuple[Any, Any]:
     """A figure with axes side by side."""
     plt = style.pyplot()
     width = 5.0 if columns == 1 else style.TWO_COLUMNS

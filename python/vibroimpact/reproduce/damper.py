@@ -52,7 +52,7 @@ def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) 
     """Draw and write one part of Figure 10."""
     found = [curve(osc, r, resolution) for r in CURVES]
     holds = {sweep["r"]: sweep["seen"] for sweep in read_sweeps(folder, rig)}
-    figure, ax = canvas.sheet(height=4.2)
+    figure, ax = canvas.panels(height=4.2)
     figure.set_size_inches(6.4, 4.2)  # the legend is beside the axes
     for one, (colour, line, mark) in zip(found, canvas.LOOKS, strict=True):
         # a gap in the zone is a gap in the curve

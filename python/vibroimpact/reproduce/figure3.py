@@ -33,7 +33,7 @@ def zones(resolution: float = 1.0) -> dict[str, list[Strip]]:
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure3.png and .svg, write figure3.csv; True if all three zones are there."""
     found = zones(resolution)
-    figure, ax = canvas.sheet(height=4.2)
+    figure, ax = canvas.panels(height=4.2)
     for kind, strips in found.items():
         sides = "RRL" if kind == "3" else "RL"
         traced = outline(MASRI, sides, (0.8, 1.2), strips, {"2e": True, "2u": False}.get(kind))

@@ -12,7 +12,7 @@ from .phases import curves, draw, mark
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure4a.png and .svg, write figure4a.csv."""
     found = curves(resolution)
-    figure, ax = canvas.sheet(height=3.8)
+    figure, ax = canvas.panels(height=3.8)
     draw(ax, found, "clearance")
     mark(ax, "clearance", ("$B'$", "$B$"), -5.0)  # no other curve is near on the left
     style.log_scale(ax, "x")

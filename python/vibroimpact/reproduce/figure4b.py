@@ -13,7 +13,7 @@ from .phases import POINTS, curve, curves, draw, mark
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure4b.png and .svg, write figure4b.csv; True if tau depends on the load at r = 0.999."""
     found = curves(resolution)
-    figure, ax = canvas.sheet(height=3.8)
+    figure, ax = canvas.panels(height=3.8)
     draw(ax, found, "sin_tau")
     mark(ax, "sin_tau", ("$A'$", "$A$"))
     ax.set_xlabel(r"$\sin\,\tau$")

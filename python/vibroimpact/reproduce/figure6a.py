@@ -23,7 +23,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure6a.png and .svg, write figure6a.csv; True if the zone is there in both precisions."""
     found = zones(ratios(0.55, 1.5, resolution), resolution)
     sweeps = read_sweeps(folder, "equal")
-    figure, (ax, near) = canvas.sheet(2, width_ratios=(1.6, 1))
+    figure, (ax, near) = canvas.panels(2, width_ratios=(1.6, 1))
     traced = outline(EQUAL, "RL", (0.55, 1.5), found["double"], symmetric=True)
     canvas.zone(ax, found["double"], "2e", "computed, double precision", traced=traced)
     canvas.zone(ax, found["single"], "2e", "computed, single precision", color="k", alpha=0, ls=":")

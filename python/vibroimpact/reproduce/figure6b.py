@@ -15,7 +15,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure6b.png and .svg, write figure6b.csv; True if the zone is there."""
     found = pair_zone(EQUAL, ratios(0.55, 1.5, resolution), round(1200 * resolution))
     sweeps = read_sweeps(folder, "equal")
-    figure, ax = canvas.sheet()
+    figure, ax = canvas.panels()
     traced = outline(EQUAL, "RL", (0.55, 1.5), found, symmetric=False)
     canvas.zone(ax, found, "2u", "2 unequispaced, computed", traced=traced)
     canvas.bars(ax, bars(sweeps, "2u"), "2u")

@@ -26,7 +26,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure7.png and .svg, write figure7.csv; True if three, four and five are there."""
     found = zones(folder, resolution)
     sweeps = read_sweeps(folder, "equal")
-    figure, ax = canvas.sheet(height=4.2)
+    figure, ax = canvas.panels(height=4.2)
     for kind in ("3", "4", "5"):
         names = [sides for sides in found if len(sides) == int(kind)]
         strips = [strip for sides in names for strip in found[sides]]

@@ -27,7 +27,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure8a.png and .svg, write figure8a.csv; True if both zones are there."""
     found = zones(folder, resolution)
     sweeps = read_sweeps(folder, "unequal")
-    figure, ax = canvas.sheet(height=4.0)
+    figure, ax = canvas.panels(height=4.0)
     for kind, strips in found.items():
         traced = outline(UNEQUAL, {"2": "RL", "3": "RLL"}[kind], (0.55, 1.5), strips)
         canvas.zone(ax, strips, kind, traced=traced)

@@ -33,7 +33,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure8b.png and .svg, write figure8b.csv; True if RL* (Figure 9c) is among them."""
     found = zones(folder, resolution)
     sweeps = read_sweeps(folder, "unequal")
-    figure, ax = canvas.sheet(height=4.0)
+    figure, ax = canvas.panels(height=4.0)
     for (sides, strips), (colour, line, _) in zip(found.items(), canvas.LOOKS, strict=False):
         count = sides.count("R")
         name = f"{sides}: {count} on steel, rest on tape"

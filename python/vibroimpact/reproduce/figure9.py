@@ -35,7 +35,7 @@ def there(motion: Motion, sides: str) -> bool:
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figure9.png and .svg, write figure9.csv; True if all four kinds are there and stable."""
-    figure, axes = canvas.sheet(2, 6.2, rows=4, sharex="col", height_ratios=(0.7, 1.0, 0.7, 1.0))
+    figure, axes = canvas.panels(2, 6.2, rows=4, sharex="col", height_ratios=(0.7, 1.0, 0.7, 1.0))
     rows, good = [], True
     for i, (panel, motion) in enumerate(motions().items()):
         caption, sides, r, clearance = PANELS[panel]

@@ -79,7 +79,7 @@ def bands_of(
 
 def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     """Draw figures6to8.png and .svg, write figures6to8.csv; True if every zone has bands."""
-    figure, axes = canvas.sheet(2, 6.6, rows=3)
+    figure, axes = canvas.panels(2, 6.6, rows=3)
     rows, good = [], True
     for ax, (name, panel) in zip(axes.flat, PANELS.items(), strict=False):
         for sides, kind, traced, bands in bands_of(panel, resolution):

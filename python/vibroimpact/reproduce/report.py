@@ -16,7 +16,7 @@ from typing import Any
 from ..files import write_text
 from .appendix import CORRECTIONS, TABLE_1
 from .captions import CAPTIONS, INTRODUCTION, PHASE_ERRORS
-from .statements import tally
+from .statements import counted
 from .table1 import MISPRINTS
 from .tasks import NAMES, SWEEPS, seconds
 
@@ -199,7 +199,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         "<h1>Stable periodic vibroimpacts of an oscillator, recomputed</h1>",
         f'<p class="lead">Every table and figure of N. Popplewell, C. N. Bapat and K. McLachlan, J. Sound Vib. 87 '
         f"(1983) 41–59, doi {DOI}, computed by vibroimpact {escape(version('vibroimpact'))}.</p>{rough}",
-        f"<p><b>{len(rows)} statements of the paper:</b> {escape(tally([row['verdict'] for row in rows]))}. "
+        f"<p><b>{len(rows)} statements of the paper:</b> {escape(counted([row['verdict'] for row in rows]))}. "
         'Each is listed <a href="#statements">below</a> with what is found here.</p>',
         "<nav>" + " ".join(f'<a href="#{key}">{name}</a>' for key, name in links.items()) + "</nav>",
         INTRODUCTION,

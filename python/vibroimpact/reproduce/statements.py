@@ -318,11 +318,11 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     write_text(
         folder / "data" / "statements.json", json.dumps(rows, indent=1, ensure_ascii=False) + "\n"
     )
-    print(f"Statements of the paper: {tally([row['verdict'] for row in rows])}")
+    print(f"Statements of the paper: {counted([row['verdict'] for row in rows])}")
     return True
 
 
-def tally(verdicts: Sequence[str]) -> str:
+def counted(verdicts: Sequence[str]) -> str:
     """How many statements have each verdict, in words."""
     agree, differ, unchecked, simulated, contradicted = (
         verdicts.count(verdict) for verdict in (AGREES, DIFFERS, UNCHECKED, SIMULATED, CONTRADICTED)

@@ -14,7 +14,7 @@ from ..model import Oscillator, of_numbers
 from ..noun import Noun, column
 from ..spacing import Axis
 from ..structure import or_structure, state_by_coordinates
-from .catalogue import BasinAttractor, attractors_of
+from .basin_attractors import BasinAttractor, attractors_of
 from .structure_basins import basins_structure
 
 __all__ = ["BasinAttractor", "Basins", "basins"]
