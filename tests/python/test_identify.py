@@ -191,26 +191,26 @@ def test_intervals_of_a_law():
 
 def test_derivatives_of_a_motion_with_a_law():
     """Those of load phases and changes of velocity agree with differences of motions that obey the law."""
-    from vibroimpact import rig_fit
+    from vibroimpact.identification import motions
 
     rig = vi.VirtualRig(**BENCH)
     run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=20, discard=400)
     near = vi.exact(rig.oscillator, rig.r, rig.clearance, run)
     # the derivatives by the coefficient of each impact sum to those by walls
     right, gradient = near.pattern.signs > 0, near.gradient()
-    speeds = rig_fit.by_restitution(near)[2]
+    speeds = motions.by_restitution(near)[2]
     for name, own in (("R1", right), ("R2", ~right)):
         assert speeds[:, own].sum(axis=1) == pytest.approx(
             gradient["approach_speeds", name], rel=1e-6, abs=1e-6
         )
-    point = rig_fit.Point(rig.r, rig.clearance, 0.01143, 0.0407, 0.75, 0.65, 0.15, 28.0)
-    motion = rig_fit.motion_at(point, near)
-    assert motion.restitution == pytest.approx(rig_fit.lawful(point, motion), abs=1e-11)
-    found = rig_fit.slopes(motion, point).by
+    point = motions.Point(rig.r, rig.clearance, 0.01143, 0.0407, 0.75, 0.65, 0.15, 28.0)
+    motion = motions.motion_at(point, near)
+    assert motion.restitution == pytest.approx(motions.lawful(point, motion), abs=1e-11)
+    found = motions.slopes(motion, point).by
     for i, name in enumerate(point._fields):
         h = 1e-6 * point[i]
         ends = [
-            np.array(rig_fit.described(rig_fit.motion_at(point._replace(**{name: x}), motion)))
+            np.array(motions.described(motions.motion_at(point._replace(**{name: x}), motion)))
             for x in (point[i] + h, point[i] - h)
         ]
         differences = (ends[0] - ends[1]) / (2 * h)

@@ -50,7 +50,7 @@ def draw_identification(
 
 def title(found: Identification, record: int) -> str:
     """Pattern and parameters, some in a line."""
-    from ..studies.identify import said
+    from ..identification.tables import said
 
     pattern = found.pattern_of(record)
     head = f"{pattern.sides}/{pattern.cycles}" if pattern else found._one("status", record)

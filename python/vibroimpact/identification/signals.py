@@ -1,5 +1,5 @@
-"""Steps from a sampled record to the impacts in it: the load, the harmonics, the picked impacts and their "
-"pattern."""
+"""Steps from a sampled record to the impacts in it: the load, the harmonics, the picked impacts and their
+pattern."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ParameterError
-from .libraries import scipy_linalg, scipy_signal
+from ..errors import ParameterError
+from ..libraries import scipy_linalg, scipy_signal
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]

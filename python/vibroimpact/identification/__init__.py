@@ -1,0 +1,1 @@
+"""The steps of an identification: from records of a rig to its parameters."""

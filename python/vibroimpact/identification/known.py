@@ -1,0 +1,75 @@
+"""What is known of a rig, and what is fitted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from .. import checks
+from ..errors import ParameterError, ParameterTypeError
+from ..units import positive
+
+#: What may be known, and its unit.
+KNOWN = {
+    "M": "kg", "K": "N/m", "C": "N s/m", "m": "kg", "d": "m", "F0": "N", "omega": "rad/s", "xi": "", "mu": "",
+    "R1": "", "R2": "", "exponent": "",
+}  # fmt: skip
+#: How the coefficients of restitution may depend on the approach speed.
+LAWS = ("constant", "power")
+OF_LAW = ("R1", "R2", "exponent")
+#: What all records share, in this order.
+SHARED = ("omega", "xi", "mu", "R1", "R2", "exponent", "d")
+
+
+def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    """What is known: M, K, F0, and the parameters of a fit."""
+    if not isinstance(known, Mapping):
+        raise ParameterTypeError(
+            f"known = {known!r}: must be a mapping such as dict(M=2.7, K=42e3)"
+        )
+    values: dict[str, float] = {}
+    for name, value in known.items():
+        checks.choice(name, "known: name", tuple(KNOWN))
+        if name in ("xi", "mu", "R1", "R2"):
+            values[name] = checks.number(
+                value, "restitution" if name[0] == "R" else name, f"known {name}"
+            )
+        elif name == "exponent":
+            values[name] = checks.to_float(value, f"known {name}", "a finite number")
+            if not math.isfinite(values[name]):
+                raise ParameterError(f"known {name} = {value!r}: must be a finite number")
+        else:
+            values[name] = positive(value, f"known {name}", zero=name == "C")
+    if values.get("mu") == 0:
+        raise ParameterError("known mu = 0.0: must be > 0, or impacts do not show in the motion")
+    if {"M", "K", "omega"} <= values.keys():
+        if abs(values["K"] / values["M"] / values["omega"] ** 2 - 1) > 1e-6:
+            raise ParameterError(
+                "known M, K, omega: must be such that omega^2 = K/M, or two of them given"
+            )
+    elif {"M", "K"} <= values.keys():
+        values["omega"] = math.sqrt(values["K"] / values["M"])
+    elif {"M", "omega"} <= values.keys():
+        values["K"] = values["M"] * values["omega"] ** 2
+    elif {"K", "omega"} <= values.keys():
+        values["M"] = values["K"] / values["omega"] ** 2
+    for name, needs, ratio in (("m", ("M",), "mu"), ("C", ("M", "K"), "xi")):
+        if name not in values:
+            continue
+        if not set(needs) <= values.keys():
+            raise ParameterError(
+                f"known {name} = {values[name]!r}: must come with {' and '.join(needs)}"
+            )
+        if ratio in values:
+            raise ParameterError(
+                f"known {name} and {ratio}: must be one of them, which gives the other"
+            )
+        values[ratio] = (
+            values["m"] / values["M"]
+            if name == "m"
+            else values["C"] / (2 * math.sqrt(values["K"] * values["M"]))
+        )
+        if ratio == "xi" and not values["xi"] < 1:
+            raise ParameterError(f"known C = {values['C']!r}: must be below critical damping")
+    scale: dict[str, float] = {name: values[name] for name in ("M", "K", "F0") if name in values}
+    return scale, {name: values[name] for name in SHARED if name in values}

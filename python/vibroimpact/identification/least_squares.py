@@ -1,0 +1,57 @@
+"""Nonlinear least squares with analytic derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import VibroimpactError
+
+_Array = NDArray[np.float64]
+MOST_ITERATIONS = 60
+
+
+def levenberg(
+    function: Callable[[_Array], tuple[_Array, _Array]], start: _Array, scales: _Array, weak: float = 0.0,
+    accepted: Callable[[], None] = lambda: None,
+) -> tuple[_Array, _Array, _Array, bool]:  # fmt: skip
+    """The method of Levenberg and Marquardt: the point, its residuals and their derivatives, and whether it
+    converged.
+
+    `function` gives residuals and derivatives, or raises an error of the package where there are none. Directions
+    along which the residuals change by less than `weak` over a step of `scales` are left as they are. `accepted`
+    is called where the function was evaluated last, if the method goes there.
+    """
+    x = start.copy()
+    f, J = function(x)
+    accepted()
+    damping = 1e-3
+    for _ in range(MOST_ITERATIONS):
+        A = J * scales
+        squares, V = np.linalg.eigh(A.T @ A)
+        slope = V.T @ (A.T @ f)
+        kept = squares > max(weak**2, 1e-13 * squares[-1])
+        while True:
+            step = -V @ np.where(kept, slope / (squares + damping * (1 + squares)), 0.0)
+            try:
+                trial = x + scales * step
+                new_f, new_J = function(trial)
+                better = bool(new_f @ new_f <= f @ f)
+            except VibroimpactError:
+                better = False
+            if better:
+                break
+            damping *= 10
+            if damping > 1e12:
+                # at a minimum only rounding is left to gain
+                left = float(np.sum(np.where(kept, slope**2 / (1 + squares), 0.0)))
+                return x, f, J, left <= 1e-4 * max(1.0, float(f @ f))
+        accepted()
+        gain = f @ f - new_f @ new_f
+        x, f, J = trial, new_f, new_J
+        if damping <= 1e-4 and gain <= 1e-6:
+            return x, f, J, True
+        damping = max(damping / 10, 1e-12)
+    return x, f, J, False

@@ -1,0 +1,300 @@
+"""The steps from one record, or from impact times alone, to what is fitted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks
+from ..errors import ParameterError, SingularError
+from ..measured import MOTIONS, SensorRecord, sensor_response
+from .harmonics import Measured
+from .impacts import refine
+from .signals import (
+    Rhythm,
+    Tones,
+    load_frequency,
+    no_rhythm,
+    period_of,
+    repeated,
+    rhythm,
+    spikes,
+    tones,
+)
+
+_Array = NDArray[np.float64]
+#: Least number of load cycles of a record.
+LEAST_CYCLES = 8
+#: Harmonics of the load that are measured, in its own channel and, at most, in that of the motion.
+LOAD_TONES, MOTION_TONES = 6, 90
+#: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
+RISE, CLEAR = 0.2, 6.0
+
+
+class Step:
+    """What one record says, step by step."""
+
+    def __init__(self, record: SensorRecord | None, quantity: str) -> None:
+        self.record = record
+        self.quantity = quantity
+        self.Omega = math.nan
+        self.load: Tones | None = None
+        self.motion: Tones | None = None
+        #: All picked impacts: times from the start, and signs.
+        self.times: _Array = np.empty(0)
+        self.signs: _Array = np.empty(0)
+        self.rhythm = no_rhythm("no impacts")
+        self.data: Measured | None = None
+        self.ring: _Array | None = None
+
+
+def of_record(
+    record: SensorRecord, frequency: float | None, scale: Mapping[str, float], i: int, count: int
+) -> Step:
+    """The steps before the fit; errors name what is wrong with the record."""
+    where = (record.name and f"{record.name}: ") or (f"record {i + 1}: " if count > 1 else "")
+    quantity = next((name for name in MOTIONS if getattr(record, name) is not None), None)
+    if quantity is None:
+        raise ParameterError(
+            f"{where}channels {', '.join(record.channels)}: must have one of {', '.join(MOTIONS)}"
+        )
+    step = Step(record, quantity)
+    values: _Array = getattr(record, quantity)
+    for name in ("load", quantity):
+        channel = getattr(record, name)
+        if channel is not None:
+            usable(channel, f"{where}{name}")
+    rate = record.rate
+    near = None if frequency is None else 2 * math.pi * frequency
+    force = record.load
+    order = MOTIONS[quantity]
+    # as a displacement, in which the load frequency is strongest
+    source = force if force is not None else smooth(values, rate, order)
+    step.Omega = Omega = load_frequency(source, rate, near)
+    cycles = record.duration * Omega / (2 * math.pi)
+    if cycles < LEAST_CYCLES:
+        raise ParameterError(
+            f"{where}{record.duration:.6g} s with {cycles:.1f} load cycles of {Omega / (2 * math.pi):.6g} Hz: "
+            "must be "
+            f"at least {LEAST_CYCLES} load cycles"
+        )
+    if Omega / (2 * math.pi) > rate / 20:
+        raise ParameterError(
+            f"{where}rate = {rate:g}: must be at least 20 samples a load cycle of {Omega / (2 * math.pi):.6g} Hz"
+        )
+    if force is not None:
+        step.load = tones(force, rate, Omega, LOAD_TONES)
+        order_of_channels(force, values, step.load, Omega, rate, quantity, where)
+    k = period_of(values, rate, Omega)
+    if order == 2:
+        times, step.signs = spikes(values, rate, Omega, record.bandwidth)
+        times -= 0.0 if record.bandwidth is None else RISE / record.bandwidth
+        step.times = times + (len(record) - 1) / 2 / rate + record.start
+        step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
+    elif k:  # impacts are no spikes in these, and are found by their harmonics
+        step.rhythm = Rhythm("periodic", k, np.empty(0), np.empty(0))
+    else:
+        step.rhythm = no_rhythm("not periodic")
+    if step.rhythm.status != "periodic":
+        return step
+    base = Omega / k
+    top = min(0.4 * rate, math.inf if record.bandwidth is None else 0.8 * record.bandwidth)
+    most = int(min(top * 2 * math.pi / base, MOTION_TONES * k))
+    # the high harmonics tell the frequency better than the load
+    base += tones(values, rate, base, most).off
+    step.Omega = Omega = base * k
+    step.motion = tones(values, rate, base, most)
+    if force is not None:
+        step.load = tones(force, rate, Omega, LOAD_TONES)
+    orders = np.arange(1, most + 1)
+    w = orders * base
+    passed = sensor_response(w / (2 * math.pi), record.bandwidth) / (1j * w) ** (2 - order)
+    shape = np.zeros(most, dtype=np.complex128)
+    shape[k - 1] = -1j
+    data = Measured(
+        Omega, k, 2 * math.pi * step.rhythm.phases, orders=orders.astype(float),
+        values=step.motion.values[1:] / passed, errors=step.motion.errors[1:] / abs(passed), shape=shape,
+    )  # fmt: skip
+    if step.load is not None:
+        response = sensor_response(
+            np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi), record.bandwidth
+        )
+        tone = step.load.values / response
+        phase = float(np.angle(1j * tone[1]))
+        data.phase, data.phase_error = phase, float(step.load.errors[1] / abs(step.load.values[1]))
+        data.F0, data.F0_error = float(abs(tone[1])), float(step.load.errors[1])
+        for j in range(2, LOAD_TONES + 1):
+            if j * k <= most and abs(step.load.values[j]) > 4 * step.load.errors[j]:
+                data.shape[j * k - 1] = tone[j] / abs(tone[1]) * np.exp(-1j * j * phase)
+    if "F0" in scale:
+        data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+    high = data.orders >= 3 * k
+    if np.count_nonzero(abs(data.values[high]) > CLEAR * data.errors[high]) < 2:
+        step.rhythm = no_rhythm("no impacts")
+        return step
+    step.data = data
+    return step
+
+
+def letters_of(signs: _Array) -> str:
+    """The walls of impacts by the signs of the jumps of velocity of the primary mass."""
+    return "".join("R" if sign > 0 else "L" for sign in signs)
+
+
+def smooth(values: _Array, rate: float, order: int) -> _Array:
+    """About the displacement, of which its derivative of some order was recorded."""
+    spectrum = np.fft.rfft(values - values.mean())
+    w = 2 * math.pi * np.fft.rfftfreq(values.size, 1 / rate)
+    w[0] = math.inf
+    low = max(2, int(5 * values.size / values.size))
+    spectrum[:low] = 0
+    shape: _Array = np.fft.irfft(spectrum / w**order, values.size)
+    return shape
+
+
+def usable(values: _Array, name: str) -> None:
+    """An error if a channel does not vary, or is clipped."""
+    low, high = float(values.min()), float(values.max())
+    if not high > low:
+        raise ParameterError(f"{name} = {low:g} in all samples: must vary")
+    for end in (low, high):
+        at = np.flatnonzero(values == end)
+        runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
+        long = [run.size for run in runs if run.size >= 3]
+        if len(long) >= 3 or (long and max(long) >= 8):
+            raise ParameterError(
+                f"{name} is clipped at {end:.6g}: {int(sum(long))} samples stay there; must be within the "
+                "range of "
+                "its sensor"
+            )
+
+
+def order_of_channels(
+    force: _Array, values: _Array, load: Tones, Omega: float, rate: float, quantity: str, where: str
+) -> None:
+    """An error if the load looks like a motion with impacts, and the motion like a load."""
+
+    def off_sine(channel: _Array, first: complex) -> float:
+        power = float(np.var(channel))
+        return math.sqrt(max(0.0, 1 - 0.5 * abs(first) ** 2 / power))
+
+    of_load = off_sine(force, complex(load.values[1]))
+    of_motion = off_sine(values, complex(tones(values, rate, Omega, 1).values[1]))
+    if of_load > 0.3 and of_motion < 0.15:
+        raise ParameterError(
+            f"{where}load is {of_load:.0%} off a sine and {quantity} {of_motion:.0%}: must be the load and the "
+            "motion; "
+            "they seem to be in the wrong order"
+        )
+    if of_load > 0.5:
+        raise ParameterError(
+            f"{where}load is {of_load:.0%} off a sine: must be the load of a shaker"
+        )
+
+
+def of_times(
+    impact_times: Any, impact_sides: Any, frequency: float | None, load_phase: float | None,
+    scale: Mapping[str, float], shared: Mapping[str, float],
+) -> Step:  # fmt: skip
+    """The steps before the fit, of impact times alone."""
+    if frequency is None:
+        raise ParameterError(
+            "frequency = None: must be the load frequency in Hz beside impact_times"
+        )
+    wanted = "increasing finite numbers, at least two"
+    times = checks.real_array(impact_times, "impact_times", wanted)
+    if (
+        times.ndim != 1
+        or times.size < 2
+        or not np.isfinite(times).all()
+        or (np.diff(times) <= 0).any()
+    ):
+        raise ParameterError(f"impact_times of shape {times.shape}: must be {wanted}")
+    if "omega" not in shared:
+        raise ParameterError(
+            "known: must have omega, or M and K, beside impact_times, which do not tell it"
+        )
+    letters = "".join(impact_sides).upper() if impact_sides is not None else "RL" * times.size
+    letters = letters[: times.size] if impact_sides is None else letters
+    if len(letters) != times.size or set(letters) - {"R", "L"}:
+        raise ParameterError(
+            f"impact_sides = {impact_sides!r}: must be one letter R or L for each of {times.size} impacts"
+        )
+    step = Step(None, "impact times")
+    step.Omega = Omega = 2 * math.pi * frequency
+    step.times, step.signs = times, np.array([1.0 if letter == "R" else -1.0 for letter in letters])
+    cycles = Omega * times / (2 * math.pi)
+    span = cycles[-1] - cycles[0] + float(np.median(np.diff(cycles)))
+    if span < 3:  # about one period
+        period = max(1, round(span))
+        order = np.argsort(cycles % period)
+        step.rhythm = Rhythm("periodic", period, (cycles % period)[order], step.signs[order])
+    else:
+        step.rhythm = rhythm(cycles, step.signs, span, repeated(cycles, step.signs, span))
+    if step.rhythm.status == "periodic" and len(set(step.rhythm.signs)) < 2:
+        step.rhythm = no_rhythm("not periodic")
+    if step.rhythm.status != "periodic":
+        return step
+    k = step.rhythm.cycles
+    angles, errors = [], []
+    for phase, sign in zip(step.rhythm.phases, step.rhythm.signs, strict=True):
+        off = (cycles - phase + k / 2) % k - k / 2
+        own = off[(abs(off) < 0.05) & (step.signs == sign)]
+        angles.append(2 * math.pi * (phase + own.mean()))
+        errors.append(
+            2 * math.pi * (own.std(ddof=1) / math.sqrt(own.size) if own.size > 1 else 1e-3)
+        )
+    data = Measured(
+        Omega, k, np.array(angles), np.maximum(errors, 1e-9), np.zeros(len(angles)),
+        sides=letters_of(step.rhythm.signs),
+    )  # fmt: skip
+    if "F0" in scale:
+        data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+    if load_phase is not None:
+        data.phase, data.phase_error = (
+            checks.to_float(load_phase, "load_phase", "a finite number"),
+            1e-6,
+        )
+    step.data = data
+    return step
+
+
+def refined(step: Step, omega: float) -> Measured:
+    """The impacts of a record refined below the sample."""
+    data = step.data
+    assert data is not None
+    better = refine(data, omega)
+    step.ring = better.ring
+    whole = 2 * math.pi * data.k
+    order = np.argsort(better.angles % whole)
+    sides = letters_of(np.sign(better.jumps[order]))
+    if len(set(sides)) < 2:
+        raise SingularError(
+            f"impacts {sides} in {data.k} load cycles: must be on both walls; with impacts on one wall no "
+            "motion is "
+            "periodic"
+        )
+    if step.quantity != "acceleration" and step.record is not None:
+        turns = np.arange(math.ceil(step.record.duration * data.Omega / whole) + 2)[:, None]
+        half = (len(step.record) - 1) / 2 / step.record.rate
+        times = (
+            (better.angles[order] % whole + whole * (turns - turns.size // 2 - 1)) / data.Omega
+            + half
+        ).ravel()
+        inside = (times >= 0) & (times <= 2 * half)
+        step.times = times[inside] + step.record.start
+        step.signs = np.tile(np.sign(better.jumps[order]), turns.size)[inside]
+    # begun where R comes before L, as in `Pattern.standard`
+    first = max(range(len(sides)), key=lambda i: sides[i:] + sides[:i])
+    order = np.roll(order, -first)
+    angles = np.unwrap(better.angles[order] % whole, period=whole)
+    angles[1:] += whole * (angles[1:] < angles[0])
+    return replace(
+        data, sides=sides[first:] + sides[:first], angles=angles, angle_errors=better.errors[order],
+        jumps=better.jumps[order],
+    )  # fmt: skip

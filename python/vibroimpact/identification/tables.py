@@ -1,0 +1,326 @@
+"""The tables of an identification."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..measured import MOTIONS, SensorRecord, sensor_response
+from ..model import Pattern
+from ..tables import made
+from .fit import Fit, predicted
+from .harmonics import Measured
+from .known import KNOWN, SHARED
+from .motions import approach_speeds, described, motion_of_law, walls_of
+from .signals import Tones, centred
+from .steps import Step
+
+#: Share of harmonics in the load from which a result says that its errors do not contain their effect.
+SHAPED = 0.003
+#: Misfit from which a result says that it is doubtful.
+DOUBTFUL = 10.0
+#: Half the width of a 95 % interval in standard errors.
+WIDTH = 1.959963984540054
+#: Samples and load cycles of each record that a result keeps for its picture.
+SHOWN_SAMPLES, SHOWN_CYCLES = 3000, 6
+
+
+def tables_of(
+    steps: list[Step],
+    found: Fit | None,
+    scale: Mapping[str, float],
+    shared: Mapping[str, float],
+    case: str,
+) -> Any:
+    """All columns of a result."""
+    parameters = parameters_of(steps, found, scale, shared)
+    names = (
+        "status", "quantity", "sides", "cycles", "frequency", "load", "load_phase", "r", "clearance",
+        "static", "first", "misfit", "multipliers",
+    )  # fmt: skip
+    records: dict[str, list[Any]] = {name: [] for name in names}
+    impacts: dict[str, list[Any]] = {
+        name: []
+        for name in ("number", "side", "picked", "picked_error", "fitted", "speed", "restitution")
+    }
+    picks: dict[str, list[Any]] = {name: [] for name in ("number", "time", "side")}
+    samples: dict[str, list[Any]] = {
+        name: [] for name in ("number", "time", "load", "load_fit", "motion", "motion_fit")
+    }
+    notes: list[tuple[bool, str]] = []
+    for i, step in enumerate(steps):
+        data, record = step.data, step.record
+        motion = found.motions[i] if found is not None else None
+        multipliers = (
+            np.full(4, complex(math.nan, math.nan)) if motion is None else motion.multipliers
+        )
+        pattern = data.pattern if data is not None and found is not None else None
+        middle = 0.0 if record is None else (len(record) - 1) / 2 / record.rate
+        begin = 0.0 if record is None else record.start
+        load = data.F0 if data is not None and data.F0 is not None else math.nan
+        if data is None and step.load is not None:
+            load = float(abs(step.load.values[1]))
+        phase = found.phases[i] if found is not None else math.nan
+        if found is None and step.load is not None:
+            phase = float(np.angle(1j * step.load.values[1]))
+        fit_of: dict[str, Any] = {
+            "status": step.rhythm.status, "quantity": step.quantity,
+            "sides": pattern.sides if pattern else "", "cycles": pattern.cycles if pattern else 0,
+            "frequency": step.Omega / (2 * math.pi), "load": load,
+            "load_phase": (phase - step.Omega * middle) % (2 * math.pi),
+            "r": motion.r if motion else math.nan,
+            "clearance": motion.clearance if motion else math.nan,
+            "static": found.lengths[i] if found is not None else math.nan,
+            "misfit": found.misfits[i] if found is not None else math.nan,
+        }  # fmt: skip
+        first = math.nan
+        if found is not None and motion is not None and data is not None:
+            unit = found.values["omega"] * found.lengths[i]
+            if found.speed is not None:
+                of_law = {**found.values, "v0": found.speed}
+                multipliers = motion_of_law(
+                    motion.osc, motion.r, motion.clearance, described(motion)[0], motion.pattern,
+                    walls_of(of_law, unit),
+                ).multipliers  # fmt: skip
+            impacts["speed"] += (unit * approach_speeds(motion)).tolist()
+            impacts["restitution"] += motion.restitution.tolist()
+            fitted_angles = motion.phases + motion.load_phase
+            turn = fitted_angles - phase - data.angles
+            fitted_angles = fitted_angles - 2 * math.pi * round(
+                float(np.median(turn)) / (2 * math.pi)
+            )
+            first = (fitted_angles[0] - phase) / step.Omega + middle + begin
+            own = Pattern(pattern.sides, pattern.cycles).symbols if pattern else []
+            impacts["number"] += [i + 1] * len(own)
+            impacts["side"] += own
+            impacts["picked"] += (data.angles + phase).tolist()
+            impacts["picked_error"] += data.angle_errors.tolist()
+            impacts["fitted"] += fitted_angles.tolist()
+        for name, value in {**fit_of, "multipliers": multipliers, "first": first}.items():
+            records[name].append(value)
+        picks["number"] += [i + 1] * step.times.size
+        picks["time"] += step.times.tolist()
+        picks["side"] += ["R" if sign > 0 else "L" for sign in step.signs]
+        if record is not None:
+            add_samples(samples, i, step, record, found)
+        said_of = f"record {i + 1}: " if len(steps) > 1 else ""
+        if found is not None and found.misfits[i] > DOUBTFUL:
+            notes.append(
+                (
+                    False,
+                    f"{said_of}misfit of {found.misfits[i]:.3g}: the motion does not describe the record to "
+                    "its scatter, so that the pattern or a known value may be wrong",
+                )
+            )
+        if step.load is not None and found is not None:
+            tone = abs(step.load.values)
+            share = math.sqrt(float(np.sum(tone[2:] ** 2))) / float(tone[1])
+            if share > SHAPED:
+                notes.append(
+                    (
+                        False,
+                        f"{said_of}the load has harmonics of {100 * share:.2g} % of its fundamental: the "
+                        "impacts of the fitted motion ignore them, and the errors do not contain this",
+                    )
+                )
+        if pattern is not None:
+            notes.append(
+                (False, f"{said_of}{pattern.sides}/{pattern.cycles} at r = {records['r'][i]:.6g}")
+            )
+        else:
+            notes.append(
+                (
+                    True,
+                    f"{said_of}{step.rhythm.status}: {step.times.size} impacts picked; no motion is fitted",
+                )
+            )
+    if found is not None:
+        columns = (parameters[key] for key in ("name", "value", "error", "state"))
+        notes += [
+            (False, said(name, value, error))
+            for name, value, error, state in zip(*columns, strict=True)
+            if state != "known" and math.isfinite(value)
+        ]
+    tables = {
+        "parameters": (("parameter",), parameters),
+        "records": (("recording",), records),
+        "impacts": (("impact",), impacts),
+        "picks": (("pick",), picks),
+        "samples": (("sample",), samples),
+    }
+    return made("identify", case, tables, notes=notes)
+
+
+def add_samples(
+    samples: dict[str, list[Any]], i: int, step: Step, record: SensorRecord, found: Fit | None
+) -> None:
+    """Samples of the first load cycles of a record, with what was fitted to them."""
+    cycles = SHOWN_CYCLES * max(1, step.rhythm.cycles)
+    n = min(len(record), int(cycles * 2 * math.pi / step.Omega * record.rate), SHOWN_SAMPLES * 4)
+    here = slice(0, n, max(1, n // SHOWN_SAMPLES))
+    t = centred(len(record), record.rate)[here]
+    none = np.full(t.size, math.nan)
+    load = record.load[here] if record.load is not None else none
+    load_fit = step.load.at(t) if step.load is not None else none
+    values = getattr(record, step.quantity)[here]
+    motion_fit = none
+    if found is not None and step.data is not None and step.motion is not None:
+        motion_fit = modelled(step.data, i, step, record, found).at(t)
+    samples["number"] += [i + 1] * t.size
+    samples["time"] += record.times[here].tolist()
+    for name, column_values in (
+        ("load", load),
+        ("load_fit", load_fit),
+        ("motion", values),
+        ("motion_fit", motion_fit),
+    ):
+        samples[name] += column_values.tolist()
+
+
+def modelled(data: Measured, i: int, step: Step, record: SensorRecord, found: Fit) -> Tones:
+    """The harmonics of the fitted motion as the sensor gives them."""
+    # up to half the sampling rate, which is more than was fitted
+    k, n = data.k, int(0.5 * record.rate * 2 * math.pi / data.Omega * data.k)
+    shape = np.concatenate([data.shape, np.zeros(max(0, n - data.shape.size))])
+    data = replace(data, orders=np.arange(1.0, shape.size + 1), shape=shape)
+    values = predicted(data, found, i)
+    w = data.frequencies
+    passed = sensor_response(w / (2 * math.pi), record.bandwidth) / (1j * w) ** (
+        2 - MOTIONS[step.quantity]
+    )
+    all_values = np.concatenate(
+        [[step.motion.values[0] if step.motion is not None else 0.0], values * passed]
+    )
+    return Tones(data.Omega / k, all_values, np.zeros(all_values.size), 0.0)
+
+
+def parameters_of(
+    steps: list[Step], found: Fit | None, scale: Mapping[str, float], shared: Mapping[str, float]
+) -> dict[str, list[Any]]:
+    """The table of parameters: what is known, what was fitted, and what follows from both."""
+    rows: list[tuple[str, float, float, str, str]] = []
+    units = KNOWN | {"F0/K": "m", "v0": "m/s"}
+
+    def add(name: str, value: float, error: float, state: str) -> None:
+        rows.append(
+            (name, value, error, units.get(name, "m" if name.startswith("F0/K") else "N"), state)
+        )
+
+    errors: dict[str, float] = {}
+    states: dict[str, str] = {}
+    values: dict[str, float] = dict(shared)
+    if found is not None:
+        values = {
+            **found.values,
+            **{name: found.lengths[int(name.split()[1])] for name in found.names if " " in name},
+        }
+        for j, name in enumerate(found.names):
+            vague = name in found.undetermined
+            errors[name] = math.inf if vague else math.sqrt(found.covariance[j, j])
+            states[name] = "undetermined" if vague else "fitted"
+    data = steps[0].data
+    F0 = data.F0 if data is not None else None
+    F0_error = data.F0_error if data is not None else math.nan
+    omega, static = values.get("omega", math.nan), values.get("F0/K 0", math.nan)
+
+    def relative(*powers: tuple[str, float]) -> float:
+        """Relative error of a product of powers of fitted parameters."""
+        if found is None:
+            return math.inf
+        if any(states.get(name) == "undetermined" for name, _ in powers):
+            return math.inf
+        place = [
+            (found.names.index(name), power / values[name])
+            for name, power in powers
+            if name in found.names
+        ]
+        return math.sqrt(
+            max(0.0, sum(a * b * found.covariance[j, k] for j, a in place for k, b in place))
+        )
+
+    if found is not None or scale:
+        M, K = scale.get("M"), scale.get("K")
+        if M is not None:
+            add("M", M, 0.0, "known")
+        if K is not None:
+            add("K", K, 0.0, "known")
+        if M is None and found is not None:
+            value, share = math.nan, math.inf
+            if K is not None:
+                value, share = K / omega**2, relative(("omega", -2.0))
+            elif F0 is not None:
+                value = F0 / (static * omega**2)
+                share = math.hypot(relative(("omega", -2.0), ("F0/K 0", -1.0)), F0_error / F0)
+            add(
+                "M",
+                value,
+                value * share if math.isfinite(value) else math.inf,
+                "fitted" if math.isfinite(share) else "undetermined",
+            )
+        if K is None and found is not None:
+            value, share = math.nan, math.inf
+            if M is not None:
+                value, share = M * omega**2, relative(("omega", 2.0))
+            elif F0 is not None:
+                value, share = F0 / static, math.hypot(relative(("F0/K 0", -1.0)), F0_error / F0)
+            add(
+                "K",
+                value,
+                value * share if math.isfinite(value) else math.inf,
+                "fitted" if math.isfinite(share) else "undetermined",
+            )
+    if found is not None and found.speed is not None:
+        add("v0", found.speed, 0.0, "known")
+    for name in SHARED:
+        if name == "exponent" and (found is None or found.speed is None):
+            continue
+        if name in shared:
+            add(name, shared[name], 0.0, "known")
+        elif found is not None:
+            add(name, values[name], errors[name], states[name])
+    if found is not None and F0 is None and "K" in scale:
+        share = relative(("F0/K 0", 1.0))
+        add(
+            "F0",
+            scale["K"] * static,
+            scale["K"] * static * share,
+            "fitted" if math.isfinite(share) else "undetermined",
+        )
+    elif F0 is not None:
+        add("F0", F0, 0.0 if "F0" in scale else F0_error, "known" if "F0" in scale else "fitted")
+    elif found is not None:
+        add("F0", math.nan, math.inf, "undetermined")
+    for j in range(len(steps) if found is not None else 0):
+        name = f"F0/K {j}"
+        add("F0/K" if j == 0 else f"F0/K {j + 1}", values[name], errors[name], states[name])
+    table: dict[str, list[Any]] = {
+        key: [row[j] for row in rows]
+        for j, key in enumerate(("name", "value", "error", "unit", "state"))
+    }
+    half = [WIDTH * error for error in table["error"]]
+    table["low"] = [value - width for value, width in zip(table["value"], half, strict=True)]
+    table["high"] = [value + width for value, width in zip(table["value"], half, strict=True)]
+    return table
+
+
+def said(name: str, value: float, error: float | None) -> str:
+    """A parameter with its error in words.
+
+    Examples
+    --------
+    >>> from vibroimpact.identification.tables import said
+    >>> said("xi", 0.0114312, 0.000213)
+    'xi = 0.01143 +- 0.00021'
+    """
+    if error is None or error == 0:
+        return f"{name} = {value:.6g}"
+    if not math.isfinite(error):
+        return f"{name} undetermined"
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    if digits > 8:
+        return f"{name} = {value:.6g} +- {error:.2g}"
+    return f"{name} = {value:.{digits}f} +- {error:.2g}"
