@@ -53,8 +53,9 @@ def motion(guess: Motion, quantities: Sequence[str] = QUANTITIES) -> Callable[..
     -------
     callable
         Takes any of r, clearance, xi, mu, R1, R2 and load by name; those that are left out have the values of the
-        guess. It returns a dict with an array for each quantity: NaN where there is no motion or it would pass
-        through a wall (unless the guess does), and with derivatives NaN where it has none.
+        guess. It returns a dict with an array for each quantity: NaN where there is no motion, where `exact` finds
+        another one beyond a flip or a pitchfork, or where it would pass through a wall (unless the guess does);
+        and with derivatives NaN where it has none.
 
     Raises
     ------

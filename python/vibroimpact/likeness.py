@@ -123,6 +123,16 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     return bool(_core.same_motion(*system, *first, *second, mirrored))
 
 
+def is_repeated(motion: Motion) -> bool:
+    """Whether a motion is described over several of its periods."""
+    sides, cycles = motion.pattern.sides, motion.pattern.cycles
+    # most patterns cannot repeat
+    parts = (m for m in range(2, cycles + 1) if not cycles % m and not len(sides) % m)
+    if not any(sides == sides[: len(sides) // m] * m for m in parts):
+        return False
+    return standard_motion(motion).pattern.cycles < cycles
+
+
 def is_symmetric(motion: Motion) -> bool:
     """Whether a motion without rest is its own mirror image half a period later.
 

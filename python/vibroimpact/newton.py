@@ -15,7 +15,7 @@ from .model import Oscillator, Pattern, of_numbers
 from .motion import Motion
 from .period import end_of, letters_of, not_periodic
 from .solve import frozen, impact_restitution, periodic
-from .status import MORE_EVENTS, VERDICT, raise_status
+from .status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
 from .structure import or_structure
 from .structure_motion import exact_structure
 from .trajectory import Trajectory
@@ -74,7 +74,8 @@ def exact(
         If an argument is not allowed, or the trajectory has no impacts at its end or is not approximately
         periodic.
     SingularError
-        If the iteration does not converge.
+        If the iteration does not converge, or leads from a motion to one of a shorter period or one that is
+        its own mirror image: the motions of the guess end there, at a flip or a pitchfork.
 
     Examples
     --------
@@ -102,7 +103,8 @@ def exact(
         if pattern.has_rest:
             # the velocity at a release scales with the load and depends little on the clearance
             releases = of_releases(guess, load / guess.load)
-            return release_motion(osc, r, clearance, load, pattern.cycles, releases)
+            found = release_motion(osc, r, clearance, load, pattern.cycles, releases)
+            return of_same_kind(found, guess)
         each = None if guess.osc.restitution != osc.restitution else guess.restitution
         if (
             guess.kind == "periodic"
@@ -122,7 +124,25 @@ def exact(
         raise ParameterTypeError(
             f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, pattern)"
         )
-    return newton(osc, r, clearance, load, pattern, x, theta, each, given)
+    found = newton(osc, r, clearance, load, pattern, x, theta, each, given)
+    return of_same_kind(found, guess) if isinstance(guess, Motion) else found
+
+
+def of_same_kind(found: Motion, guess: Motion) -> Motion:
+    """A motion found from an exact one; an error if it has a shorter period or a symmetry that the guess lacks.
+
+    At a flip and a pitchfork two motions merge, and beyond it Newton's method converges to the one that is left.
+    """
+    from .likeness import is_repeated, same_motion
+
+    if guess.consistent:
+        if is_repeated(found) and not is_repeated(guess):
+            raise_status(SHORTER_PERIOD)
+        if found.osc.restitution[0] == found.osc.restitution[1]:
+            mirrored, before = (same_motion(one, one, mirrored=True) for one in (found, guess))
+            if mirrored and not before:
+                raise_status(SYMMETRIC)
+    return found
 
 
 def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:

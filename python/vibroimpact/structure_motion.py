@@ -16,7 +16,7 @@ from .gradient import Gradient
 from .interrupt import with_stack
 from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
-from .status import MORE_EVENTS, VERDICT
+from .status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
 from .structure import Load, Structure
 from .structure_gradient import Wanted, structure_gradient
 from .structure_quantities import StructureQuantities, structure_quantities
@@ -40,6 +40,8 @@ _Array = NDArray[np.float64]
 REQUEST = ("kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q_dot", "start")
 #: What the core is asked for.
 ELIMINATED, FULL, EXACT = 0, 1, 2
+#: Relative distance at which motions count as the same, as in the core.
+ALIKE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -411,7 +413,8 @@ def exact_structure(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If the iteration does not converge, and as in `periodic_structure`.
+        If the iteration does not converge, or leads to a motion of a shorter period or its own mirror image as
+        in `exact` of an oscillator, and as in `periodic_structure`.
 
     Examples
     --------
@@ -430,7 +433,8 @@ def exact_structure(
     if isinstance(guess, StructureMotion) and len(guess.rests):
         check_pair(structure, load)
         start = guess.phases[0] / guess.load.frequency * (guess.load.frequency / load.frequency)
-        return settled(structure, load, start, (guess.q, guess.q_dot), cycles=guess.cycles)
+        found = settled(structure, load, start, (guess.q, guess.q_dot), cycles=guess.cycles)
+        return of_same_kind(found, guess)
     if isinstance(guess, StructureMotion):
         phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
     elif isinstance(guess, tuple) and len(guess) in (2, 3):
@@ -441,7 +445,33 @@ def exact_structure(
             "(phases, gaps, cycles)"
         )
     numbers, phases, cycles = _pattern(structure, load, phases, gaps, cycles)
-    return _motion(structure, load, numbers, phases, cycles, EXACT)
+    found = _motion(structure, load, numbers, phases, cycles, EXACT)
+    return of_same_kind(found, guess) if isinstance(guess, StructureMotion) else found
+
+
+def of_same_kind(found: StructureMotion, guess: StructureMotion) -> StructureMotion:
+    """A motion found from an exact one; an error as of `newton.of_same_kind`."""
+    for sign, status in ((1, SHORTER_PERIOD), (-1, SYMMETRIC)):
+        if guess.consistent and repeats(found, sign) and not repeats(guess, sign):
+            raise_status(status)
+    return found
+
+
+def repeats(motion: StructureMotion, sign: int) -> bool:
+    """Whether a motion repeats itself (sign 1), or its mirror image -q does (-1), after a part of its period."""
+    many, cycles = len(motion.gaps), motion.cycles
+    for m in range(2, cycles + 1) if sign > 0 else range(2, 2 + cycles % 2):
+        shift = many // m
+        if many % m or (sign > 0 and cycles % m):
+            continue
+        later = np.roll(motion.phases, -shift)
+        later[many - shift :] += 2 * np.pi * cycles
+        off = [later - motion.phases - 2 * np.pi * cycles / m]
+        for each in motion.states.transpose(1, 0, 2):
+            off.append((np.roll(each, -shift, axis=0) - sign * each) / (np.abs(each).max() or 1.0))
+        if all(np.abs(part).max() < ALIKE for part in off):
+            return True
+    return False
 
 
 def check_pair(structure: Any, load: Any) -> None:

@@ -71,6 +71,9 @@ module vi_status
       integer :: not_smooth = 29
       !> The relative position is not stationary in a flight.
       integer :: no_extremum = 30
+      !> Newton's method leads from a motion to one of a shorter period, or to one that is its own
+      !! mirror image.
+      integer :: shorter_period = 31, symmetric = 32
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -164,6 +167,12 @@ contains
          text = 'the greatest value is reached twice, and the two change differently'
       case (stat%no_extremum)
          text = 'the relative position is not stationary inside the flight'
+      case (stat%shorter_period)
+         text = 'the iteration leads to a motion of a shorter period: the guess is too far away, &
+            &or beyond the flip where motions of its period end'
+      case (stat%symmetric)
+         text = 'the iteration leads to a motion that is its own mirror image: the guess is too &
+            &far away, or beyond the pitchfork where motions like it end'
       case default
          text = 'unknown status code'
       end select

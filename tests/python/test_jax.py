@@ -148,6 +148,21 @@ def test_where_there_is_no_motion(uneven):
     assert np.isfinite(slopes(37.0))
 
 
+def test_beyond_a_flip_and_a_pitchfork(uneven):
+    """NaN: the motion that is left there is not that of the guess."""
+    branch = vi.branch(uneven, "clearance", (30, 40))
+    flip = next(p for p in branch.special_points if p.type == "flip")
+    (doubled,) = flip.switch()
+    function = vi.jax.motion(doubled, ["x_max"])
+    beyond = 2 * flip.clearance - doubled.clearance
+    assert np.isfinite(function()["x_max"])
+    assert np.isnan(function(clearance=beyond)["x_max"])
+    assert np.isnan(jax.grad(lambda d: function(clearance=d)["x_max"])(beyond))
+    function = vi.jax.motion(uneven, ["x_max"])
+    assert np.isfinite(function(r=0.925)["x_max"])
+    assert np.isnan(function(r=0.91)["x_max"])
+
+
 def test_refused_arguments(uneven):
     """By name, at once."""
     with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of phases"):

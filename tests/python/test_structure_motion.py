@@ -512,3 +512,29 @@ def test_exact_from_a_simulation_with_a_steep_law():
 def test_a_load_without_frequency_has_no_period():
     with pytest.raises(ParameterError, match="must have a frequency"):
         vi.exact(damper(), vi.Load(None, constant=[1, 0]), ([1.6, 5.9], [0, 1]))
+
+
+@pytest.mark.parametrize(
+    ("frequency", "beyond", "of"), [(0.94, 0.915, "mirror image"), (None, None, "shorter period")]
+)
+def test_a_motion_is_lost_beyond_its_bifurcation(frequency, beyond, of):
+    """Newton's method finds the motion that is left beyond a pitchfork or a flip: an error, never that motion."""
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    uneven = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+    if frequency:
+        own, near, gone = uneven, damper(), damper()
+        loads = [vi.Load(f, sine=[1, 0]) for f in (frequency, beyond)]
+    else:
+        points = vi.branch(uneven, "clearance", (34, 37)).special_points
+        flip = next(point for point in points if point.type == "flip")
+        (own,) = flip.switch()
+        near = damper(clearance=own.clearance)
+        gone = damper(clearance=2 * flip.clearance - own.clearance)
+        loads = [vi.Load(0.94, sine=[1, 0])] * 2
+    gaps = [0 if side == "R" else 1 for side in own.pattern.sides]
+    guess = (own.load_phase + own.phases, gaps, own.pattern.cycles)
+    motion = vi.exact(near, loads[0], guess)
+    assert motion.consistent
+    assert np.abs(motion.q - [own.X[0], own.Z[0]]).max() < 1e-9
+    with pytest.raises(SingularError, match=of):
+        vi.exact(gone, loads[1], motion)

@@ -40,6 +40,38 @@ def test_switching_at_a_flip():
     assert settles_on(doubled) == doubled.stable
 
 
+def test_a_motion_is_lost_beyond_its_flip():
+    """Where the doubled motion has ended, Newton's method finds the simple one twice: an error, never that one."""
+    branch = vi.branch(pair_motion(), "clearance", (10, 60))
+    flip = next(p for p in branch.special_points if p.type == "flip")
+    (doubled,) = flip.switch()
+    osc, r = doubled.osc, doubled.r
+    nearer, beyond = (
+        flip.clearance + share * (doubled.clearance - flip.clearance) for share in (0.9, -1.0)
+    )
+    assert vi.exact(osc, r, nearer, doubled).pattern == doubled.pattern
+    with pytest.raises(vi.SingularError, match=r"shorter period: .* beyond the flip"):
+        vi.exact(osc, r, beyond, doubled)
+    # presumed phases are not a motion: the simple one twice is a solution of this pattern
+    phases = (doubled.phases, doubled.pattern)
+    twice = vi.exact(osc, r, beyond, phases)
+    assert vi.standard_motion(twice).pattern == vi.Pattern("RL")
+    assert vi.exact(osc, r, nearer, twice).pattern == doubled.pattern
+
+
+def test_a_motion_is_lost_beyond_its_pitchfork():
+    """Where a pair of mirror images has ended, Newton's method finds the symmetric motion: an error."""
+    motion = pair_motion()
+    branch = vi.branch(motion, "r", (0.9, motion.r + 0.001))
+    fork = next(p for p in branch.special_points if p.type == "pitchfork")
+    near, beyond = fork.r + 0.005, fork.r - 0.005
+    assert not vi.is_symmetric(vi.exact(motion.osc, near, motion.clearance, motion))
+    with pytest.raises(vi.SingularError, match=r"its own mirror image: .* beyond the pitchfork"):
+        vi.exact(motion.osc, beyond, motion.clearance, motion)
+    symmetric = vi.equispaced(motion.osc, fork.r, motion.clearance)[0]
+    assert vi.is_symmetric(vi.exact(motion.osc, beyond, motion.clearance, symmetric))
+
+
 def test_switching_where_a_doubled_branch_ends():
     """Switching at the end of a doubled branch gives motions of that branch."""
     (doubled,) = next(
