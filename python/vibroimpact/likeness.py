@@ -6,33 +6,13 @@ The core compares them, with the same tolerance for all studies.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
 
 from . import _core, checks
 from .errors import SingularError
 from .motion import Motion
-from .newton import described_motion, found_motion, of_releases
+from .newton import described_motion, found_motion, parts_of
 
 __all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
-
-
-class _Parts(NamedTuple):
-    """A motion in the form that the core compares: the impacts of one without rest, the releases of one with
-    rest; the other parts are zero."""
-
-    sides: NDArray[np.int32]
-    unknowns: NDArray[np.float64]
-    releases: NDArray[np.float64]
-
-
-def _parts(motion: Motion) -> _Parts:
-    if motion.rest_events is None:
-        unknowns = np.append(motion.X, motion.phases + motion.tau)
-        return _Parts(motion.pattern.signs, unknowns, np.zeros((3, 1), order="F"))
-    return _Parts(np.zeros(1, np.int32), np.zeros(2), of_releases(motion, 1.0))
 
 
 def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
@@ -57,7 +37,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     checks.instance(motion, "motion", Motion)
     system = (motion.osc, motion.r, motion.clearance, motion.load)
     changed, *answer = found_motion(
-        *system, motion.pattern.cycles, *_parts(motion), 2 if mirrored else 1
+        *system, motion.pattern.cycles, *parts_of(motion), 2 if mirrored else 1
     )
     return described_motion(*system, answer) if changed else motion
 
@@ -111,7 +91,7 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     """
     checks.instance(one, "one", Motion)
     checks.instance(other, "other", Motion)
-    first, second = _parts(one), _parts(other)
+    first, second = parts_of(one), parts_of(other)
     if (
         (one.rest_events is None) != (other.rest_events is None)
         or len(one.pattern) != len(other.pattern)
@@ -121,16 +101,6 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
         return False
     system = (one.osc.xi, one.r, one.load, one.clearance, one.pattern.cycles)
     return bool(_core.same_motion(*system, *first, *second, mirrored))
-
-
-def is_repeated(motion: Motion) -> bool:
-    """Whether a motion is described over several of its periods."""
-    sides, cycles = motion.pattern.sides, motion.pattern.cycles
-    # most patterns cannot repeat
-    parts = (m for m in range(2, cycles + 1) if not cycles % m and not len(sides) % m)
-    if not any(sides == sides[: len(sides) // m] * m for m in parts):
-        return False
-    return standard_motion(motion).pattern.cycles < cycles
 
 
 def is_symmetric(motion: Motion) -> bool:

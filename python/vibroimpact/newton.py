@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,16 +133,32 @@ def of_same_kind(found: Motion, guess: Motion) -> Motion:
 
     At a flip and a pitchfork two motions merge, and beyond it Newton's method converges to the one that is left.
     """
-    from .likeness import is_repeated, same_motion
-
     if guess.consistent:
         if is_repeated(found) and not is_repeated(guess):
             raise_status(SHORTER_PERIOD)
-        if found.osc.restitution[0] == found.osc.restitution[1]:
-            mirrored, before = (same_motion(one, one, mirrored=True) for one in (found, guess))
-            if mirrored and not before:
-                raise_status(SYMMETRIC)
+        if is_mirrored(found) and not is_mirrored(guess):
+            raise_status(SYMMETRIC)
     return found
+
+
+def is_repeated(motion: Motion) -> bool:
+    """Whether a motion is described over several of its periods."""
+    sides, cycles = motion.pattern.sides, motion.pattern.cycles
+    # most patterns cannot repeat
+    parts = (m for m in range(2, cycles + 1) if not cycles % m and not len(sides) % m)
+    if not any(sides == sides[: len(sides) // m] * m for m in parts):
+        return False
+    system = (motion.osc, motion.r, motion.clearance, motion.load)
+    _, _, shortest, *_ = found_motion(*system, cycles, *parts_of(motion), 1)
+    return bool(shortest < cycles)
+
+
+def is_mirrored(motion: Motion) -> bool:
+    """Whether a motion is its own mirror image."""
+    system = (motion.osc.xi, motion.r, motion.load, motion.clearance, motion.pattern.cycles)
+    right, left = motion.osc.restitution
+    parts = parts_of(motion)
+    return right == left and bool(_core.same_motion(*system, *parts, *parts, True))
 
 
 def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:
@@ -219,6 +235,23 @@ def of_releases(motion: Motion, factor: float) -> NDArray[np.float64]:
     events = motion.events[motion.events["kind"] == "release"]
     sides = np.where(events["side"] == "R", 1.0, -1.0)
     return np.asfortranarray([sides, events["phase"], factor * events["x_dot_after"]])
+
+
+class Parts(NamedTuple):
+    """A motion in the form that the core compares: the impacts of one without rest, the releases of one with
+    rest; the other parts are zero."""
+
+    sides: NDArray[np.int32]
+    unknowns: NDArray[np.float64]
+    releases: NDArray[np.float64]
+
+
+def parts_of(motion: Motion) -> Parts:
+    """A motion in that form."""
+    if motion.rest_events is None:
+        unknowns = np.append(motion.X, motion.phases + motion.tau)
+        return Parts(motion.pattern.signs, unknowns, np.zeros((3, 1), order="F"))
+    return Parts(np.zeros(1, np.int32), np.zeros(2), of_releases(motion, 1.0))
 
 
 def release_motion(

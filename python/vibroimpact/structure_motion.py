@@ -190,7 +190,8 @@ class StructureMotion(Savable, study="motion_structure"):
         """The derivatives of phases, speeds, impulses, states and multipliers by parameters.
 
         They are those of the exact motion, with the phases as functions of the parameters. ``q`` and ``q_dot`` are
-        the states just after the impacts; `stability_margin` is 1 - max|lambda|.
+        the states just after the impacts; `stability_margin` is 1 - max|lambda|. With rest, the accumulations are
+        summed to their limit.
 
         Parameters
         ----------
@@ -210,7 +211,7 @@ class StructureMotion(Savable, study="motion_structure"):
         Raises
         ------
         ParameterError, ParameterTypeError
-            If a parameter does not exist, or the motion has rest.
+            If a parameter does not exist.
         SingularError
             If the motion is at a fold, a pitchfork or a graze, or its phases are not exact.
 

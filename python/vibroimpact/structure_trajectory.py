@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks, namelist
 from .errors import ParameterError, SingularError
+from .gradient import Gradient
 from .noun import Noun, Savable
 from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .status import MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure
+from .structure_gradient import Wanted, structure_trajectory_gradient
 from .structure_groups import from_groups
 from .structure_quantities import StructureQuantities, accelerations, structure_quantities
 from .tables import Result, made
@@ -161,6 +163,45 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         True
         """
         return structure_quantities(self, window, harmonics)
+
+    def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
+        """The derivatives of all events and of the final state by the initial state and by parameters.
+
+        They go through impacts, accumulations, rests and releases (saltation). The quantities are ``time``,
+        ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of the events, and ``final_time``, ``final_q``
+        and ``final_q_dot``. The end is the given number of load cycles or the given duration after the start.
+
+        Parameters
+        ----------
+        parameters : sequence, optional
+            Names or tuples as in `StructureMotion.gradient`, and of the start: 'start' (its time, the state being
+            fixed), 'q_I' and 'q_dot_I'. Of a record 'load' is a factor. By default those of the start, frequency,
+            load, and all openings and restitutions.
+
+        Returns
+        -------
+        Gradient
+            NaN from the first event on that has no derivatives: an impact without approach speed, or a rest that
+            ends without its contact force falling through 0; `status` names it.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If a parameter does not exist, or the trajectory is not complete.
+        SingularError
+            If the events are not those of the structure, or gaps that depend on each other rest.
+
+        Examples
+        --------
+        A mass that starts towards a wall: where it is after the impact falls by R times what it starts ahead.
+
+        >>> import vibroimpact as vi
+        >>> wall = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.8)])
+        >>> run = vi.simulate(wall, duration=3, state=([0], [1]))
+        >>> run.gradient()["final_q", "q_0"].round(12).tolist()
+        [-0.8]
+        """
+        return structure_trajectory_gradient(self, parameters)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
