@@ -172,7 +172,7 @@ class Problem:
     free : dict
         Ranges (low, high) of what may be chosen, by name.
     tolerance : dict
-        Uncertain parameters: deviations of free ones, values of others.
+        Uncertain parameters: deviations or factors of free ones, see `Uncertain.around`, values of others.
     band : (float, float)
         Frequency ratios, or initial displacements.
     load : Uncertain
@@ -217,7 +217,8 @@ class Problem:
             for name, value in zip(self.free, candidate, strict=True)
         }
         for (name, uncertain), share in zip(self.tolerance.items(), shares, strict=False):
-            values[name] = uncertain.at(share) + values.get(name, 0.0)
+            these = uncertain.at(share)
+            values[name] = uncertain.around(values[name], these) if name in values else these
         return values, self.load.at(shares[-1])
 
     def outcomes(

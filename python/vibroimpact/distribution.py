@@ -60,6 +60,28 @@ class Uncertain:
         """Its median."""
         return float(self.at(np.array([0.5]))[0])
 
+    def around(self, nominal: Any, values: Any) -> Any:
+        """Values of a parameter that has a nominal one: factors if all are positive, otherwise deviations.
+
+        Values that include 0 can only be deviations, and those of a factor are above 0, so that none means both.
+        """
+        return nominal * values if self.low > 0 else nominal + values
+
+    def require_around(self, name: str) -> None:
+        """Refuses values that are neither deviations from a nominal value nor factors of it.
+
+        Raises
+        ------
+        ParameterError
+            With the name, the values and what they must be.
+        """
+        zero = 1.0 if self.low > 0 else 0.0
+        if not (self.numbers[0] == zero if self.normal else self.low <= zero <= self.high):
+            raise ParameterError(
+                f"{name} = {self.numbers}: must be deviations with 0 among them, or factors above 0 with 1 among "
+                "them; if normal, of mean 0 or 1"
+            )
+
     def at(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """The quantiles of shares between 0 and 1."""
         if not self.normal:

@@ -5,8 +5,26 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+
+from .errors import ParameterError
+
+
+def place_for(path: str | Path, endings: Iterable[str]) -> Path:
+    """The path of a file to be written.
+
+    Raises
+    ------
+    ParameterError
+        If it has none of the endings, or its folder is not there.
+    """
+    place = Path(path)
+    if place.suffix.lower() not in endings:
+        raise ParameterError(f"path = {str(path)!r}: must end with one of {', '.join(endings)}")
+    if not place.parent.is_dir():
+        raise ParameterError(f"path = {str(path)!r}: must be in a folder that is there")
+    return place
 
 
 def write_text(path: Path, text: str) -> None:

@@ -35,7 +35,8 @@ UNITS = {
     "x": "F0/K", "z": "F0/K", "X": "F0/K", "Z": "F0/K", "Y": "F0/K", "clearance": "F0/K",
     "x_dot": "omega F0/K", "z_dot": "omega F0/K", "X_dot": "omega F0/K", "Z_dot": "omega F0/K",
     "X_ddot": "omega^2 F0/K", "Z_ddot": "omega^2 F0/K", "load": "F0", "phase": "rad", "phases": "rad",
-    "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "",
+    "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
+    "xi": "", "mu": "", "R1": "", "R2": "", "restitution": "",
 } | Quantities.units  # fmt: skip
 
 
@@ -156,6 +157,8 @@ class Physical:
         """A value of a name in physical units; an error if its unit is not known."""
         if isinstance(value, (bool, str, int, Pattern, Oscillator, np.bool_)) or value is None:
             return value
+        if name == "sensitivity":  # derivatives, whose units are quotients
+            raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
         if isinstance(value, np.ndarray) and value.dtype.kind in "biUOS":
             return value
         if isinstance(value, np.ndarray) and value.dtype.names:
@@ -166,7 +169,8 @@ class Physical:
             return table
         if isinstance(value, Mapping):
             # of a state, without what continues it bit for bit
-            return {key: self._converted(key, item) for key, item in value.items() if key in UNITS}
+            names = units_by_name("design") if self.result.study == "design" else UNITS
+            return {key: self._converted(key, item) for key, item in value.items() if key in names}
         if hasattr(value, "of_result"):
             return Physical(value, self.units)
         if isinstance(value, Sample):
@@ -181,6 +185,10 @@ class Physical:
         if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             return [self._converted(name, item) for item in value]
         unit = units_by_name(self.result.study).get(name, MIXED)
+        if unit == MIXED:
+            columns = settled(self.result._result).columns()
+            known = [item.unit for _, item in columns if item.name == name and item.unit != MIXED]
+            unit = known[0] if known else MIXED
         if unit == MIXED or not isinstance(value, (float, complex, np.ndarray, np.number, Signal)):
             raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
         scale = self.units.scale(unit)
@@ -304,9 +312,21 @@ def tables(result: Result, units: Units) -> Result:
             key: column_in(column, units)
             for key, column in table.columns.items() if column.unit != MIXED
         }  # fmt: skip
+        if "chosen" in result.tables and "choice" in table.dims:
+            scale = scale_by_row(result.column("chosen", "name").decoded(), units)
+            columns |= {
+                key: replace(column, values=column.values * scale)
+                for key, column in table.columns.items()
+                if column.unit == MIXED
+            }
         dims = {"frequency" if dim == "r" else dim: size for dim, size in table.dims.items()}
         found[name] = replace(table, dims=dims, columns=Found(columns, name))
     return replace(result, tables=Found(found, "tables"), handle=None)
+
+
+def scale_by_row(names: Any, units: Units) -> Any:
+    """Factors of the values of parameters: a chosen clearance becomes d, other parameters have no dimension."""
+    return np.where(names == "clearance", units.scale("F0/K"), 1.0)
 
 
 def frequency_name(name: str) -> str:
@@ -338,6 +358,15 @@ def listed_units(result: Result) -> dict[str, str]:
 def dataset(data: Any, units: Units) -> Any:
     """A dataset in physical units, without variables of mixed units."""
     unit = {name: item.attrs.get("units", "") for name, item in data.variables.items()}
+    if "chosen_name" in data:
+        scale = scale_by_row(data["chosen_name"].values, units)
+        mixed = [
+            name for name, text in unit.items() if text == MIXED and "choice" in data[name].dims
+        ]
+        data = data.assign(
+            {name: (data[name] * scale).assign_attrs(data[name].attrs) for name in mixed}
+        )
+        unit |= dict.fromkeys(mixed, "")
     data = data.drop_vars([name for name, text in unit.items() if text == MIXED])
     renamed = {}
     for name in list(data.variables):

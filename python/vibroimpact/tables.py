@@ -22,6 +22,14 @@ from .units import GAP, MIXED, RATIO
 STORED = {"real": "<f8", "complex": "<c16"}
 
 
+#: Columns of a design with the unit of its target, and these units.
+OF_TARGET = ("limit", "level", "nominal", "worst")
+UNIT_OF = {
+    "attenuation": "", "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
+    "damping": "",
+}  # fmt: skip
+
+
 def text_of(function: Any, *arguments: Any, capacity: int = 16_384) -> str:
     """A text that a function of the core writes into a buffer."""
     text, length = function(*arguments, capacity)
@@ -269,6 +277,8 @@ def settled(result: Result) -> Result:
 def decided(result: Result, table: str, name: str) -> dict[str, Any]:
     """Unit and meaning of a column that the case decides; nothing if its numbers have several units."""
     keys = keys_of(result.case)
+    if result.study == "design":
+        return {"unit": UNIT_OF[keys["target"]]} if name in OF_TARGET and keys else {}
     if table in ("first", "second") and "axes" in keys:
         axis = keys["axes"][table == "second"]
         units = {"t": "1/omega", "x": "F0/K", "y": "F0/K"}

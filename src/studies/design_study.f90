@@ -20,7 +20,8 @@ module vi_design_study
    character(*), parameter :: of_walls = 'two numbers from 0 to 1, the lower one first', &
       spread = 'two numbers (all values in between are equally likely) or more (quantiles at even &
       &steps, in order); with the name in `normal`, mean and standard deviation', &
-      of_free = 'uncertain values; of a free parameter deviations from the chosen value'
+      of_free = 'uncertain values; of a free parameter deviations from the chosen one, 0 among &
+      &them, or factors above 0, 1 among them'
    real(wp), parameter :: tiny_value = 1.0e-300_wp
 
    type(key_type), parameter :: design_keys(*) = [ &
@@ -44,7 +45,8 @@ module vi_design_study
       never='free_clearance', meaning='clearance d K/F0 at load 1 (d is the whole travel of m),&
       & if it is not free'), &
       key_type('load', most=1001, default='1', low=tiny_value, high=1.0e6_wp, &
-      takes='one load amplitude, or as for a tolerance', meaning='load amplitude'), &
+      never='amplitude', takes='one load amplitude, or as for a tolerance', &
+      meaning='load amplitude'), &
       key_type('free_clearance', least=2, most=2, low=least_gap, high=most_gap, may_miss=.true., &
       unit='F0/K', takes='two numbers from 1e-12 to 1e12, the lower one first', &
       meaning='range from which d K/F0 is chosen'), &
@@ -94,7 +96,7 @@ module vi_design_study
       key_type('limit_multiplier', low=tiny_value, may_miss=.true., never='amplitude', &
       takes='a number > 0', meaning='greatest allowed modulus of the multipliers; a motion &
       &without a period is above it'), &
-      key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, &
+      key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, only='amplitude', &
       meaning='oscillations over which the damping of free vibration is averaged'), &
       key_type('states', a_whole, default='2', low=1.0_wp, high=64.0_wp, &
       meaning='initial states of each unit'), &
@@ -108,30 +110,31 @@ module vi_design_study
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
       meaning='frequencies, or displacements, at which they are judged'), &
       key_type('settling', a_whole, default='200', low=8.0_wp, high=1.0e6_wp, &
+      never='amplitude', &
       meaning='load cycles after which a simulation without a period counts as settled'), &
-      key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, &
+      key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, never='amplitude', &
       meaning='load cycles then examined'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=2.0e9_wp, &
       meaning='number from which the random numbers follow')]
 
    type(column_type), parameter :: design_columns(*) = [ &
       column_type('chosen', 'name', words, meaning='the free parameter'), &
-      column_type('chosen', 'value', meaning='its chosen value'), &
-      column_type('chosen', 'low', meaning='lower end of its range'), &
-      column_type('chosen', 'high', meaning='upper end of its range'), &
+      column_type('chosen', 'value', unit='mixed', meaning='its chosen value'), &
+      column_type('chosen', 'low', unit='mixed', meaning='lower end of its range'), &
+      column_type('chosen', 'high', unit='mixed', meaning='upper end of its range'), &
       column_type('design', 'target', words, listed=.false., meaning='what was minimised'), &
-      column_type('design', 'limit', listed=.false., &
+      column_type('design', 'limit', unit='mixed', listed=.false., &
       meaning='value that had to be reached; NaN if there is none'), &
       column_type('design', 'quantile', listed=.false., &
       meaning='share of the units that had to reach it'), &
       column_type('design', 'first', listed=.false., meaning='lower end of the band'), &
       column_type('design', 'last', listed=.false., meaning='upper end of the band'), &
-      column_type('design', 'level', listed=.false., meaning='quantile of the target over the &
-      &units of the search, at the worst frequency'), &
+      column_type('design', 'level', unit='mixed', listed=.false., &
+      meaning='quantile of the target over the units of the search, at the worst frequency'), &
       column_type('design', 'excess', listed=.false., &
       meaning='the same of the greatest figure over its limit; 0 without limits'), &
-      column_type('design', 'worst', listed=.false., meaning='worst target of all samples and of &
-      &the units of the search'), &
+      column_type('design', 'worst', unit='mixed', listed=.false., &
+      meaning='worst target of all samples and of the units of the search'), &
       column_type('design', 'samples', wholes, listed=.false., &
       meaning='samples of the confirmation'), &
       column_type('design', 'failed', wholes, listed=.false., &
@@ -151,15 +154,16 @@ module vi_design_study
       column_type('bands', 'low', listed=.false., meaning='lower end of its interval, which holds &
       &for all parts at once with 95 %'), &
       column_type('bands', 'high', listed=.false., meaning='upper end'), &
-      column_type('bands', 'worst', listed=.false., meaning='worst target'), &
+      column_type('bands', 'worst', unit='mixed', listed=.false., meaning='worst target'), &
       column_type('sensitivities', 'name', words, listed=.false., meaning='a parameter'), &
-      column_type('sensitivities', 'slope', listed=.false., &
+      column_type('sensitivities', 'slope', unit='mixed', listed=.false., &
       meaning='derivative of the target of the worst unit by it'), &
-      column_type('candidates', 'values', each='choice', listed=.false., &
+      column_type('candidates', 'values', unit='mixed', each='choice', listed=.false., &
       meaning='the free parameters'), &
-      column_type('candidates', 'nominal', listed=.false., &
+      column_type('candidates', 'nominal', unit='mixed', listed=.false., &
       meaning='level of the unit without deviations'), &
-      column_type('candidates', 'level', listed=.false., meaning='level of all units'), &
+      column_type('candidates', 'level', unit='mixed', listed=.false., &
+      meaning='level of all units'), &
       column_type('candidates', 'front', truths, listed=.false., &
       meaning='whether no other candidate is better in both')]
 
@@ -264,6 +268,7 @@ contains
       character(*), intent(in) :: name
       character(:), allocatable :: key
       real(wp) :: ends(2), most
+      logical :: centred
 
       associate (study => case%study)
          key = lower(name)
@@ -275,13 +280,30 @@ contains
                   return
                end if
                ends = values(1) + 6*values(2)*[-1, 1]
+               centred = .not. abs(values(1) - merge(1, 0, ends(1) > 0)) > 0
             else
                if (any(values(2:) < values(:size(values) - 1))) call study%refuse( &
                   'tolerance_'//key)
                ends = [values(1), values(size(values))]
+               centred = .true.
             end if
          end associate
-         if (study%has('free_'//key)) ends = ends + study%numbers('free_'//key)
+         if (study%has('free_'//key)) then
+            ! factors, or deviations
+            if (ends(1) > 0) then
+               centred = centred .and. ends(1) <= 1 .and. ends(2) >= 1
+               ends = ends*study%numbers('free_'//key)
+            else
+               centred = centred .and. ends(2) >= 0
+               ends = ends + study%numbers('free_'//key)
+            end if
+            if (.not. centred) then
+               call study%refuse('tolerance_'//key, name//' is free, so that these are deviations &
+                  &with 0 among them, or factors above 0 with 1 among them; if normal, of mean &
+                  &0 or 1')
+               return
+            end if
+         end if
          most = 1
          if (name == 'clearance') most = most_gap
          if (name == 'mu') most = 1.0e6_wp

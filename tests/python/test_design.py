@@ -14,7 +14,8 @@ from vibroimpact.performance import perform
 from vibroimpact.studies.design import asked_by
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-QUICK = {"samples": 0, "evaluations": 16, "specimens": 4, "nodes": 3, "settling": 120, "keep": 16}
+FEW = {"samples": 0, "evaluations": 16, "specimens": 4, "nodes": 3}
+QUICK = FEW | {"settling": 120, "keep": 16}
 
 
 def random_systems(n, seed, restitution):
@@ -379,7 +380,7 @@ def test_damping_of_free_decay_is_a_target():
         target="damping",
         amplitude=1.0,
         free={"clearance": (0.2, 2.0)},
-        **{**QUICK, "evaluations": 40, "specimens": 1},
+        **{**FEW, "evaluations": 40, "specimens": 1},
     )
     grid_of = np.linspace(0.2, 2.0, 60)
     levels = host.outcome(
@@ -388,6 +389,8 @@ def test_damping_of_free_decay_is_a_target():
     assert best.level > 0.9 * -levels.target.min() * 0.8
 
 
+#: Arguments without a meaning for free vibration, at their defaults.
+FREE = {"load": 1.0, "settling": 200, "keep": 32}
 GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
 
 
@@ -438,8 +441,29 @@ GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
             r"tolerance\['R2'\] = 0.5, 0.7: must be left out beside free_restitution",
         ),
         (
-            {"target": "damping", "r": None, "amplitude": 1.0, "limits": {"speed": 1.0}},
+            {"target": "damping", "r": None, "amplitude": 1.0, "limits": {"speed": 1.0}, **FREE},
             r"limits\['speed'\] = 1.0: must be left out beside amplitude",
+        ),
+        *(
+            (
+                {"target": "damping", "r": None, "amplitude": 1.0, **FREE, name: value},
+                rf"{name} = .*: must be left out beside amplitude",
+            )
+            for name, value in (("load", (0.5, 2.0)), ("settling", 300), ("keep", 5))
+        ),
+        ({"cycles": 6}, "cycles = 6: must be left out: it goes with amplitude"),
+        *(
+            (
+                {"tolerance": {"clearance": values}},
+                r"tolerance\['clearance'\] = .*deviations with 0 among",
+            )
+            for values in (
+                (0.5, 0.9),
+                (1.1, 1.2),
+                (-2, -1),
+                stats.norm(1.0, 0.2),
+                stats.norm(0.5, 0.2),
+            )
         ),
         ({"tolerance": {"xi": (0.0, 0.01)}}, "without damping r = 1 is resonance"),
         ({"progress": 3}, "progress = 3: must be None or callable"),
@@ -467,6 +491,88 @@ GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
 def test_bad_arguments_are_refused(change, message):
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
         vi.design(OSC, **{**GOOD, **QUICK, **change})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"amplitude": 1.0}, "amplitude = 1.0: must be left out for a function"),
+        ({"cycles": 7}, "cycles = 7: must be left out for a function"),
+        ({"tolerance": {"clearance": (1.5, 2.0)}}, "deviations with 0 among them"),
+        ({"tolerance": {"clearance": stats.norm(1, 0.2)}}, "if normal, of mean 0 or 1"),
+    ],
+)
+def test_bad_arguments_for_a_structure_are_refused(change, message):
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.design(lambda r, load, clearance: None, **{**GOOD, **QUICK, **change})
+
+
+def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
+    """Around a clearance of 20, -1 to 1 and 0.95 to 1.05 are the same units, with the same levels."""
+    host = OscillatorHost(OSC, None, "attenuation", {}, 120, 16, None)
+    shares = np.array([[0.0, 0.3, 1.0], [0.5, 0.5, 0.5]])
+    found = []
+    for spread in ((-1, 1), (0.95, 1.05)):
+        tolerance = {"clearance": uncertain(spread, "clearance")}
+        ends = {"clearance": (10.0, 40.0)}
+        problem = Problem(host, ends, tolerance, (1.0, 1.0), uncertain(1.0, "load"), 1.0, False)
+        found.append(problem.units(np.array([20.0]), shares)[0]["clearance"])
+    np.testing.assert_allclose(found[0], [19, 19.6, 21], rtol=1e-14)
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-14)
+    for spread in ((-1, 1), (0.95, 1.05), stats.norm(0, 0.1), stats.norm(1, 0.01)):
+        made = vi.design(OSC, **GOOD, **QUICK, tolerance={"clearance": spread})
+        least, middle, greatest = made.spread["clearance"]
+        assert least < middle < greatest
+        assert middle == pytest.approx(made.values["clearance"], rel=1e-12)
+
+
+def test_a_report_is_written_completely_or_not_at_all(tmp_path):
+    pytest.importorskip("matplotlib")
+    found = vi.design(OSC, **GOOD, **QUICK)
+    for place, message in (
+        (tmp_path / "there" / "r.pdf", "r.pdf': must be in a folder that is there"),
+        (tmp_path / "r.docx", "r.docx': must end with one of .pdf, .png, .svg"),
+    ):
+        with pytest.raises(vi.ParameterError, match=message):
+            found.report(place)
+    (tmp_path / "r.pdf").mkdir()
+    with pytest.raises(OSError, match=r"r\.pdf"):
+        found.report(tmp_path / "r.pdf")
+    found.report(tmp_path / "r.svg")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.pdf", "r.svg"]
+
+
+def test_a_design_is_converted_to_physical_units(tmp_path):
+    """Clearances and figures of the target have units, whatever else is chosen; derivatives have none."""
+    rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, C=7.6, m=0.11, restitution=0.7, F0=6.0)
+    length = rig.units().length
+    found = vi.design(
+        rig, r=(1.0, 1.02), free={"clearance": (20, 40), "mu": (0.03, 0.05)}, target="displacement",
+        **QUICK, limit=9.0,
+    )  # fmt: skip
+    assert found.osc == rig
+    shown = found.physical("mm N s")
+    mm = 1000 * length
+    assert shown.values == pytest.approx(
+        {"clearance": mm * found.values["clearance"], "mu": found.values["mu"]}
+    )
+    assert shown.limit == pytest.approx(9 * mm)
+    assert shown.level == pytest.approx(found.level * mm)
+    np.testing.assert_allclose(shown.candidates["nominal"], found.candidates["nominal"] * mm)
+    assert shown.bands.keys() == found.bands.keys()
+    with pytest.raises(AttributeError, match="sensitivity"):
+        _ = shown.sensitivity
+    pytest.importorskip("xarray")
+    np.testing.assert_allclose(shown.to_xarray()["value"], list(shown.values.values()))
+    np.testing.assert_allclose(shown.to_pandas()["value"], list(shown.values.values()))
+    pytest.importorskip("matplotlib")
+    from vibroimpact.plot.design import _lines
+
+    assert any(
+        f"d = {length * found.values['clearance']:.5g} m from wall to wall" in line
+        for line in _lines(found)
+    )
+    assert "(mm)" in shown.plot()[0].get_xlabel()
 
 
 def test_errors_of_a_host_are_its_own():

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import _core
 from ..errors import ParameterError
-from ..files import write_text
+from ..files import place_for, write_text
 from ..interrupt import new_counters, stoppable
 from ..tables import STORED, Handle, Result, message_of
 from . import matlab, netcdf
@@ -20,14 +20,8 @@ from . import matlab, netcdf
 
 def save(noun: Any, path: str | Path) -> None:
     """Write a file, completely or not at all."""
-    place = Path(path)
-    suffix = place.suffix.lower()
-    if suffix not in WRITERS:
-        wanted = ", ".join(WRITERS)
-        raise ParameterError(f"path = {str(path)!r}: must end with one of {wanted}")
-    if not place.parent.is_dir():
-        raise ParameterError(f"path = {str(path)!r}: must be in a folder that is there")
-    WRITERS[suffix](noun, place)
+    place = place_for(path, WRITERS)
+    WRITERS[place.suffix.lower()](noun, place)
 
 
 def write_csv(noun: Any, path: Path) -> None:

@@ -3,46 +3,48 @@
 from __future__ import annotations
 
 import textwrap
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import ParameterError
+from ..files import place_for
+from ..tables import UNIT_OF
 from . import style
 
 if TYPE_CHECKING:
     from ..studies.design import Design
+    from ..units import Units
 
-#: Labels of targets, and of parameters where they are not in `style.SYMBOLS`.
+#: Symbols of targets.
 TARGETS = {
-    "attenuation": style.ATTENUATION_LABEL, "displacement": r"$\max|X|$ ($F_0/K$)", "rms": r"rms $X$ ($F_0/K$)",
-    "acceleration": r"$\max|\ddot X|$ ($\omega^2 F_0/K$)", "force": r"$\max|X + 2\xi\dot X|$ ($F_0$)",
-    "damping": "damping ratio",
+    "attenuation": style.ATTENUATION_LABEL, "displacement": r"$\max|X|$", "rms": r"rms $X$",
+    "acceleration": r"$\max|\ddot X|$", "force": r"$\max|X + 2\xi\dot X|$", "damping": "damping ratio",
 }  # fmt: skip
 SYMBOLS = style.SYMBOLS | {"restitution": "$R$"}
 #: Formats of reports.
 FORMATS = (".pdf", ".png", ".svg")
 
 
-def draw_design(design: Design, ax: Any = None) -> Any:
+def draw_design(design: Design, ax: Any = None, units: Units | None = None) -> Any:
     """Draw four panels into a new figure, or the share of good samples into `ax`."""
-    plt = style.pyplot()
+    plt, scales = style.pyplot(), style.Scales(units)
     with plt.rc_context(style.SETTINGS):
         if ax is not None:
-            _draw_shares(ax, design)
+            _draw_shares(ax, design, scales)
             return ax
         figure, panels = plt.subplots(2, 2, figsize=(style.TWO_COLUMNS, 4.8), layout="constrained")
-        _draw_panels(panels.ravel(), design)
-        figure.suptitle(_chosen(design), fontsize=7)
+        _draw_panels(panels.ravel(), design, scales)
+        texts = [
+            *(f"{SYMBOLS.get(name, name)} = {value:.6g}" for name, value in design.values.items()),
+            *_dimensions(design, units),
+        ]
+        figure.suptitle("design: " + ", ".join(texts), fontsize=7)
         return panels.ravel()
 
 
 def report(design: Design, path: Any) -> None:
     """One page with the answer, what was chosen, and the four panels."""
-    path = Path(path)
-    if path.suffix.lower() not in FORMATS:
-        raise ParameterError(f"path = {str(path)!r}: must end with one of {', '.join(FORMATS)}")
+    place = place_for(path, FORMATS)
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
         figure = plt.figure(figsize=(8.27, 11.69))
@@ -58,8 +60,12 @@ def report(design: Design, path: Any) -> None:
         text.set_axis_off()
         text.text(0, 1, "Design of an impact damper", fontsize=14, weight="bold", va="top")
         text.text(0, 0.86, "\n".join(_lines(design)), fontsize=8.5, va="top", linespacing=1.5)
-        _draw_panels([figure.add_subplot(grid[i, j]) for i in (1, 2) for j in (0, 1)], design)
-        style.save(text, path)
+        _draw_panels(
+            [figure.add_subplot(grid[i, j]) for i in (1, 2) for j in (0, 1)],
+            design,
+            style.Scales(None),
+        )
+        style.save(text, place)
 
 
 def _lines(design: Design) -> list[str]:
@@ -71,6 +77,8 @@ def _lines(design: Design) -> list[str]:
         lines.append(
             f"{SYMBOLS.get(name, name)} = {value:.6g}, chosen from {low:.6g} to {high:.6g}"
         )
+    known = design.case and None not in (design.osc.M, design.osc.K, design.osc.F0)
+    lines += _dimensions(design, design.osc.units() if known else None)
     if design.samples:
         lines.append(
             f"Worst of all samples: {design.worst:.4g}; simulations given up, counted as bad: {design.failed}"
@@ -85,52 +93,65 @@ def _lines(design: Design) -> list[str]:
     return lines
 
 
-def _chosen(design: Design) -> str:
-    return "design: " + ", ".join(
-        f"{SYMBOLS.get(name, name)} = {value:.6g}" for name, value in design.values.items()
-    )
+def _dimensions(design: Design, units: Units | None) -> list[str]:
+    """What was chosen, in physical units."""
+    if units is None:
+        return []
+    chosen = design.values
+    texts = []
+    if "clearance" in chosen:
+        d = chosen["clearance"] * units.length
+        texts.append(f"d = {d:.5g} {units.name('F0/K')} from wall to wall")
+    if "mu" in chosen:
+        texts.append(f"m = {chosen['mu'] * units.M:.5g}, with M = {units.M:.5g}")
+    return texts
 
 
-def _draw_panels(panels: Any, design: Design) -> None:
+def _draw_panels(panels: Any, design: Design, scales: style.Scales) -> None:
     """The four panels."""
     for panel, draw in zip(
         panels, (_draw_levels, _draw_front, _draw_shares, _draw_slopes), strict=True
     ):
-        draw(panel, design)
+        draw(panel, design, scales)
 
 
-def _draw_levels(ax: Any, design: Design) -> None:
+def _of_target(design: Design, scales: style.Scales) -> tuple[str, str]:
+    """The unit of the target, and its label."""
+    unit = UNIT_OF[design.target]
+    return unit, scales.label(TARGETS[design.target], unit)
+
+
+def _draw_levels(ax: Any, design: Design, scales: style.Scales) -> None:
     """The levels of the candidates against the first parameter."""
     name = next(iter(design.values))
+    unit, label = _of_target(design, scales)
     rows = _within(design, design.candidates)
-    ax.plot(
-        rows[name], rows["level"], "o", ms=3, mfc="none", color=style.PRIMARY, label="candidates"
-    )
-    ax.plot(design.values[name], design.level, "*", ms=9, color=style.FREE, label="chosen")
+    places, levels = scales.of(name, rows[name]), scales(rows["level"], unit)
+    ax.plot(places, levels, "o", ms=3, mfc="none", color=style.PRIMARY, label="candidates")
+    chosen = scales.of(name, design.values[name]), scales(design.level, unit)
+    ax.plot(*chosen, "*", ms=9, color=style.FREE, label="chosen")
     if design.limit is not None:
-        ax.axhline(design.limit, color=style.LOAD, lw=0.8, ls="--", label="limit")
-    ax.set_xlabel(SYMBOLS.get(name, name))
-    ax.set_ylabel(f"{100 * design.quantile:g} % quantile of {TARGETS[design.target]}")
+        ax.axhline(scales(design.limit, unit), color=style.LOAD, lw=0.8, ls="--", label="limit")
+    ax.set_xlabel(scales.name(name) if name in style.NAMES else name)
+    ax.set_ylabel(f"{100 * design.quantile:g} % quantile of {label}")
     style.add_legend(ax, **style.ABOVE)
 
 
-def _draw_front(ax: Any, design: Design) -> None:
+def _draw_front(ax: Any, design: Design, scales: style.Scales) -> None:
     """Attenuation against robustness: the unit without deviations, and all units."""
-    rows = _within(design, design.candidates)
-    ax.plot(
-        rows["nominal"],
-        rows["level"],
-        "o",
-        ms=3,
-        mfc="none",
-        color=style.PRIMARY,
-        label="candidates",
-    )
-    front = design.front
-    ax.plot(
-        front["nominal"], front["level"], "s-", ms=4, lw=0.8, color=style.REST, label="Pareto front"
-    )
-    ax.set_xlabel(f"{TARGETS[design.target]} without deviations")
+    unit, label = _of_target(design, scales)
+    for rows, label_of_rows, style_of_rows in (
+        (
+            _within(design, design.candidates),
+            "candidates",
+            {"marker": "o", "ls": "", "ms": 3, "mfc": "none"},
+        ),
+        (design.front, "Pareto front", {"marker": "s", "ms": 4, "lw": 0.8}),
+    ):
+        color = style.PRIMARY if label_of_rows == "candidates" else style.REST
+        levels = [scales(rows[name], unit) for name in ("nominal", "level")]
+        ax.plot(*levels, color=color, label=label_of_rows, **style_of_rows)
+    ax.set_xlabel(f"{label} without deviations")
     ax.set_ylabel(f"{100 * design.quantile:g} % of the units")
     style.add_legend(ax, **style.ABOVE)
 
@@ -141,28 +162,31 @@ def _within(design: Design, rows: Any) -> Any:
     return rows[near & np.isfinite(rows["nominal"])]
 
 
-def _draw_shares(ax: Any, design: Design) -> None:
+def _draw_shares(ax: Any, design: Design, scales: style.Scales) -> None:
     """The share of good samples along the band, with its intervals."""
     bands = design.bands
     if not bands["samples"].size:
         ax.text(0.5, 0.5, "no samples", ha="center", va="center", transform=ax.transAxes)
         ax.set_axis_off()
         return
-    middle = 0.5 * (bands["from"] + bands["to"])
+    along = "x" if design.target == "damping" else "r"
+    first, last = (scales.of(along, bands[name]) for name in ("from", "to"))
     share = bands["probability"]
     errors = np.maximum(0, [share - bands["low"], bands["high"] - share])
     ax.errorbar(
-        middle, share, errors, 0.5 * (bands["to"] - bands["from"]), fmt="o", ms=3, lw=0.8, capsize=2,
+        0.5 * (first + last), share, errors, 0.5 * (last - first), fmt="o", ms=3, lw=0.8, capsize=2,
         color=style.PRIMARY, label="samples, 95 % interval",
     )  # fmt: skip
     ax.axhline(design.quantile, color=style.LOAD, lw=0.8, ls="--", label="wanted")
-    ax.set_xlabel("initial displacement ($F_0/K$)" if design.target == "damping" else style.R_LABEL)
+    ax.set_xlabel(
+        scales.label("initial displacement", "F0/K") if along == "x" else scales.name("r")
+    )
     ax.set_ylabel("share of good samples")
     ax.locator_params(axis="x", nbins=5)
     style.add_legend(ax, **style.ABOVE)
 
 
-def _draw_slopes(ax: Any, design: Design) -> None:
+def _draw_slopes(ax: Any, design: Design, scales: style.Scales) -> None:
     """The change of the target of the worst unit for 1 % of each parameter."""
     values = style.system(design.osc) if design.case else {}
     if values and values["R1"] == values["R2"]:
@@ -178,10 +202,11 @@ def _draw_slopes(ax: Any, design: Design) -> None:
         ax.text(0.5, 0.5, "no sensitivities", ha="center", va="center", transform=ax.transAxes)
         ax.set_axis_off()
         return
-    changes = [0.01 * values[name] * design.sensitivity[name] for name in names]
+    unit, label = _of_target(design, scales)
+    changes = [scales(0.01 * values[name] * design.sensitivity[name], unit) for name in names]
     ax.barh(
         range(len(names)), changes, color=[style.PRIMARY if c < 0 else style.FREE for c in changes]
     )
     ax.set_yticks(range(len(names)), [SYMBOLS.get(name, name) for name in names])
     ax.axvline(0, color="0.4", lw=0.6)
-    ax.set_xlabel(f"change of {TARGETS[design.target]} for 1 % more")
+    ax.set_xlabel(f"change of {label} for 1 % more")

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..studies.boundary_band import BoundaryBand
-    from ..studies.uncertainty import Uncertainty
 
 __all__ = ["draw_bands", "draw_uncertainty"]
 
@@ -40,9 +39,9 @@ LABELS = {
 
 
 def draw_uncertainty(
-    found: Uncertainty, ax: Any = None, inverse: bool = False, what: str = "probability"
+    found: Any, ax: Any = None, inverse: bool = False, what: str = "probability"
 ) -> Any:
-    """Draw the map of a probability with the nominal boundary and the bands on it; see `Uncertainty.plot`."""
+    """Draw a map of an Uncertainty with the nominal boundary and the bands; see `Uncertainty.plot`."""
     checks.choice(what, "what", tuple(LABELS))
     values = getattr(found, what)
     if values is None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import checks, door
-from ..design_hosts import FIGURES, DecayHost, StructureHost
-from ..design_hosts import TARGETS as OF_STRUCTURES
+from ..design_confirmation import CODE_OF, confirmed, firmer, part_of
+from ..design_order import NAMES, Order, asked_by, numbers_of
 from ..design_problem import LIMITED, OscillatorHost, Problem, parameters_of
-from ..design_search import Archive, grid, refined, search
-from ..distribution import Uncertain, interval, uncertain
+from ..design_search import search
+from ..design_structure import asked_of
+from ..distribution import Uncertain, uncertain
 from ..errors import ParameterError, ParameterTypeError
 from ..model import Oscillator, of_numbers
 from ..namelist import keys_of
@@ -27,44 +27,9 @@ from ..tables import Result, made
 __all__ = ["Design", "design"]
 
 _Array = NDArray[np.float64]
-#: Parameters of an oscillator that can be free or uncertain.
-NAMES = ("clearance", "mu", "xi", "restitution", "R1", "R2")
-#: Confidence of all intervals, and parts of the band whose shares are stated.
-CONFIDENCE, BANDS = 0.95, 10
-#: Samples that are simulated at once.
-CHUNK = 10_000
-#: Samples by which the choice of units in the search is checked, and how often more units are taken.
-FEW, ROUNDS = 2000, 2
-#: The core's codes of verdicts.
-CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
-
-
-@dataclass(frozen=True)
-class Order:
-    """What is asked for besides the problem.
-
-    Attributes
-    ----------
-    target : str
-    limit : float or None
-    evaluations, specimens, nodes, states, samples, seed : int
-    """
-
-    target: str
-    limit: float | None
-    evaluations: int
-    specimens: int
-    nodes: int
-    states: int
-    samples: int
-    seed: int
-
-    @property
-    def sign(self) -> int:
-        """The damping is maximised: the search minimises it with the opposite sign."""
-        return -1 if self.target == "damping" else 1
-
-
+#: Arguments that have no meaning for free vibration, and under a load: they must have their defaults.
+DRIVEN = {"load": [1.0], "settling": 200, "keep": 32}
+FREE = {"cycles": 5}
 EXAMPLE = "--xi .0114 --mu .028 --restitution .75 --band 1 1.02 --free-clearance 20 40 --limit .55 --samples 1000"
 
 
@@ -210,7 +175,7 @@ class Design(Noun, study="design", example=EXAMPLE):
             )
         values = {name: np.full(3, value) for name, value in self.values.items()}
         for name, item in problem.tolerance.items():
-            values[name] = values.get(name, 0.0) + reach(item)
+            values[name] = item.around(values[name], reach(item)) if name in values else reach(item)
         # the least clearance in F0/K is that of the greatest load
         load = reach(problem.load)[::-1]
         numbers = parameters_of(problem.host.osc, problem.host.clearance, values, np.ones(3), load)
@@ -327,85 +292,17 @@ class Design(Noun, study="design", example=EXAMPLE):
         Raises
         ------
         ParameterError
-            If the extension is none of these.
+            If the extension is none of these, or the folder is not there.
         """
         from ..plot.design import report
 
         report(self, path)
 
 
-def confirmed(
-    problem: Problem, order: Order, values: Mapping[str, float], samples: int, seed: int,
-    progress: door.Progress | None,
-) -> tuple[dict[str, Any], dict[str, Any]]:  # fmt: skip
-    """Columns of the tables `design` and `bands` from independent samples."""
-    rng = np.random.default_rng(seed)
-    candidate = np.array(list(values.values()))
-    first, last = problem.band
-    parts = BANDS if first < last else 1
-    edges = np.linspace(first, last, parts + 1)
-    good, count, failed = np.zeros(parts, int), np.zeros(parts, int), 0
-    worst = np.full(parts, -math.inf)
-    states = 1 if problem.weighted else order.states
-    limit = math.inf if order.limit is None else order.sign * order.limit
-    for begin in range(0, samples, CHUNK):
-        n = min(CHUNK, samples - begin)
-        units, load = problem.units(candidate, rng.random((problem.dimensions, n)))
-        place = rng.uniform(first, last, n)
-        starts = rng.uniform(-1, 1, (4, n, states))
-        each = [
-            problem.host.outcome(
-                units, place, load, starts[:, :, i],
-                part_of(progress, begin + i * n / states, n / states, samples), "confirmation",
-            )
-            for i in range(states)
-        ]  # fmt: skip
-        target = np.max([one.target for one in each], axis=0)
-        bad = ~np.isfinite(target)
-        within = (target <= limit) & (np.max([one.excess for one in each], axis=0) <= 1) & ~bad
-        part = np.clip(np.searchsorted(edges, place, side="right") - 1, 0, parts - 1)
-        good += np.bincount(part[within], minlength=parts)
-        count += np.bincount(part, minlength=parts)
-        failed += int(bad.sum())
-        np.maximum.at(worst, part[~bad], target[~bad])
-    total = int(good.sum())
-    low, high = interval(total, samples)
-    # at a confidence that holds for all parts at once
-    each_part = [
-        interval(int(g), int(n), 1 - (1 - CONFIDENCE) / parts)
-        for g, n in zip(good, count, strict=True)
-    ]
-    ends = np.array(each_part).T
-    feasible = None
-    if order.limit is not None or problem.limited:
-        lows, highs = min(low, ends[0].min()), min(high, ends[1].min())
-        feasible = False if highs < problem.quantile else True if lows >= problem.quantile else None
-    design = {
-        "worst": order.sign * float(worst.max()), "samples": samples, "failed": failed,
-        "probability": total / samples, "low": low, "high": high, "feasible": CODE_OF[feasible],
-    }  # fmt: skip
-    bands = {
-        "from": edges[:-1], "to": edges[1:], "samples": count, "good": good,
-        "probability": np.divide(good, count, out=np.full(parts, math.nan), where=count > 0),
-        "low": ends[0], "high": ends[1],
-        "worst": order.sign * np.where(np.isfinite(worst), worst, math.nan),
-    }  # fmt: skip
-    return design, bands
-
-
 def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order]) -> Design:
     """A design whose files and messages begin with its answer."""
     verdict = Design(made("design", case, tables)).verdict
     return Design(made("design", case, tables, (verdict,), notes=((False, verdict),)), asked)
-
-
-def part_of(
-    progress: door.Progress | None, begin: float, share: float, whole: float
-) -> door.Progress | None:
-    """The progress of a part of the work."""
-    if progress is None:
-        return None
-    return lambda done, note: progress((begin + done * share) / whole, note)
 
 
 def designed(problem: Problem, order: Order, case: str, progress: door.Progress | None) -> Design:
@@ -445,88 +342,12 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     return found.confirm(order.samples, order.seed + 1, part_of(progress, 1, 1, 2))
 
 
-def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, Order]:
-    """The candidates judged by more units, frequencies and states, where those of the search were too few.
-
-    They were if the chosen candidate meets the limit in the search, but too few of some samples meet it.
-    """
-    for _ in range(ROUNDS):
-        best = archive.best
-        limit = math.inf if order.limit is None else order.sign * order.limit
-        if (
-            not order.samples
-            or archive.level[best] > limit
-            or (order.limit is None and not problem.limited)
-        ):
-            break
-        chosen = dict(zip(problem.free, archive.values[best], strict=True))
-        tried, bands = confirmed(problem, order, chosen, FEW, order.seed + 2, None)
-        shares = bands["good"] / np.maximum(1, bands["samples"])
-        if min(tried["probability"], shares.min()) >= problem.quantile:
-            break
-        order = replace(
-            order, specimens=3 * order.specimens, nodes=2 * order.nodes, states=order.states + 1
-        )
-        fine = grid(problem, order.specimens, order.nodes, order.states, order.seed)
-        archive = refined(problem, fine, np.array(archive.values), np.array(archive.level), None)
-    return archive, order
-
-
-def asked_by(
-    osc: Oscillator, keys: Mapping[str, Any], threads: int | None = None
-) -> tuple[Problem, Order]:
-    """What a checked case asks for."""
-    normal = keys.get("normal", ())
-    normal = (normal,) if isinstance(normal, str) else normal
-
-    def spread(name: str, key: str) -> Uncertain:
-        return uncertain_by(keys[key], name in normal)
-
-    free = {
-        name: tuple(keys[f"free_{name.lower()}"])
-        for name in NAMES
-        if f"free_{name.lower()}" in keys
-    }
-    tolerance = {
-        name: spread(name, f"tolerance_{name.lower()}")
-        for name in NAMES
-        if f"tolerance_{name.lower()}" in keys
-    }
-    limits = {name: keys[f"limit_{name}"] for name in LIMITED if f"limit_{name}" in keys}
-    target = keys["target"]
-    host: Any
-    if target == "damping":
-        host = DecayHost(osc, keys.get("clearance"), keys["cycles"], threads)
-    else:
-        host = OscillatorHost(
-            osc, keys.get("clearance"), target, limits, keys["settling"], keys["keep"], threads
-        )
-    band = np.atleast_1d(keys["amplitude" if target == "damping" else "band"])
-    problem = Problem(
-        host, free, tolerance, (float(band[0]), float(band[-1])), spread("load", "load"), keys["quantile"],
-        keys["over"] == "basins", bool(limits),
-    )  # fmt: skip
-    names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
-    return problem, Order(target, keys.get("limit"), *(keys[name] for name in names))
-
-
 def reach(item: Uncertain) -> _Array:
     """Least, middle and greatest value; of a normal distribution within 3 standard deviations."""
     if item.normal:
         mean, deviation = item.numbers
         return np.array([mean - 3 * deviation, mean, mean + 3 * deviation])
     return np.array([item.low, item.middle, item.high])
-
-
-def numbers_of(item: Uncertain) -> list[float]:
-    """The numbers of a key for what is known of a parameter."""
-    return list(item.numbers[:1] if item.low == item.high else item.numbers)
-
-
-def uncertain_by(numbers: Any, normal: bool) -> Uncertain:
-    """What is known of a parameter, from the numbers of a key."""
-    values = tuple(float(value) for value in np.atleast_1d(numbers))
-    return Uncertain(values if len(values) > 1 else 2 * values, normal)
 
 
 def design(
@@ -563,8 +384,9 @@ def design(
         Load amplitude, 1 where lengths are in F0/K.
     tolerance : dict, optional
         Uncertain parameters: a range (low, high) in which all values are equally likely, quantiles at even steps,
-        or a frozen distribution of scipy.stats. Of a free parameter it is the deviation from the chosen value, of
-        others the value.
+        or a frozen distribution of scipy.stats. Those of a parameter that is not free are its values. Those of a
+        free one belong to the value that is chosen: (-1, 1) are deviations from it, with 0 among them, and
+        (0.95, 1.05) factors of it, above 0 and with 1 among them, as in `uncertainty`.
     target : {'attenuation', 'displacement', 'rms', 'acceleration', 'force', 'damping'}
         What is minimised: max|X|/A, max|X|, root mean square of X, greatest acceleration of the primary mass
         between impacts, greatest force on the base; all but the first in F0/K, omega^2 F0/K and F0. The damping
@@ -646,17 +468,24 @@ def design(
         "target": target, "limit": limit, "quantile": quantile, "over": over, "clearance": clearance,
         "load": numbers_of(loads), "states": states, "samples": samples, "evaluations": evaluations,
         "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep, "seed": seed,
+        "amplitude": amplitude, "cycles": cycles,
     }  # fmt: skip
     workers = None if threads is None else checks.integer(threads, "threads", 1, 1024)
     if progress is not None and not callable(progress):
         raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
     if not isinstance(host, Oscillator):
-        return _designed_structure(
-            host, r, free, uncertain_ones, bounds, loads, coordinate, keys, workers, progress
-        )
+        asked = asked_of(host, r, free, uncertain_ones, bounds, loads, coordinate, keys, workers)
+        return designed(*asked, "", progress)
     of_numbers(host, "host")
     checks.integer(coordinate, "coordinate", 0, 0)
-    keys |= {"band": r, "amplitude": amplitude, "cycles": cycles}
+    # what has no meaning is left out at its default; the core refuses other values
+    meaningless: Mapping[str, Any] = FREE if amplitude is None else DRIVEN
+    keys = {
+        name: value
+        for name, value in keys.items()
+        if not (name in meaningless and np.array_equal(value, meaningless[name]))
+    }
+    keys["band"] = r
     names = {"band": "r"}
     for group, given in (("free", free), ("tolerance", uncertain_ones), ("limit", bounds)):
         known = tuple(LIMITED) if group == "limit" else NAMES
@@ -676,56 +505,3 @@ def design(
     ).case
     problem, order = asked_by(host, keys_of(text), workers)
     return designed(problem, order, text, progress)
-
-
-def _designed_structure(
-    host: Any, r: Any, free: Mapping[str, Any], tolerance: dict[str, Uncertain], limits: Mapping[str, Any],
-    load: Uncertain, coordinate: int, keys: dict[str, Any], threads: int | None, progress: door.Progress | None,
-) -> Design:  # fmt: skip
-    """The design of a structure that a function builds."""
-    if not callable(host):
-        raise ParameterTypeError(
-            f"host = {host!r}: must be an Oscillator, or a function that returns a Structure and its load"
-        )
-    target = checks.choice(keys["target"], "target", OF_STRUCTURES)
-    checks.choice(keys["over"], "over", ("worst", "basins"))
-    for name in limits:
-        checks.choice(name, "limits", FIGURES)
-    if keys["clearance"] is not None:
-        raise ParameterError(f"clearance = {keys['clearance']!r}: must be left out for a function")
-    numbers = {"quantile": keys["quantile"], "limit": keys["limit"]}
-    numbers |= {f"limits[{name!r}]": value for name, value in limits.items()}
-    for name, value in numbers.items():
-        wanted = (
-            "a number with 0.5 <= quantile <= 1" if name == "quantile" else "a finite number > 0"
-        )
-        if value is None:
-            continue
-        item = checks.to_float(value, name, wanted)
-        if not (0.5 <= item <= 1 if name == "quantile" else 0 < item < math.inf):
-            raise ParameterError(f"{name} = {value!r}: must be {wanted}")
-    low = {"evaluations": 8, "nodes": 2, "settling": 1, "seed": 0, "samples": 0}
-    for name in ("states", "specimens", "keep", *low):
-        checks.integer(keys[name], name, low.get(name, 1), 10**9)
-    band = uncertain(r, "r")
-    ranges = {}
-    for name, value in free.items():
-        ends = uncertain(
-            (value[0], value[-1]) if isinstance(value, range) and value else value,
-            f"free[{name!r}]",
-        )
-        if not ends.low < ends.high:
-            raise ParameterError(f"free[{name!r}] = {value!r}: must be a pair with low < high")
-        ranges[name] = ends.low, ends.high
-    whole = tuple(name for name, value in free.items() if isinstance(value, range))
-    system = StructureHost(
-        host, checks.integer(coordinate, "coordinate", 0, 499), target, dict(limits), keys["settling"],
-        keys["keep"], threads,
-    )  # fmt: skip
-    problem = Problem(
-        system, ranges, tolerance, (band.low, band.high), load, float(keys["quantile"]), keys["over"] == "basins",
-        bool(limits), whole,
-    )  # fmt: skip
-    names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
-    order = Order(target, keys["limit"], *(keys[name] for name in names))
-    return designed(problem, order, "", progress)

@@ -193,8 +193,9 @@ def uncertainty(
         ones are the window of the nominal zone.
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
-        load factors of their nominal values: a gap of 0.0105 +- 0.001 in is
-        ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Each is a pair (low, high) between which all
+        load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
+        of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are refused: the
+        clearances of a map differ by more than they could. Each is a pair (low, high) between which all
         values are equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
     symmetric : bool, optional
         As of `zone` and `chart`.
