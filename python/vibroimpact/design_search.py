@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import door
 from .design_problem import Problem
+from .libraries import scipy
 
 _Array = NDArray[np.float64]
 #: How much a figure above its limit raises the level of a design, over the excess.
@@ -63,7 +64,7 @@ class Grid:
 
 def grid(problem: Problem, units: int, nodes: int, states: int, seed: int) -> Grid:
     """Units by a Sobol sequence, the first without deviations, and frequencies with both ends of the band."""
-    from scipy.stats import qmc
+    qmc = scipy("stats", "a design", "design").qmc
 
     shares = np.full((problem.dimensions, units), 0.5)
     if units > 1:
@@ -106,7 +107,7 @@ def search(
     units, nodes, states : int
         By which the best ones are judged, see `grid`; the global search uses few units.
     """
-    from scipy.optimize import differential_evolution
+    differential_evolution = scipy("optimize", "a design", "design").differential_evolution
 
     if all(item.low == item.high for item in (*problem.tolerance.values(), problem.load)):
         units = 1
@@ -160,7 +161,7 @@ def refined(
 
 def _even_start(low: _Array, high: _Array, size: int, seed: int) -> _Array:
     """First candidates of the global search: the middle, and points spread evenly."""
-    from scipy.stats import qmc
+    qmc = scipy("stats", "a design", "design").qmc
 
     shares = qmc.Halton(len(low), seed=seed).random(size)
     shares[0] = 0.5
@@ -196,7 +197,7 @@ def descend(
     Each step is a linear program over the worst units; where motions appear or vanish the level jumps, and a step
     that does not lower it halves the region.
     """
-    from scipy.optimize import linprog
+    linprog = scipy("optimize", "a design", "design").linprog
 
     radius = 0.05
     active = active_slopes(problem, fine, archive.values[archive.best], archive)

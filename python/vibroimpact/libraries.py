@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
 from .errors import MissingExtraError
@@ -16,23 +17,9 @@ def xarray(what: str = "tables") -> Any:
     return module
 
 
-def scipy_signal(what: str) -> Any:
-    """The module scipy.signal, or an error that says what needs it and how to install it."""
+def scipy(module: str, what: str, extra: str = "identify") -> Any:
+    """A module of scipy, or an error that says what needs it and how to install it."""
     try:
-        import scipy.signal as module
+        return import_module(f"scipy.{module}")
     except ImportError:
-        raise MissingExtraError(
-            f"{what} needs scipy: pip install 'vibroimpact[identify]'"
-        ) from None
-    return module
-
-
-def scipy_linalg(what: str) -> Any:
-    """The module scipy.linalg, or an error that says what needs it and how to install it."""
-    try:
-        import scipy.linalg as module
-    except ImportError:
-        raise MissingExtraError(
-            f"{what} needs scipy: pip install 'vibroimpact[identify]'"
-        ) from None
-    return module
+        raise MissingExtraError(f"{what} needs scipy: pip install 'vibroimpact[{extra}]'") from None

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import checks
 from .errors import ParameterError
-from .libraries import scipy_signal
+from .libraries import scipy
 from .model import Oscillator
 from .motion import Motion
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
@@ -501,7 +501,7 @@ class VirtualRig:
 
     def _impacts(self, t: _Array, times: _Array, jumps: _Array, order: int) -> _Array:
         """The response of the sensor to jumps of velocity: spikes, or what they are integrated, and ringing."""
-        signal = scipy_signal("a virtual rig")
+        signal = scipy("signal", "a virtual rig")
         w, zeta = 2 * math.pi * self.ring_frequency, self.ring_damping
         poles = 2 * math.pi * self.bandwidth * butterworth_poles()
         low = np.real(np.poly(poles))

@@ -1,6 +1,7 @@
 """Designs: figures against exact motions, the search against brute force, shares against binomial laws."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -161,6 +162,14 @@ def test_just_below_resonance_is_dangerous():
     assert found.level > 1
     assert found.feasible is False
     assert "was not reached by any candidate" in found.verdict
+
+
+def test_without_scipy_the_extra_is_named(monkeypatch):
+    """The error says how to install what is missing."""
+    for name in ("scipy", "scipy.optimize", "scipy.stats"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(vi.MissingExtraError, match=r"pip install 'vibroimpact\[design\]'"):
+        vi.design(OSC, r=(1.0, 1.02), free={"clearance": (20, 40)}, **QUICK)
 
 
 def test_quantile_and_penalty_of_candidates():
@@ -590,5 +599,5 @@ def test_parts_of_a_band_without_samples_have_no_share():
     assert empty.any()
     assert np.isnan(found.bands["probability"][empty]).all()
     assert found.probability == 1
-    assert ", 100 % from" in found.verdict
+    assert "weakest part of the band: 100 % from" in found.verdict
     assert found.feasible is None

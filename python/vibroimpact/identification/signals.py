@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ParameterError
-from ..libraries import scipy_linalg, scipy_signal
+from ..libraries import scipy
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
@@ -91,7 +91,7 @@ def tones(values: _Array, rate: float, omega: float, count: int) -> Tones:
     sums = np.sum(starts.conj() * (rows @ within.conj().T), axis=0)
     column = kernel(np.arange(2 * count + 1), t.size, omega / rate)
     both = np.concatenate([sums[:0:-1].conj(), sums])
-    found = 2 * scipy_linalg("the fit of harmonics").solve_toeplitz(column, both)[count:]
+    found = 2 * scipy("linalg", "the fit of harmonics").solve_toeplitz(column, both)[count:]
     found[0] = found[0].real / 2
     rest = (rows - ((starts * found) @ within).real).ravel()[: t.size]
     by_omega = ((starts * (1j * orders * found)) @ within).real.ravel()[: t.size] * (t - middle)
@@ -157,7 +157,7 @@ def spikes(
 
     A high-pass at some share of the bandwidth takes load, motion and most of the ringing away.
     """
-    signal = scipy_signal("the picking of impacts")
+    signal = scipy("signal", "the picking of impacts")
     edge = max(EDGE * (bandwidth or 0.4 * rate), 20 * omega / (2 * math.pi))
     sections = signal.butter(4, min(edge, 0.4 * rate), "highpass", fs=rate, output="sos")
     left = signal.sosfiltfilt(sections, values - values.mean())

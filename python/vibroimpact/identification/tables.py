@@ -296,7 +296,9 @@ def parameters_of(
         add("F0", math.nan, math.inf, "undetermined")
     for j in range(len(steps) if found is not None else 0):
         name = f"F0/K {j}"
-        add("F0/K" if j == 0 else f"F0/K {j + 1}", values[name], errors[name], states[name])
+        given = {"F0", "K"} <= scale.keys()
+        error, state = (0.0, "known") if given else (errors[name], states[name])
+        add("F0/K" if j == 0 else f"F0/K {j + 1}", values[name], error, state)
     table: dict[str, list[Any]] = {
         key: [row[j] for row in rows]
         for j, key in enumerate(("name", "value", "error", "unit", "state"))

@@ -152,7 +152,7 @@ def _draw_front(ax: Any, design: Design, scales: style.Scales) -> None:
         levels = [scales(rows[name], unit) for name in ("nominal", "level")]
         ax.plot(*levels, color=color, label=label_of_rows, **style_of_rows)
     ax.set_xlabel(f"{label} without deviations")
-    ax.set_ylabel(f"{100 * design.quantile:g} % of the units")
+    ax.set_ylabel(f"{100 * design.quantile:g} % quantile")
     style.add_legend(ax, **style.ABOVE)
 
 
@@ -199,7 +199,8 @@ def _draw_slopes(ax: Any, design: Design, scales: style.Scales) -> None:
     )
     names = [name for name in design.sensitivity if np.isfinite(values.get(name, np.nan))]
     if not names:
-        ax.text(0.5, 0.5, "no sensitivities", ha="center", va="center", transform=ax.transAxes)
+        text = "no sensitivities: the worst unit\nhas no motion with derivatives"
+        ax.text(0.5, 0.5, text, ha="center", va="center", transform=ax.transAxes)
         ax.set_axis_off()
         return
     unit, label = _of_target(design, scales)

@@ -37,7 +37,7 @@ def draw_identification(
             PANELS[kind or "motion"](ax, found, record)
             return ax
         figure, axes = plt.subplots(
-            len(PANELS), 1, figsize=(style.TWO_COLUMNS, 8.4), layout="constrained",
+            len(PANELS), 1, figsize=(style.TWO_COLUMNS, 8.8), layout="constrained",
             height_ratios=(0.8, 1.2, 1.0, 1.2, 0.8),
         )  # fmt: skip
         for panel, one in zip(PANELS.values(), axes, strict=True):
@@ -60,8 +60,8 @@ def title(found: Identification, record: int) -> str:
         for name, value in found.values.items()
         if math.isfinite(value)
     ]
-    lines = [", ".join(items[i : i + 5]) for i in range(0, len(items), 5)]
-    return "\n".join([head, *lines]).replace("+-", "\N{PLUS-MINUS SIGN}")
+    lines = [", ".join(items[i : i + 4]) for i in range(0, len(items), 4)]
+    return "\n".join([f"{head}, in SI units", *lines]).replace("+-", "\N{PLUS-MINUS SIGN}")
 
 
 def samples(found: Identification, record: int, *names: str) -> list[Any]:
@@ -90,7 +90,7 @@ def walls(ax: Any, found: Identification, record: int, t: Any) -> None:
 def draw_load(ax: Any, found: Identification, record: int) -> None:
     """The load and its fit."""
     t, load, load_fit = samples(found, record, "time", "load", "load_fit")
-    ax.plot(t, load, color="0.6", lw=0.8, label="load")
+    ax.plot(t, load, color="0.75", lw=2.5, label="load")
     ax.plot(
         t,
         load_fit,
@@ -133,7 +133,7 @@ def draw_impacts(ax: Any, found: Identification, record: int) -> None:
         )
         for angle, side in zip(fitted, walls_of, strict=True):
             ax.axhline(angle / (2 * math.pi) % 1, color=WALLS[side], lw=0.7, zorder=0)
-    ax.set_ylim(0, 1)
+    ax.set_ylim(-0.05, 1.05)  # phases at both ends are not cut off
     ax.set_ylabel("load phase/2$\\pi$")
     ax.set_xlabel("$t$ (s), whole record")
     legend(ax)
@@ -142,9 +142,9 @@ def draw_impacts(ax: Any, found: Identification, record: int) -> None:
 def draw_motion(ax: Any, found: Identification, record: int) -> None:
     """The fitted motion over the record."""
     t, motion, fitted = samples(found, record, "time", "motion", "motion_fit")
-    ax.plot(t, motion, color="0.6", lw=1.0, label="record")
+    ax.plot(t, motion, color="0.75", lw=2.5, label="record")
     if np.isfinite(fitted).any():
-        ax.plot(t, fitted, color=style.PRIMARY, lw=0.7, label="fitted exact motion")
+        ax.plot(t, fitted, color=style.PRIMARY, lw=0.6, label="fitted exact motion")
     ax.set_ylabel(LABELS[found._one("quantity", record)])
     ax.set_xlabel("$t$ (s)")
     legend(ax)
@@ -160,18 +160,17 @@ def draw_residuals(ax: Any, found: Identification, record: int) -> None:
         lw=0.6,
         label=f"residual, misfit {found._one('misfit', record):.3g}",
     )
-    ax.set_ylabel("residual")
+    label = LABELS[found._one("quantity", record)]
+    ax.set_ylabel(f"residual of {label}" if label else "residual")
     ax.set_xlabel("$t$ (s)")
     legend(ax)
 
 
 def legend(ax: Any) -> None:
-    """A small legend where there is something to name."""
+    """A legend above the axes where there is something to name."""
     handles, labels = ax.get_legend_handles_labels()
     if handles:
-        ax.legend(
-            handles, labels, loc="upper right", ncols=3, fontsize=6, frameon=True, framealpha=0.8
-        )
+        style.add_legend(ax, handles, labels, **style.ABOVE)
 
 
 #: The panels by name.

@@ -227,7 +227,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         answer = {True: "holds", False: failed, None: "is not decided"}
         return (
             f"{wanted} {answer[self.feasible]}: {100 * self.probability:.4g} % of {self.samples} samples "
-            f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %), "
+            f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %); weakest part of the band: "
             f"{100 * self.bands['probability'][weak]:.4g} % from {self.bands['from'][weak]:.5g} to "
             f"{self.bands['to'][weak]:.5g}{above}"
         )

@@ -72,8 +72,8 @@ class Identification(Noun, study="identify"):
         were fitted; infinite where the records do not determine a parameter. With a power law the coefficient of
         an impact at the approach speed v is R1 or R2 times (v/v0)^-exponent.
     undetermined : list of str
-        Names of the parameters that the records do not determine; their values are those that the fit started
-        from.
+        Names of the parameters that the records do not determine. Their values only complete the fitted motion:
+        others fit as well.
     oscillator : Oscillator or None
         The identified system, with its units if M and K are among the values. With a power law its coefficients
         of restitution are those at the speed v0.
@@ -404,10 +404,9 @@ class Identification(Noun, study="identify"):
             for name, error in self.errors.items()
             if name in ("xi", "mu", "R1", "R2", "exponent", "d") and math.isfinite(error)
         )  # fmt: skip
-        left = f"; undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
-        return (
-            f"<Identification {pattern.sides}/{pattern.cycles} at r = {self.r:.6g}: {fitted}{left}>"
-        )
+        left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
+        shown = "; ".join(filter(None, (fitted, left))) or "all known"
+        return f"<Identification {pattern.sides}/{pattern.cycles} at r = {self.r:.6g}: {shown}>"
 
 
 def identify(
