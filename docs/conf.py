@@ -31,6 +31,7 @@ myst_heading_anchors = 3
 suppress_warnings = ["config.cache"]
 
 autodoc_member_order = "bysource"
+autodoc_mock_imports = ["jax"]
 autodoc_typehints = "none"  # the docstrings say it in words
 napoleon_numpy_docstring = True
 napoleon_google_docstring = False

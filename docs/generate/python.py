@@ -24,6 +24,11 @@ SUBJECTS = {
     "Namelists": ("run",),
     "Results in files": ("formats.load",),
 }  # fmt: skip
+#: Functions of modules that need an extra, which are documented without it.
+OF_EXTRAS = {
+    "Functions for JAX (extra `jax`)": ("jax.motion", "jax.response", "jax.final_state"),
+    "The interactive page (extra `explorer`)": ("explorer.explore",),
+}
 EXTRA = {
     "What all results can do": ("noun.Savable",),
     "Pictures": ("plot.draw", "plot.draw_chart", "plot.draw_system"),
@@ -61,6 +66,11 @@ def pages():
             for part in name.split("."):
                 thing = getattr(thing, part)
             lines += directive(name, thing)
+        lines += ["```", ""]
+    for subject, names in OF_EXTRAS.items():
+        lines += [f"## {subject}", "", "```{eval-rst}"]
+        for name in names:
+            lines += [f".. autofunction:: vibroimpact.{name}", ""]
         lines += ["```", ""]
     return {"python.md": "\n".join(lines)}
 

@@ -12,6 +12,16 @@ from .shared import ROOT
 
 #: Functions of other modules for the same study.
 FUNCTIONS = {"simulate": ("simulate_bundle",)}
+#: Functions for structures that are not called as their group.
+OF_STRUCTURES = {"motion": ("periodic", "exact"), "bifurcation": ("bifurcation_diagram",)}
+#: What has no group.
+IN_PYTHON = {
+    "give the probability that motions are stable where parameters are uncertain": ("uncertainty",),
+    "compute how far the boundaries of a zone move where parameters are uncertain": ("boundary_bands",),
+    "estimate the probability that a system keeps limits": ("limit_probability",),
+    "compute the exact derivatives of a motion or a simulation": ("Motion.gradient", "Trajectory.gradient"),
+    "compute accelerations, forces, harmonics and energies": ("Motion.quantities", "Trajectory.quantities"),
+}
 
 
 def functions(study):
@@ -43,9 +53,12 @@ def pages():
     for about in language()["results"].values():
         if about["of_structure"]:
             group = about["group"]
+            words = code(OF_STRUCTURES.get(group, (group,)))
+            command = "run" if group == "motion" else group
             lines.append(
-                f"| {about['meaning']} | `{group}` | `&{group}` of a `&structure` | `{group}` |"
+                f"| {about['meaning']} | {words} | `&{group}` of a `&structure` | `{command}` |"
             )
+    lines += [f"| {does} | {code(words)} | – | – |" for does, words in IN_PYTHON.items()]
     readme = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
     rows = "| result of " + readme.partition("\n| result of ")[2].partition("\n\n")[0] + "\n"
     return {"studies.md": "\n".join(lines) + "\n", "rows.md": rows}
