@@ -18,8 +18,9 @@ starts, and what --fixed names of them is known. The parameters with their error
 intervals are written to DIR/NAME.csv, or in another format; --plot also draws every step.
 NAME is "identify" for records and for the case of the options."""
 EXAMPLE = (
-    "vibroimpact identify --impact-times 0 .01258873 .03434483 --impact-sides LLR --frequency 19.5 --primary-mass 2.7 "
-    "--spring 42000 --free-mass .11 --load-amplitude 6 --xi .01143 --restitution .75 .65 --fixed xi R1 R2 -o results"
+    "vibroimpact identify --impact-times 0 .01258873 .03434483 --impact-sides LLR --frequency 19.5 "
+    "--primary-mass 2.7 --spring 42000 --free-mass .11 --load-amplitude 6 --xi .01143 --restitution .75 .65 "
+    "--fixed xi R1 R2 -o results"
 )
 #: Where a fit starts if the options do not say it.
 START = {"xi": 0.01, "mu": 0.05, "restitution": [0.7]}
