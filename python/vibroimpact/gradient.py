@@ -33,7 +33,7 @@ OF_MOTION = (
     "A", "tau", "load_phase", "x_max", "x_min", "attenuation", "x_rms", "fundamental_amplitude",
     "fundamental_phase", "stability_margin",
 )  # fmt: skip
-#: Most impacts in a period, and most events of a trajectory, whose derivatives are computed.
+#: Most impacts in a period whose derivatives the core computes at once, and most events of a trajectory.
 MOST_IMPACTS, MOST_EVENTS = 24, 1_000_000
 #: What is differentiated at each event of a trajectory.
 OF_EVENTS = ("time", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
@@ -143,12 +143,8 @@ class Gradient:
 
 
 def motion_gradient(motion: Motion) -> Gradient:
-    """The derivatives of a motion without rest."""
+    """The derivatives of a motion without rest of at most `MOST_IMPACTS` impacts."""
     n = len(motion.pattern)
-    if n > MOST_IMPACTS:
-        raise ParameterError(
-            f"pattern of {n} impacts: must have at most {MOST_IMPACTS} to have derivatives"
-        )
     values, slopes, codes, status = _core.motion_gradient(
         10 * n + 18, motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
         motion.clearance, motion.pattern.cycles, motion.pattern.signs, motion.restitution, motion.X,

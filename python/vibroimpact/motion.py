@@ -21,11 +21,11 @@ from .events import (
     segments,
     with_accelerations,
 )
-from .gradient import Gradient, motion_gradient
+from .gradient import MOST_IMPACTS, Gradient, motion_gradient
 from .model import Oscillator, Pattern
 from .noun import Noun, Savable
+from .period_gradient import period_gradient
 from .quantities import Quantities, quantities_of
-from .rest_gradient import rest_gradient
 from .status import NO_MOTION, VERDICT, raise_status
 from .tables import Result, Table, made, runs
 
@@ -329,12 +329,12 @@ class Motion(Savable, study="motion"):
         Gradient
             NaN with a `status` where a single quantity has no derivatives: multipliers that coincide, or a
             greatest value that is reached twice, as by symmetric motions if R1 alone changes. Of a motion with
-            rest there are no derivatives of multipliers, and no gaps, rms and fundamental.
+            rest or with more than 24 impacts there are no gaps, rms and fundamental.
 
         Raises
         ------
         ParameterError
-            If the motion has more than 24 impacts, or no load.
+            If the motion has no load.
         SingularError
             If the motion is at a fold, a pitchfork or a graze, or if its phases are not exact (`exact` finds the
             exact motion nearby).
@@ -351,7 +351,8 @@ class Motion(Savable, study="motion"):
         """
         if not self.load > 0:
             raise ParameterError(f"load = {self.load!r}: must be above 0 to have derivatives")
-        return rest_gradient(self) if self.pattern.has_rest else motion_gradient(self)
+        simulated = self.pattern.has_rest or len(self.pattern) > MOST_IMPACTS
+        return period_gradient(self) if simulated else motion_gradient(self)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.

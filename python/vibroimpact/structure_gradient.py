@@ -66,7 +66,7 @@ def systems_of(
 
 
 def checked(structure: Structure, load: Load | Record | None, parameters: Any) -> list[Wanted]:
-    """A list of parameters; by default frequency, load, and all openings and restitutions."""
+    """A list of parameters; by default frequency, load, and all openings and coefficients of restitution."""
     if parameters is None:
         each = range(len(structure.gaps))
         driven = isinstance(load, Record) or len(plain_load(structure, load).sine) > 0

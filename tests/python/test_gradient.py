@@ -240,8 +240,44 @@ def test_motion_with_rest():
         scaled = 6.0 * gradient[name, "clearance"] + gradient[name, "load"]
         size = np.abs(gradient[name, "clearance"]).max() * 6.0 + 1
         assert scaled == pytest.approx(power * gradient.values[name], abs=1e-9 * size), name
-    assert np.isnan(gradient["multipliers"]).all()
-    assert "rest" in gradient.status["multipliers"]
+    # two multipliers are 0 and coincide
+    apart = np.abs(motion.multipliers) > 1e-3
+    assert apart.any()
+    assert np.isfinite(gradient["multipliers"][apart]).all()
+    for parameter in ("r", "clearance", "mu", "R1"):
+        ends = []
+        for step in (h, -h):
+            moved = values | {parameter: values[parameter] + step}
+            osc = vi.Oscillator(
+                xi=moved["xi"], mu=moved["mu"], restitution=(moved["R1"], moved["R2"])
+            )
+            ends.append(vi.exact(osc, moved["r"], moved["clearance"], motion).multipliers[0])
+        assert gradient["multipliers", parameter][0] == pytest.approx(
+            (ends[0] - ends[1]) / (2 * h), rel=1e-5, abs=1e-5
+        )
+    assert gradient["stability_margin", "mu"] == pytest.approx(
+        -np.abs(motion.multipliers[0])
+        * (gradient["multipliers", "mu"] / motion.multipliers)[0].real
+    )
+
+
+def test_motion_of_many_impacts():
+    """A motion of 13 periods has the derivatives of the one, and its multipliers are powers of those."""
+    one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
+    phases = (one.phases + 2 * math.pi * np.arange(13)[:, None]).ravel()
+    many = vi.exact(TABLE, 0.94, 37.0, (phases, vi.Pattern("RL" * 13, 13)))
+    assert len(many.pattern) == 26
+    few, gradient = one.gradient(), many.gradient()
+    for name in ("X", "Z", "X_dot_before", "Z_dot_after", "approach_speeds"):
+        expected = np.tile(few[name], (13, 1))
+        assert gradient[name] == pytest.approx(
+            expected, rel=1e-8, abs=1e-8 * np.abs(expected).max()
+        )
+    for name in ("A", "x_max", "x_min", "attenuation", "load_phase"):
+        assert gradient[name] == pytest.approx(few[name], rel=1e-7, abs=1e-7), name
+    power = 13 * one.multipliers[:2, None] ** 12 * few["multipliers"][:2]
+    found = [int(np.abs(many.multipliers - value**13).argmin()) for value in one.multipliers[:2]]
+    assert gradient["multipliers"][found] == pytest.approx(power, rel=1e-6, abs=1e-8)
 
 
 def test_shows_itself():

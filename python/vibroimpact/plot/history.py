@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..errors import ParameterError
-from ..motion import Motion, Sample
+from ..events import Sample
 from .style import (
     ABOVE,
     FREE,
@@ -28,6 +28,7 @@ from .style import (
 )
 
 if TYPE_CHECKING:
+    from ..motion import Motion
     from ..trajectory import Trajectory
     from ..units import Units
 
@@ -106,25 +107,25 @@ def draw(
         return np.array(axes, dtype=object)
 
 
-def _title(thing: Motion | Trajectory, scales: Scales) -> str:
+def _title(thing: Any, scales: Scales) -> str:
     osc = thing.osc
     values = scales.given({"r": thing.r, "clearance": thing.clearance, "load": thing.load})
     text = (
         rf"$\xi$ = {osc.xi:g}, $\mu$ = {osc.mu:g}, $R_1$ = {osc.restitution[0]:g}, "
         rf"$R_2$ = {osc.restitution[1]:g}, {given(values)}"
     )
-    if isinstance(thing, Motion):
+    if hasattr(thing, "pattern"):
         text = (
             f"{thing.pattern.sides}/{thing.pattern.cycles}: {thing.verdicts()}\n{text}"
         ).replace("max|lambda|", r"$\max|\lambda|$")
     return text
 
 
-def history(thing: Motion | Trajectory, cycles: float, units: Units | None = None) -> History:
-    """Samples dense enough for a smooth curve, with both sides of each jump."""
+def history(thing: Any, cycles: float, units: Units | None = None) -> History:
+    """Samples of a motion or a trajectory, dense enough for a smooth curve, with both sides of each jump."""
     scales = Scales(units)
     cycle = 2 * math.pi / thing.r
-    if isinstance(thing, Motion):
+    if hasattr(thing, "pattern"):
         first, last = 0.0, cycles * cycle
         repeats = math.ceil(last / thing.period)
         events = np.concatenate([thing.events] * repeats)

@@ -1,4 +1,4 @@
-"""Derivatives of periodic motions with rest, from those of a simulated period."""
+"""Derivatives of periodic motions with rest or with many impacts, from those of a simulated period."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .errors import SingularError
+from .errors import ParameterError, SingularError
 from .events import EVENT_TYPE, WORDS
 from .gradient import (
     FOLD,
@@ -24,6 +24,8 @@ from .gradient import (
 )
 from .states import later, start_of, state_of
 from .status import raise_status, status_text
+from .structure import Gap, Load, Structure
+from .structure_motion import exact_structure, settled
 
 if TYPE_CHECKING:
     from .motion import Motion
@@ -40,7 +42,6 @@ OF_IMPACTS = {
     "X": "x", "X_dot_before": "x_dot_before", "X_dot_after": "x_dot_after", "Z_dot_before": "z_dot_before",
     "Z_dot_after": "z_dot_after",
 }  # fmt: skip
-NO_MULTIPLIERS = "those of motions with rest are not computed"
 
 
 class Period:
@@ -48,8 +49,7 @@ class Period:
 
     def __init__(self, motion: Motion) -> None:
         """Simulate it, and differentiate its state at the start."""
-        assert motion.rest_events is not None
-        times, kinds = motion.rest_events["time"], motion.rest_events["kind"]
+        times, kinds = motion.events["time"], motion.events["kind"]
         lengths = np.diff(times, append=times[0] + motion.period)
         lengths[kinds == "stick"] = 0.0
         i = int(lengths.argmax())
@@ -128,8 +128,51 @@ class Period:
         return self.total(self.simulated(float(cycles))[0]["final_x"])
 
 
-def rest_gradient(motion: Motion) -> Gradient:
-    """The derivatives of a motion with rest."""
+def multiplier_gradient(period: Period) -> tuple[dict[str, _Array], dict[str, str]]:
+    """The derivatives of multipliers, which are those of the same motion of a structure of two masses."""
+    motion = period.motion
+    osc, walls = motion.osc, motion.osc.restitution
+    gaps = [
+        Gap([-side, side], motion.clearance / 2, walls[i]) for i, side in enumerate((1.0, -1.0))
+    ]
+    names = ("multipliers", "stability_margin")
+    slopes: dict[str, _Array] = {
+        "multipliers": np.full((4, len(PARAMETERS)), np.nan, complex),
+        "stability_margin": np.full(len(PARAMETERS), np.nan),
+    }
+    try:
+        structure = Structure([1, osc.mu], [2 * osc.xi, 0], [1, 0], gaps)
+        load = Load(motion.r, sine=[motion.load, 0])
+        if motion.pattern.has_rest:
+            start = period.start["t"] % motion.period
+            state = [[period.start[name] for name in pair] for pair in (STATE[::2], STATE[1::2])]
+            twin = settled(
+                structure, load, start, (state[0], state[1]), cycles=motion.pattern.cycles
+            )
+        else:
+            order = (motion.pattern.signs < 0).astype(int).tolist()
+            phases = motion.phases + np.mod(motion.load_phase, 2 * math.pi)
+            twin = exact_structure(structure, load, (phases, order, motion.pattern.cycles))
+        found = twin.gradient([
+            "frequency", "opening", "damping_0_0", "mass_1_1", "restitution_0", "restitution_1",
+            "restitution", "load",
+        ])  # fmt: skip
+    except (ParameterError, SingularError) as error:
+        return slopes, dict.fromkeys(names, str(error))
+    order = [int(np.abs(twin.multipliers - one).argmin()) for one in motion.multipliers]
+    # opening d/2, damping 2 xi, and a factor of the load
+    units = np.array([1, 0.5, 2, 1, 1, 1, 1, 1 / motion.load])
+    slopes["multipliers"] = found["multipliers"][order] * units
+    slopes["stability_margin"] = found["stability_margin"] * units
+    status = {
+        f"multipliers[{k}]": found.status.get(f"multipliers[{j}]", "") for k, j in enumerate(order)
+    }
+    status["stability_margin"] = found.status.get("stability_margin", "")
+    return slopes, {name: text for name, text in status.items() if text}
+
+
+def period_gradient(motion: Motion) -> Gradient:
+    """The derivatives of a motion, from those of a simulated period."""
     period = Period(motion)
     whole = period.whole
     r, xi = motion.r, motion.osc.xi
@@ -152,15 +195,14 @@ def rest_gradient(motion: Motion) -> Gradient:
     growth = (2 * r * (1 - r) * (1 + r) - 4 * xi * xi * r) * by["r"] - 4 * xi * r * r * by["xi"]
     slopes["A"] = motion.A * (growth / square + by["load"] / motion.load)
     slopes["x_max"], slopes["x_min"] = period.extreme(1), period.extreme(-1)
-    status = {"multipliers": NO_MULTIPLIERS, "stability_margin": NO_MULTIPLIERS}
+    by_multipliers, status = multiplier_gradient(period)
     peak = slopes["x_max"] if motion.x_max > -motion.x_min else -slopes["x_min"]
     if abs(motion.x_max + motion.x_min) <= 1e-9 * motion.x_max:
         both = np.abs(slopes["x_max"] + slopes["x_min"])
         peak = np.where(both > 1e-6 * np.abs(peak).max(), np.nan, peak)
         status["attenuation"] = status_text(NOT_SMOOTH)
     slopes["attenuation"] = (peak - motion.attenuation * slopes["A"]) / motion.A
-    slopes["multipliers"] = np.full((4, len(PARAMETERS)), np.nan, complex)
-    slopes["stability_margin"] = np.full(len(PARAMETERS), np.nan)
+    slopes |= by_multipliers
     own = {
         "approach_speeds": sides * (motion.Z_dot_before - motion.X_dot_before),
         "stability_margin": 1 - np.abs(motion.multipliers).max(),
