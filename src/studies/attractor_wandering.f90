@@ -25,15 +25,19 @@ module vi_attractor_wandering
    !! on either side of 0.
    integer, parameter :: cells = 24, reach = 240
 
-   !> Coarse cells (phase, x, wall) in which an attractor has impacts.
+   !> Numbers of impacts of an attractor in coarse cells (phase, x, wall).
    type, public :: group_type
       integer :: owner = 0
-      logical :: hit(0:cells - 1, -reach:reach - 1, -1:1) = .false.
+      integer :: hits(0:cells - 1, -reach:reach - 1, -1:1) = 0
    end type group_type
 
 contains
 
    !> The attractor of a trajectory that does not repeat itself; it may be a new one.
+   !!
+   !! A trajectory is on a known attractor if most of its impacts are in cells of that one. The last
+   !! impacts decide if they fit one attractor alone. Otherwise (there are few or none of them while
+   !! the free mass is slow) a simulation as long as that of the known attractors decides.
    subroutine separate_groups(system, values, sides, known, groups, next, max_events, label, &
       progress)
       !> The forced system.
@@ -55,33 +59,51 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(group_type) :: own
       type(group_type), allocatable :: more(:)
-      integer :: i, best, status, shared(size(groups))
+      integer :: i, best, n, status
 
       do i = 1, size(sides)
          call mark(own, system, values(2, i), values(3, i), sides(i))
       end do
-      do i = 1, size(groups)
-         shared(i) = count(own%hit .and. groups(i)%hit)
-      end do
-      best = maxloc([0, shared], 1) - 1
-      if (best > 0) then
-         if (2*shared(best) > count(own%hit)) then
-            label = groups(best)%owner
-            return
-         end if
+      call compare(own, groups, best, n)
+      if (n /= 1) then
+         own = group_type(next)
+         call find_cells(system, known%state, max_events, own, status, progress)
+         if (status == stat%event_limit) label = event_limited
+         if (status /= stat%ok) return
+         call compare(own, groups, best, n)
       end if
-      if (size(groups) >= most_groups) return
+      if (n > 0) then
+         label = groups(best)%owner
+         return
+      end if
+      if (size(groups) == most_groups) return
       call find_kind(system, max_events, known, status, progress)
-      own = group_type(next)
-      if (known%kind > 0) call find_cells(system, known%state, max_events, own, status, progress)
       if (status == stat%event_limit) label = event_limited
-      if (known%kind == 0 .or. status /= stat%ok) return
+      if (known%kind == 0) return
       label = next
       allocate (more(size(groups) + 1))
       more(:size(groups)) = groups
       more(size(more)) = own
       call move_alloc(more, groups)
    end subroutine separate_groups
+
+   !> Compares a trajectory with the known attractors.
+   pure subroutine compare(own, groups, best, n)
+      !> Impacts of the trajectory.
+      type(group_type), intent(in) :: own
+      !> Impacts of the known attractors.
+      type(group_type), intent(in) :: groups(:)
+      !> Place of the attractor whose cells have most of them, and number of attractors whose cells
+      !! have more than half of them.
+      integer, intent(out) :: best, n
+      integer :: shared(size(groups)), i
+
+      do i = 1, size(groups)
+         shared(i) = sum(own%hits, mask=groups(i)%hits > 0)
+      end do
+      best = maxloc(shared, 1)
+      n = count(2*shared > sum(own%hits))
+   end subroutine compare
 
    !> Marks the cell of an impact.
    pure subroutine mark(group, system, phase, x, side)
@@ -96,7 +118,10 @@ contains
       real(wp) :: place
 
       place = min(max(x*(cells/system%clearance), -real(reach, wp)), reach - 1.0_wp)
-      group%hit(modulo(floor(phase*(cells/two_pi)), cells), floor(place), side) = .true.
+      associate (hits => group%hits(modulo(floor(phase*(cells/two_pi)), cells), floor(place), &
+         side))
+         hits = hits + 1
+      end associate
    end subroutine mark
 
    !> The cells in which a long simulation has impacts.

@@ -180,6 +180,26 @@ def test_motion_with_rest_and_chaos_are_told():
     assert wild.labels.max() == 0
 
 
+def test_a_chaotic_attractor_with_slow_phases_is_one():
+    """The number of attractors does not grow with the number of states, some without impacts for many cycles."""
+    few, many = (vi.basins(TABLE, 0.8432, 52.211, states=n) for n in (60, 600))
+    for result in (few, many):
+        assert [item.kind for item in result.attractors] == ["chaotic", "periodic"]
+    np.testing.assert_allclose(few.fractions, many.fractions, atol=4 * few.standard_error[0])
+
+
+def test_chaotic_attractors_that_are_mirror_images_are_two():
+    """The mirror image of a state on one, half a load period later, is on the other, for any number of states."""
+    r, clearance = 0.92, 14.674134539926223
+    few, many = (vi.basins(TABLE, r, clearance, states=n) for n in (60, 600))
+    for result in (few, many):
+        assert [item.kind for item in result.attractors] == ["chaotic"] * 2
+        starts = np.array([[*item.state.values()] for item in result.attractors]).T
+        mirrored = np.vstack([starts[0] + math.pi / r, -starts[1:]])
+        again = vi.basins(TABLE, r, clearance, states=np.hstack([starts, mirrored]))
+        assert again.labels.tolist() in ([0, 1, 1, 0], [1, 0, 0, 1])
+
+
 def test_what_never_settles_is_not_decided():
     """Free vibration decays without end: no state is assigned an attractor."""
     result = vi.basins(FIGURE6, 0.9, 5.0, states=20, load=0.0, cycles=100)
