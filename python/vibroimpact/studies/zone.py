@@ -163,6 +163,8 @@ class Zone(Noun, study="zone"):
     def loops(self) -> list[_Array]:
         rings = self._result.tables["rings"]
         points = np.stack([rings.columns[name].values for name in ("r", "clearance")], axis=1)
+        if not np.all(points[:, 1] > 0):  # in a file that is broken
+            raise ParameterError(f"rings.clearance = {points[:, 1].min()}: must be above 0")
         return [points[here] for here in runs(rings, self._result.tables["loops"].dims["ring"])]
 
     @property
