@@ -11,7 +11,3 @@ Three layers, each of which uses only those listed above it:
 - the page (extra `explorer`): `figures` (Bokeh's chart and diagram, empty), `page` with page.html, page.css,
   page.js and sketch.js (the small figures on canvases), `server`; `process` runs all of it in another process.
 """
-
-from .opening import explore
-
-__all__ = ["explore"]

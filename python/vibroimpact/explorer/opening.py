@@ -2,48 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from .. import Design, Identification, Motion, Oscillator, Physical, Units, checks, exact
+from .. import Design, Identification, Motion, Oscillator, Physical, Units, exact
 from ..errors import ParameterError, ParameterTypeError, SingularError
 from .definition import definition_of
 from .state import MOST_CYCLES, MOST_PATTERNS, MOST_SYMBOLS, Box, State
 
-__all__ = ["explore", "state_of"]
-
-
-def explore(
-    start: Any = None, *, port: int = 5006, address: str = "127.0.0.1", show: bool = True,
-    ready: Callable[[str], None] = print,
-) -> None:  # fmt: skip
-    """Serve the explorer until Ctrl-C (extra `explorer`).
-
-    Parameters
-    ----------
-    start : Oscillator, Motion, Design or Identification, optional
-        What the page begins with, see `state_of`.
-    port : int
-        0 for any free port.
-    address : str
-        A loopback address.
-    show : bool
-        Whether to open a browser.
-    ready : callable
-        Called with the address of the page.
-
-    Raises
-    ------
-    ParameterError, ParameterTypeError
-        If an argument is not allowed, or the page cannot show it.
-    MissingExtraError
-        Without panel and bokeh.
-    """
-    from .server import serve
-
-    state = State() if start is None else state_of(start)
-    serve(address, checks.integer(port, "port", 0, 65535), show, ready, state.query)
+__all__ = ["state_of"]
 
 
 def state_of(start: Any) -> State:

@@ -10,9 +10,12 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from .. import checks
 from ..errors import MissingExtraError, ParameterError
+from .opening import state_of
+from .state import State
 
-__all__ = ["loopback", "serve"]
+__all__ = ["explore", "loopback", "serve"]
 
 
 def panel() -> Any:
@@ -49,6 +52,36 @@ def loopback(address: str) -> str:
             "is for this machine only"
         )
     return str(number)
+
+
+def explore(
+    start: Any = None, *, port: int = 5006, address: str = "127.0.0.1", show: bool = True,
+    ready: Callable[[str], None] = print,
+) -> None:  # fmt: skip
+    """Serve the explorer until Ctrl-C (extra `explorer`).
+
+    Parameters
+    ----------
+    start : Oscillator, Motion, Design or Identification, optional
+        What the page begins with, see `state_of` of `vibroimpact.explorer.opening`.
+    port : int
+        0 for any free port.
+    address : str
+        A loopback address.
+    show : bool
+        Whether to open a browser.
+    ready : callable
+        Called with the address of the page.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the page cannot show it.
+    MissingExtraError
+        Without panel and bokeh.
+    """
+    state = State() if start is None else state_of(start)
+    serve(address, checks.integer(port, "port", 0, 65535), show, ready, state.query)
 
 
 def serve(
