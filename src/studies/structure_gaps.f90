@@ -1,0 +1,121 @@
+!> The groups &gap of a structure, with their laws of restitution.
+module vi_structure_gaps
+   use vi_key, only: a_word, key_type
+   use vi_kinds, only: wp
+   use vi_restitution, only: constant_law, power_law, table_law
+   use vi_structure_matrices, only: most_coordinates
+   use vi_text, only: whole
+   use vi_values, only: values_type
+   implicit none (type, external)
+   private
+
+   public :: check_gap, gaps_of
+
+   type(key_type), parameter, public :: gap_keys(*) = [ &
+      key_type('direction', most=most_coordinates, &
+      takes='one number for each coordinate (with modes for each point), not all 0', &
+      meaning='the gap closes in this direction: opening - direction.q >= 0'), &
+      key_type('opening', meaning='opening of the gap at q = 0; negative if it is closed there'), &
+      key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', never='law=table', &
+      meaning='coefficient of restitution; with law = ''power'' that at low approach speeds'), &
+      key_type('law', a_word, default='''constant''', words='constant power table', &
+      meaning='how the coefficient of restitution depends on the approach speed'), &
+      key_type('law_speed', low=0.0_wp, above=.true., only='law=power', &
+      meaning='approach speed v0 of R (1 + (v/v0)^k)^(-p/k)'), &
+      key_type('law_exponent', low=0.0_wp, only='law=power', &
+      meaning='p, the exponent at high approach speeds'), &
+      key_type('law_sharpness', low=0.0_wp, above=.true., default='2', only='law=power', &
+      meaning='k, the sharpness of the corner at v0'), &
+      key_type('law_speeds', most=most_coordinates, least=2, low=0.0_wp, only='law=table', &
+      takes='at least two ascending numbers >= 0', meaning='approach speeds of a table'), &
+      key_type('law_values', most=most_coordinates, least=2, low=0.0_wp, high=1.0_wp, &
+      only='law=table', takes='one number from 0 to 1 for each of law_speeds', &
+      meaning='coefficients of restitution at these speeds')]
+
+contains
+
+   !> Checks a gap.
+   pure subroutine check_gap(gap, points)
+      !> The group.
+      type(values_type), intent(inout) :: gap
+      !> Number of coordinates, or of points.
+      integer, intent(in) :: points
+
+      if (size(gap%numbers('direction')) /= points) then
+         call gap%refuse('direction', 'it has '//whole(size(gap%numbers('direction')))//', not '// &
+            whole(points))
+      else if (all(abs(gap%numbers('direction')) <= 0)) then
+         call gap%refuse('direction')
+      end if
+      if (.not. gap%has('law_speeds')) return
+      associate (speeds => gap%numbers('law_speeds'))
+         if (any(speeds(2:) <= speeds(:size(speeds) - 1))) call gap%refuse('law_speeds')
+         if (size(gap%numbers('law_values')) /= size(speeds)) call gap%refuse('law_values', &
+            'there are '//whole(size(speeds))//' law_speeds')
+      end associate
+   end subroutine check_gap
+
+   !> The gaps as `new_structure` takes them.
+   pure subroutine gaps_of(gaps, n, directions, gap_values, shapes)
+      !> The groups.
+      type(values_type), intent(in) :: gaps(:)
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      !> (n, gaps) Their directions.
+      real(wp), allocatable, intent(out) :: directions(:, :)
+      !> (numbers, gaps) Opening and law of each.
+      real(wp), allocatable, intent(out) :: gap_values(:, :)
+      !> (n, points) Shapes of modes at the points to which directions refer, if they do.
+      real(wp), intent(in), optional :: shapes(:, :)
+      real(wp), allocatable :: direction(:), law(:)
+      integer :: i, j
+
+      allocate (directions(n, size(gaps)), source=0.0_wp)
+      allocate (gap_values(6 + 2*most_points(gaps), size(gaps)), source=0.0_wp)
+      do i = 1, size(gaps)
+         direction = gaps(i)%numbers('direction')
+         if (present(shapes)) then
+            ! point by point, so that the digits do not depend on a library
+            do j = 1, size(direction)
+               directions(:, i) = directions(:, i) + direction(j)*shapes(:, j)
+            end do
+         else
+            directions(:, i) = direction
+         end if
+         call law_of(gaps(i), law)
+         gap_values(1, i) = gaps(i)%number('opening')
+         gap_values(2:1 + size(law), i) = law
+      end do
+   end subroutine gaps_of
+
+   !> The largest number of points of the tables of restitution of some gaps.
+   pure integer function most_points(gaps) result(most)
+      !> The gaps.
+      type(values_type), intent(in) :: gaps(:)
+      integer :: i
+
+      most = 0
+      do i = 1, size(gaps)
+         if (gaps(i)%has('law_speeds')) most = max(most, size(gaps(i)%numbers('law_speeds')))
+      end do
+   end function most_points
+
+   !> The law of restitution of a gap, as `new_structure` takes it.
+   pure subroutine law_of(gap, law)
+      !> The gap.
+      type(values_type), intent(in) :: gap
+      !> Kind and numbers.
+      real(wp), allocatable, intent(out) :: law(:)
+
+      if (gap%is('law', 'power')) then
+         law = [real(power_law, wp), gap%number('restitution'), gap%number('law_speed'), &
+            gap%number('law_exponent'), gap%number('law_sharpness')]
+      else if (gap%is('law', 'table')) then
+         law = [real(table_law, wp), real(size(gap%numbers('law_speeds')), wp), &
+            gap%numbers('law_speeds'), gap%numbers('law_values')]
+      else
+         law = [real(constant_law, wp), gap%number('restitution')]
+      end if
+   end subroutine law_of
+
+end module vi_structure_gaps

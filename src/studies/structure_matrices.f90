@@ -1,0 +1,294 @@
+!> The group &structure: its matrices, given as lists, in files, or by modes.
+module vi_structure_matrices
+   use vi_eigen_routines, only: dsygv
+   use vi_key, only: a_word, key_type
+   use vi_kinds, only: wp
+   use vi_matrix_file, only: beside, read_matrix
+   use vi_namelist, only: group_type
+   use vi_text, only: brief, number_text, whole
+   use vi_values, only: read_values, values_type
+   implicit none (type, external)
+   private
+
+   public :: check_matrices, find_coordinates, matrices_of, read_structure
+
+   !> Largest number of coordinates of a structure, and of gaps.
+   integer, parameter, public :: most_coordinates = 500
+   !> Largest number of numbers of a matrix.
+   integer, parameter, public :: most_numbers = most_coordinates**2
+
+   character(*), parameter :: matrix_takes = 'n numbers (the diagonal) or n*n numbers (a symmetric &
+      &matrix, row by row), with n at most 500'
+   character(*), parameter :: file_takes = 'a Matrix Market file (real, general or symmetric) or a &
+      &NumPy file (.npy, float64), with a symmetric matrix of at most 500 rows or its diagonal'
+
+   type(key_type), parameter, public :: structure_keys(*) = [ &
+      key_type('mass', most=most_numbers, takes=matrix_takes, or='mass_file', never='frequencies', &
+      meaning='mass matrix M of M q'''' + C q'' + K q = f, positive definite'), &
+      key_type('damping', most=most_numbers, takes=matrix_takes, may_miss=.true., &
+      or='damping_file', never='frequencies', &
+      meaning='damping matrix C, without negative eigenvalues; 0 if it is left out'), &
+      key_type('stiffness', most=most_numbers, takes=matrix_takes, may_miss=.true., &
+      or='stiffness_file', never='frequencies', &
+      meaning='stiffness matrix K, without negative eigenvalues; 0 if it is left out'), &
+      key_type('mass_file', a_word, takes=file_takes, may_miss=.true., or='mass', &
+      never='frequencies', meaning='file with M; its path starts at the folder of the namelist'), &
+      key_type('damping_file', a_word, takes=file_takes, may_miss=.true., or='damping', &
+      never='frequencies', meaning='file with C'), &
+      key_type('stiffness_file', a_word, takes=file_takes, may_miss=.true., or='stiffness', &
+      never='frequencies', meaning='file with K'), &
+      key_type('frequencies', most=most_coordinates, low=0.0_wp, may_miss=.true., &
+      takes='one number >= 0 for each mode, at most 500', &
+      meaning='circular frequencies of modes, in place of matrices; the coordinates are their &
+      &amplitudes'), &
+      key_type('damping_ratios', most=most_coordinates, low=0.0_wp, only='frequencies', &
+      takes='one number >= 0 for each mode', meaning='damping ratio of each mode'), &
+      key_type('shapes', most=most_numbers, only='frequencies', &
+      takes='one number for each mode, point by point', &
+      meaning='mass-normalised shapes of the modes at the points to which gaps refer')]
+
+   character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
+
+contains
+
+   !> Reads &structure, with the matrices of its files. What needs the number of coordinates is
+   !! checked by `read_parts`.
+   subroutine read_structure(path, group, structure)
+      !> The file of the namelist; empty if there is none.
+      character(*), intent(in) :: path
+      !> The group as read from the file.
+      type(group_type), intent(in) :: group
+      !> Its values, or its first fault.
+      type(values_type), intent(out) :: structure
+      real(wp), allocatable :: numbers(:)
+      character(:), allocatable :: file, full, message, name
+      integer :: i
+
+      call read_values('structure', structure_keys, group, structure)
+      do i = 1, size(matrices)
+         if (len(structure%fault) > 0) return
+         name = trim(matrices(i))
+         if (.not. structure%has(name//'_file')) cycle
+         call structure%text(name//'_file', file)
+         call beside(path, file, full)
+         call read_matrix(full, most_coordinates, numbers, message)
+         if (len(message) > 0) then
+            call structure%refuse(name//'_file', full//': '//brief(message))
+            return
+         end if
+         call structure%set(name, numbers)
+      end do
+   end subroutine read_structure
+
+   !> Finds the number n of coordinates. A list of 4 numbers is the diagonal of 4 coordinates, or
+   !! the matrix of 2. All lists together leave one choice, or else the direction of the first gap
+   !! decides.
+   pure subroutine find_coordinates(structure, parts, n)
+      !> In: as read. Out: with a fault if its lists do not fit together.
+      type(values_type), intent(inout) :: structure
+      !> Its gaps and load.
+      type(values_type), intent(in) :: parts(:)
+      !> The number.
+      integer, intent(out) :: n
+      integer :: allowed(2), i, length, root
+
+      if (structure%has('frequencies')) then
+         n = size(structure%numbers('frequencies'))
+         length = size(structure%numbers('shapes'))
+         if (size(structure%numbers('damping_ratios')) /= n) then
+            call structure%refuse('damping_ratios', 'there are '//whole(n)//' frequencies')
+         else if (modulo(length, n) /= 0) then
+            call structure%refuse('shapes', 'there are '//whole(n)//' frequencies and '// &
+               whole(length)//' numbers')
+         end if
+         return
+      end if
+      n = 0
+      allowed = 0
+      do i = 1, size(matrices)
+         if (.not. structure%has(trim(matrices(i)))) cycle
+         length = size(structure%numbers(trim(matrices(i))))
+         root = nint(sqrt(real(length, wp)))
+         if (root**2 /= length) root = 0
+         if (length > most_coordinates) length = 0
+         if (i == 1) then
+            allowed = [length, root]
+         else
+            where (allowed /= length .and. allowed /= root) allowed = 0
+         end if
+         if (all(allowed == 0)) then
+            if (i == 1) then
+               call structure%refuse(trim(given_as(structure, i)), 'it has '//whole(size( &
+                  structure%numbers('mass')))//' numbers')
+            else
+               call structure%refuse(trim(given_as(structure, i)), 'it has '//whole(size( &
+                  structure%numbers(trim(matrices(i)))))//' numbers, which does not fit the '// &
+                  whole(size(structure%numbers('mass')))//' of mass')
+            end if
+            return
+         end if
+      end do
+      n = maxval(allowed)
+      if (all(allowed > 0) .and. size(parts) > 0) then
+         if (parts(1)%name == 'gap') then
+            if (any(allowed == size(parts(1)%numbers('direction')))) n = &
+               size(parts(1)%numbers('direction'))
+         end if
+      end if
+   end subroutine find_coordinates
+
+   !> The key with which a matrix was given.
+   pure function given_as(structure, i) result(name)
+      !> &structure.
+      type(values_type), intent(in) :: structure
+      !> Place of the matrix in `matrices`.
+      integer, intent(in) :: i
+      character(24) :: name
+
+      name = matrices(i)
+      if (structure%has(trim(matrices(i))//'_file')) name = trim(matrices(i))//'_file'
+   end function given_as
+
+   !> Checks the matrices, and completes them: each is a diagonal, or else the whole symmetric
+   !! matrix, and files are replaced by what they hold.
+   pure subroutine check_matrices(structure, n)
+      !> In and out: &structure.
+      type(values_type), intent(inout) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      real(wp), allocatable :: matrix(:, :)
+      real(wp) :: apart, least, scale
+      character(:), allocatable :: name
+      integer :: i, j, k, at(2)
+
+      if (structure%has('frequencies')) return
+      do i = 1, size(matrices)
+         name = trim(matrices(i))
+         if (.not. structure%has(name)) then
+            call structure%set(name, spread(0.0_wp, 1, n))
+            cycle
+         end if
+         matrix = as_matrix(structure%numbers(name), n)
+         scale = maxval(abs(matrix))
+         at = maxloc(abs(matrix - transpose(matrix)))
+         apart = abs(matrix(at(1), at(2)) - matrix(at(2), at(1)))
+         if (apart > 1.0e-12_wp*scale) then
+            j = minval(at)
+            k = maxval(at)
+            call structure%refuse(trim(given_as(structure, i)), 'row '//whole(j)//', column '// &
+               whole(k)//' holds '//trim(number_text(matrix(j, k), .false.))//', and row '// &
+               whole(k)//', column '//whole(j)//' '//trim(number_text(matrix(k, j), .false.)))
+            return
+         end if
+         matrix = 0.5_wp*(matrix + transpose(matrix))
+         call least_eigenvalue(matrix, least)
+         if (i == 1 .and. .not. least > 0) then
+            call structure%refuse(trim(given_as(structure, i)), 'it must be positive definite, and &
+               &its least eigenvalue is '//trim(number_text(least, .false., 3)))
+            return
+         else if (least < -1.0e-12_wp*scale*n) then
+            call structure%refuse(trim(given_as(structure, i)), &
+               'it must have no negative eigenvalue, &
+               &and the least one is '//trim(number_text(least, .false., 3)))
+            return
+         end if
+         call structure%set(name, shortest(matrix))
+      end do
+      do i = 1, size(matrices)
+         call structure%drop(trim(matrices(i))//'_file')
+      end do
+   end subroutine check_matrices
+
+   !> A matrix from its diagonal or from all its numbers.
+   pure function as_matrix(numbers, n) result(matrix)
+      !> n or n*n numbers.
+      real(wp), intent(in) :: numbers(:)
+      !> Number of rows.
+      integer, intent(in) :: n
+      real(wp) :: matrix(n, n)
+      integer :: i
+
+      if (size(numbers) == n) then
+         matrix = 0
+         do i = 1, n
+            matrix(i, i) = numbers(i)
+         end do
+      else
+         matrix = transpose(reshape(numbers, [n, n]))
+      end if
+   end function as_matrix
+
+   !> The diagonal of a matrix if all else is 0, or else all its numbers.
+   pure function shortest(matrix) result(numbers)
+      !> (n, n) A symmetric matrix.
+      real(wp), intent(in) :: matrix(:, :)
+      real(wp), allocatable :: numbers(:)
+      integer :: i
+
+      if (is_diagonal(matrix)) then
+         numbers = [(matrix(i, i), i=1, size(matrix, 1))]
+      else
+         numbers = [matrix]
+      end if
+   end function shortest
+
+   !> Whether all numbers outside the diagonal are 0.
+   pure logical function is_diagonal(matrix)
+      !> (n, n)
+      real(wp), intent(in) :: matrix(:, :)
+      integer :: i
+
+      is_diagonal = .true.
+      do i = 1, size(matrix, 1)
+         is_diagonal = is_diagonal .and. all(abs(matrix(:i - 1, i)) <= 0) .and. &
+            all(abs(matrix(i + 1:, i)) <= 0)
+      end do
+   end function is_diagonal
+
+   !> The least eigenvalue of a symmetric matrix.
+   pure subroutine least_eigenvalue(matrix, least)
+      !> (n, n)
+      real(wp), intent(in) :: matrix(:, :)
+      !> The eigenvalue; -huge if it cannot be computed.
+      real(wp), intent(out) :: least
+      real(wp), allocatable :: a(:, :), unit(:, :), values(:), work(:)
+      integer :: i, info, n
+
+      n = size(matrix, 1)
+      if (is_diagonal(matrix)) then
+         least = minval([(matrix(i, i), i=1, n)])
+         return
+      end if
+      allocate (a, source=matrix)
+      allocate (unit(n, n), source=0.0_wp)
+      do i = 1, n
+         unit(i, i) = 1
+      end do
+      allocate (values(n), work(64*n))
+      call dsygv(1, 'N', 'U', n, a, n, unit, n, values, work, size(work), info)
+      least = merge(values(1), -huge(least), info == 0)
+   end subroutine least_eigenvalue
+
+   !> M, C and K.
+   pure subroutine matrices_of(structure, n, matrices)
+      !> &structure, complete.
+      type(values_type), intent(in) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      !> (n, n, 3)
+      real(wp), intent(out) :: matrices(:, :, :)
+      real(wp), allocatable :: omega(:)
+
+      if (structure%has('frequencies')) then
+         omega = structure%numbers('frequencies')
+         matrices(:, :, 1) = as_matrix(spread(1.0_wp, 1, n), n)
+         matrices(:, :, 2) = as_matrix(2*structure%numbers('damping_ratios')*omega, n)
+         matrices(:, :, 3) = as_matrix(omega**2, n)
+      else
+         matrices(:, :, 1) = as_matrix(structure%numbers('mass'), n)
+         matrices(:, :, 2) = as_matrix(structure%numbers('damping'), n)
+         matrices(:, :, 3) = as_matrix(structure%numbers('stiffness'), n)
+      end if
+   end subroutine matrices_of
+
+end module vi_structure_matrices
