@@ -10,8 +10,8 @@ from pathlib import Path
 
 from vibroimpact import _core
 
-HEAD = """# The procedures of boundary.f90, which describes their arguments; written by .ci/check_stub.py. At run
-# time each is an object of f2py's that can be called, not a function: hence a protocol for each.
+HEAD = """# The procedures of python/boundary, which describes their arguments; written by .ci/check_stub.py. At
+# run time each is an object of f2py's that can be called, not a function: hence a protocol for each.
 
 from typing import Protocol, TypeAlias, type_check_only
 
@@ -86,4 +86,4 @@ place = Path(__file__).parents[1] / "python" / "vibroimpact" / "_core.pyi"
 if "--write" in sys.argv:
     place.write_text(whole_stub(), encoding="utf-8")
 elif bare(place.read_text(encoding="utf-8")) != bare(whole_stub()):
-    sys.exit(f"{place.name} differs from boundary.f90: python .ci/check_stub.py --write")
+    sys.exit(f"{place.name} differs from python/boundary: python .ci/check_stub.py --write")

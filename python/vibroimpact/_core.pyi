@@ -1,5 +1,5 @@
-# The procedures of boundary.f90, which describes their arguments; written by .ci/check_stub.py. At run
-# time each is an object of f2py's that can be called, not a function: hence a protocol for each.
+# The procedures of python/boundary, which describes their arguments; written by .ci/check_stub.py. At
+# run time each is an object of f2py's that can be called, not a function: hence a protocol for each.
 
 from typing import Protocol, TypeAlias, type_check_only
 
@@ -560,7 +560,7 @@ class _Simulate(Protocol):
 
 @type_check_only
 class _SimulateBundle(Protocol):
-    # end_states, end_contacts, counts, status
+    # ends, counts, status
     def __call__(
         self,
         xi: float,
@@ -572,11 +572,10 @@ class _SimulateBundle(Protocol):
         cycles: float,
         most_events: int,
         threads: int,
-        states: ArrayLike,
-        contacts: ArrayLike,
+        starts: ArrayLike,
         progress: _Integer,
         m: int = ...,
-    ) -> tuple[_Real, _Integer, _Integer, _Integer]: ...
+    ) -> tuple[_Real, _Integer, _Integer]: ...
 
 @type_check_only
 class _SimulateStructure(Protocol):

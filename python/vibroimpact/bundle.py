@@ -137,19 +137,14 @@ def simulate_bundle(
     threads = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
     )
-    values, contacts = np.empty((7, m), order="F"), np.empty((3, m), dtype=np.int32, order="F")
-    for j in range(m):
-        values[:, j], contacts[:, j] = _core.start_state(
-            osc.xi, columns["r"][j], columns["load"][j], columns["clearance"][j], start[:, j]
-        )
     arguments = (
         osc.xi, osc.mu, osc.restitution, columns["r"], columns["load"], columns["clearance"], cycles,
-        max_events, threads, values, contacts,
+        max_events, threads, np.asfortranarray(start),
     )  # fmt: skip
     if m * cycles < LITTLE:
-        ends, _, counts, status = _core.simulate_bundle(*arguments, new_counters())
+        ends, counts, status = _core.simulate_bundle(*arguments, new_counters())
     else:
-        (ends, _, counts, status), complete = stoppable(
+        (ends, counts, status), complete = stoppable(
             _core.simulate_bundle, *arguments, counters=new_counters()
         )
         if not complete:

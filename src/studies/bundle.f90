@@ -9,7 +9,7 @@ module vi_bundle
    use vi_simulate, only: forced_system_type, event_type, impact_event, new_forced_system, &
       simulate_on, state_type, stick_event
    use vi_status, only: stat
-   use vi_trajectory, only: later, pack_state, unpack_state
+   use vi_trajectory, only: initial_state, later, pack_state
    implicit none (type, external)
    private
 
@@ -21,8 +21,8 @@ module vi_bundle
 contains
 
    !> Simulates m systems for a number of load cycles each.
-   subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, states, &
-      contacts, counts, status, progress)
+   subroutine simulate_bundle(osc, r, load, clearance, cycles, most_events, threads, starts, ends, &
+      counts, status, progress)
       !> Oscillator, the same for all.
       type(oscillator_type), intent(in) :: osc
       !> (m) Frequency ratios, load amplitudes f, clearances.
@@ -31,10 +31,10 @@ contains
       real(wp), intent(in) :: cycles
       !> Events after which a simulation ends, and number of OpenMP threads.
       integer, intent(in) :: most_events, threads
-      !> (7, m) as in `pack_state`. In: the initial states. Out: the final ones.
-      real(wp), intent(inout) :: states(:, :)
-      !> (3, m) as in `pack_state`. In: contacts of the initial states. Out: of the final ones.
-      integer, intent(inout) :: contacts(:, :)
+      !> (5, m) Initial states: t, x, x', z, z'.
+      real(wp), intent(in) :: starts(:, :)
+      !> (7, m) Final states, as in `pack_state`.
+      real(wp), intent(out) :: ends(:, :)
       !> (2, m): impacts and rests.
       integer, intent(out) :: counts(:, :)
       !> (m): `stat%ok`, `stat%event_limit` if most_events were reached, `stat%budget`, or
@@ -42,15 +42,17 @@ contains
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      type(forced_system_type) :: system
       type(state_type) :: state
-      integer :: j
+      integer :: contact(3), j
 
-      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(state)
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(system, state, contact)
       do j = 1, size(r)
-         state = unpack_state(states(:, j), contacts(:, j))
-         call simulate_counting(new_forced_system(osc, r(j), load(j), clearance(j)), state, &
-            cycles, most_events, counts(:, j), status(j), progress)
-         call pack_state(state, states(:, j), contacts(:, j))
+         system = new_forced_system(osc, r(j), load(j), clearance(j))
+         state = initial_state(system, starts(:, j))
+         call simulate_counting(system, state, cycles, most_events, counts(:, j), status(j), &
+            progress)
+         call pack_state(state, ends(:, j), contact)
       end do
       !$omp end parallel do
    end subroutine simulate_bundle

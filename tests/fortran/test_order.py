@@ -35,7 +35,7 @@ def every_source():
         *SOURCE.rglob("*.f90*"),
         *Path(__file__).parent.glob("*.f90"),
         *(ROOT / "benchmarks").glob("*.f90"),
-        ROOT / "python/boundary.f90",
+        *(ROOT / "python/boundary").glob("*.f90"),
     ]
 
 

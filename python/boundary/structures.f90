@@ -1,0 +1,138 @@
+!> Simulations and periodic motions of structures.
+
+!> Simulates a structure with gaps from a state to an end of time, or until there are more than
+!! `capacity` events.
+!!
+!! `matrices` are M, C, K; `gap_values` as in `new_structure`; `loads` the cosine and sine parts of
+!! each harmonic; `record` samples of a force every `step` (0: no record). A column of `table` is
+!! time, approach speed, impulse, coordinates and velocities just after an event; one of `labels`
+!! its kind and gap.
+subroutine simulate_structure(n, gaps, width, harmonics, samples, matrices, directions, &
+   gap_values, frequency, loads, constant, step, record, start, state, last, capacity, table, &
+   labels, n_events, end_state, end_time, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_trajectory, only: simulate_structure_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, capacity
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), start, &
+      state(2*n), last
+   real(c_double), intent(inout) :: table(2*n + 3, capacity)
+   integer(c_int), intent(inout) :: labels(2, capacity)
+   integer(c_int), intent(out) :: n_events, status
+   real(c_double), intent(out) :: end_state(2*n), end_time
+
+   call simulate_structure_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant, step, record), start, state(:n), state(n + 1:), last, &
+      table, labels, n_events, end_state, end_time, status)
+end subroutine simulate_structure
+
+!> Coordinates and velocities of a structure at the given times, which ascend.
+subroutine sample_structure(n, gaps, width, harmonics, samples, m, k, matrices, directions, &
+   gap_values, frequency, loads, constant, step, record, starts, labels, times, values, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_trajectory, only: sample_structure_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, m, k, labels(2, m)
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), &
+      starts(2*n + 1, m), times(k)
+   real(c_double), intent(out) :: values(2*n, k)
+   integer(c_int), intent(out) :: status
+
+   call sample_structure_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant, step, record), starts, labels, times, values, status)
+end subroutine sample_structure
+
+!> A periodic motion of a structure from presumed load phases of its impacts: from the linear
+!! problem (`wanted` 0; 1 with the state among the unknowns), or exact (2).
+!!
+!! Columns of `impacts` are load phases, approach speeds, impulses; a column of `states` is the
+!! coordinates and velocities just after an impact; `scalars` are the residual, det[P] and the value
+!! that it must have.
+subroutine periodic_structure(n, gaps, width, harmonics, m, matrices, directions, gap_values, &
+   frequency, loads, constant, at, phases, cycles, wanted, impacts, states, p, multipliers, &
+   scalars, &
+   verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_period, only: periodic_structure_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, m, at(m), cycles, wanted
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), phases(m)
+   real(c_double), intent(out) :: impacts(m, 3), states(2*n, m), p(2*n, 2*n), &
+      scalars(3)
+   complex(c_double_complex), intent(out) :: multipliers(2*n)
+   integer(c_int), intent(out) :: verdicts(3), status
+
+   call periodic_structure_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), at, phases, cycles, wanted, impacts, states, p, &
+      multipliers, scalars, verdicts, status)
+end subroutine periodic_structure
+
+!> The periodic motion of a structure on which a simulation from a state settles, with rest too.
+!!
+!! `counts` are its impacts, load cycles, and rests; impacts and states as in `periodic_structure`.
+!! `labels` holds the gaps of the impacts and of the rests, a column of `rests` the load phases at
+!! which one begins and ends.
+subroutine settle_structure(n, gaps, width, harmonics, matrices, directions, gap_values, &
+   frequency, &
+   loads, constant, start, state, settling, most_cycles, cycles, capacity, counts, labels, &
+   impacts, states, rests, p, multipliers, scalars, verdicts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_return, only: settle_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, settling, most_cycles, cycles, &
+      capacity
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), start, state(2*n)
+   integer(c_int), intent(out) :: counts(3), labels(2, capacity), verdicts(3), status
+   real(c_double), intent(out) :: impacts(capacity, 3), states(2*n, capacity), rests(2, capacity), &
+      p(2*n, 2*n), scalars(3)
+   complex(c_double_complex), intent(out) :: multipliers(2*n)
+
+   call settle_arrays(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), start, state, settling, most_cycles, cycles, counts, &
+      labels, impacts, states, rests, p, multipliers, scalars, verdicts, status)
+end subroutine settle_structure
+
+!> Whether the impacts of two periodic motions of a structure are the same: 1 or 0.
+subroutine same_impacts(n, m, gaps, phases, speeds, other_gaps, other_phases, other_speeds, &
+   cycles, rests, same)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure_found, only: motions_match => same_impacts
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, m, gaps(n), other_gaps(m), cycles, rests
+   real(c_double), intent(in) :: phases(n), speeds(n), other_phases(m), other_speeds(m)
+   integer(c_int), intent(out) :: same
+
+   same = merge(1, 0, motions_match(gaps, phases, speeds, other_gaps, other_phases, other_speeds, &
+      cycles, rests > 0))
+end subroutine same_impacts
+
+!> R(v) and its slope at m speeds, for a law given as in `new_restitution`.
+subroutine restitution_values(width, m, kind, numbers, speeds, values, slopes)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_restitution, only: new_restitution, restitution_at, restitution_type
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: width, m
+   real(c_double), intent(in) :: kind, numbers(width), speeds(m)
+   real(c_double), intent(out) :: values(m), slopes(m)
+   type(restitution_type) :: law
+   integer :: i
+
+   law = new_restitution(kind, numbers)
+   do i = 1, m
+      call restitution_at(law, speeds(i), values(i), slopes(i))
+   end do
+end subroutine restitution_values
