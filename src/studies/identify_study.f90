@@ -14,7 +14,6 @@ module vi_identify_study
    !> Quantities of which a record has channels.
    character(*), parameter :: channel_words = 'load acceleration velocity displacement none'
    character(*), parameter :: with_times = 'impact_times'
-   character(*), parameter :: with_law = 'law=power'
    real(wp), parameter :: tiny_value = 1.0e-12_wp, huge_value = 1.0e12_wp
 
    type(key_type), parameter :: identify_keys(*) = [ &
@@ -59,14 +58,15 @@ module vi_identify_study
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
       meaning='parameters of &system that are known; the fit starts from the others'), &
-      key_type('law', a_word, default='''constant''', words='constant power', &
+      key_type('law', a_word, default='''constant''', words='constant power powers', &
       meaning='how the coefficients of restitution depend on the approach speed v: constants, or &
-      &R1 and R2 times (v/v0)^-p'), &
-      key_type('law_speed', low=tiny_value, high=huge_value, only=with_law, may_miss=.true., &
+      &R1 and R2 times (v/v0)^-p with one exponent p, or with one for each wall'), &
+      key_type('law_speed', low=tiny_value, high=huge_value, may_miss=.true., &
       unit='m/s', meaning='v0, at which R1 and R2 hold; by default the geometric mean of the &
       &speeds of all impacts'), &
-      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, only=with_law, may_miss=.true., &
-      meaning='p, if it is known')]
+      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, may_miss=.true., &
+      takes='one number, or two with law = ''powers''', &
+      meaning='p, if it is known; of the right and of the left wall')]
 
    type(column_type), parameter :: identify_columns(*) = [ &
       column_type('parameters', 'name', words, meaning='the parameter'), &
@@ -101,6 +101,9 @@ module vi_identify_study
       meaning='sum of squares of the weighted residuals over the degrees of freedom'), &
       column_type('records', 'multipliers', complexes, each='multiplier', listed=.false., &
       meaning='multipliers of the identified motion'), &
+      column_type('records', 'harmonics', complexes, each='harmonic', listed=.false., &
+      meaning='c of the harmonics n = 2, 3, ... of the load over its fundamental, which add &
+      &the real part of c exp(i n p) to sin(p); 0 if they are not significant'), &
       column_type('impacts', 'number', wholes, listed=.false., meaning='number of the record'), &
       column_type('impacts', 'side', words, words='R,L', listed=.false., meaning='wall'), &
       column_type('impacts', 'picked', unit='rad', listed=.false., &

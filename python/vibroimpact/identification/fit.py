@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SingularError
-from ..motion import Motion
 from .harmonics import Measured
 from .impacts import resonance
-from .known import SHARED
+from .known import EXPONENTS, SHARED, names_of
 from .least_squares import MOST_ITERATIONS, levenberg
-from .motions import Point, described, lawful, motion_at, slopes
-from .start import checked, first_motion
+from .motions import PARAMETERS, Impacting, System, exponents
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
 #: The mode that rings: frequency (rad/s), damping ratio, share.
 RING = ("ring omega", "ring damping", "ring share")
+#: Largest difference of an impact time, in load cycles, from that where it was picked.
+NEAR = 0.05
 #: Last harmonic of the load in the first stage of a fit.
 FEW = 6
 #: Largest relative standard error of a combination of parameters that a record determines.
@@ -40,182 +40,150 @@ class Fit:
     lengths: list[float]
     phases: list[float]
     ring: _Array | None
-    motions: list[Motion]
+    motions: list[Impacting]
     #: Names of the columns of `covariance`, which has what was fitted, without ringing and load phases.
     names: list[str]
     covariance: _Array
     undetermined: list[str]
     misfits: list[float]
-    #: Reference speed of a power law of restitution (m/s); None: the coefficients are constants.
-    speed: float | None = None
 
 
 def fit(
-    records: Sequence[Measured], known: dict[str, float], starts: dict[str, float], lengths: Sequence[float],
-    phases: Sequence[float], ring: _Array | None, M: float | None = None, K: float | None = None,
-    speed: float | None = None, near: Sequence[Motion] = (), rough: bool = False,
+    records: Sequence[Measured], known: Mapping[str, float], starts: Mapping[str, float],
+    lengths: Sequence[float], phases: Sequence[float], ring: _Array | None, M: float | None = None,
+    K: float | None = None, law: str = "constant", speed: float | None = None,
+    near: Sequence[Impacting] = (), rough: bool = False,
 ) -> Fit:  # fmt: skip
     """Fit exact motions to the harmonics of one or more records.
 
     `known` are the shared parameters that are not fitted; `M` or `K` with the load of a record give its F0/K.
-    With a reference `speed` (m/s) the coefficients of restitution obey a power law, and `near` has motions whose
-    speeds are about those of the records. A `rough` fit, from which another one starts, need not converge.
+    `speed` (m/s) is that of reference of a law of restitution, and `near` has motions to start from; by default it
+    starts from the picked impacts. A `rough` fit, from which another one starts, need not converge.
     """
-    free = [name for name in SHARED if name not in known]
     count = len(records)
     ringing = ring is not None and any(data.orders.size for data in records)
+    free = [name for name in names_of(law) if name not in known]
     names = [*free, *(f"F0/K {i}" for i in range(count)), *(f"phase {i}" for i in range(count))]
     names += RING if ringing else ()
     place = {name: i for i, name in enumerate(names)}
-    x = np.array(
-        [
-            *(starts[name] for name in free),
-            *lengths,
-            *phases,
-            *(ring if ringing and ring is not None else ()),
-        ]
-    )
-    typical = {"R1": 0.5, "R2": 0.5, "exponent": 0.25, "xi": max(starts["xi"], 0.005)}
+    of_ring = ring if ringing and ring is not None else np.empty(0)
+    x = np.array([*(starts[name] for name in free), *lengths, *phases, *of_ring])
+    typical = dict.fromkeys(("R1", "R2"), 0.5) | dict.fromkeys(EXPONENTS, 0.25)
+    typical["xi"] = max(starts["xi"], 0.005)
     scales = np.array(
         [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *([1.0] * count),
-         *([0.05 * ring[0], 0.02, 0.3] if ringing and ring is not None else ())]
+         *([0.05 * of_ring[0], 0.02, 0.3] if ringing else ())]
     )  # fmt: skip
-    guesses: list[Motion] = []
-    latest: list[Motion] = []
-    turns: list[float] = []
+    systems = [System(data, speed) for data in records]
+    columns = [
+        [place.get(name, place.get(name.rstrip("12")) if name in EXPONENTS else None)
+         for name in (*PARAMETERS[:-2], f"F0/K {i}", f"phase {i}")]
+        for i in range(count)
+    ]  # fmt: skip
+    guesses: list[Impacting] = []
+    latest: list[Impacting] = []
     sizes: list[int] = []
 
     def shared(x: _Array) -> dict[str, float]:
-        return {name: float(x[place[name]]) if name in place else known[name] for name in SHARED}
+        return {
+            name: float(x[place[name]]) if name in place else known[name] for name in names_of(law)
+        }
 
-    def points(x: _Array) -> list[Point]:
-        p = shared(x)
-        found = []
-        for i, data in enumerate(records):
-            static = float(x[place[f"F0/K {i}"]])
-            walls = (p["R1"], p["R2"], p["exponent"])
-            unit = None if speed is None else speed / (p["omega"] * static)
-            found.append(
-                Point(data.Omega / p["omega"], p["d"] / static, p["xi"], p["mu"], *walls, unit)
-            )
-        return found
-
-    for i, (data, point) in enumerate(zip(records, points(x), strict=True)):
-        static, phase = float(x[place[f"F0/K {i}"]]), float(x[place[f"phase {i}"]])
-        start = partial(first_motion, data=data, unit=shared(x)["omega"] * static, phase=phase)
-        if point.speed is None:
-            guesses.append(start(point))
-            continue
-        # with constants that the law gives at about the speeds
-        each, right = lawful(point, near[i]), near[i].pattern.signs > 0
-        means = {"R1": float(each[right].mean()), "R2": float(each[~right].mean())}
-        first = start(point._replace(**means, exponent=0.0, speed=None))
-        guesses.append(checked(motion_at(point, first), data))
-    for i, data in enumerate(records):
-        turns.append(turn_of(guesses[i], data, x[place[f"phase {i}"]]))
+    def points(x: _Array) -> list[_Array]:
+        values = shared(x)
+        before = [values[name] for name in PARAMETERS[:5]]
+        return [
+            np.array([*before, *exponents(values), values["d"], x[place[f"F0/K {i}"]], x[place[f"phase {i}"]]])
+            for i in range(count)
+        ]  # fmt: skip
 
     def residuals(x: _Array) -> tuple[_Array, _Array]:
-        p = shared(x)
         here = points(x)
-        new = [motion_at(point, guess) for point, guess in zip(here, guesses, strict=True)]
-        all_f, all_J = [], []
-        for i, data in enumerate(records):
-            f, J = residuals_of(data, i, new[i], here[i], p, x)
-            all_f.append(f)
-            all_J.append(J)
-        latest[:] = new
-        sizes[:] = [f.size for f in all_f]
-        return np.concatenate(all_f), np.vstack(all_J)
+        latest[:] = [
+            system.motion(p, guess.angles, guess.jumps)
+            for system, p, guess in zip(systems, here, guesses, strict=True)
+        ]
+        both = [residuals_of(i, p, x) for i, p in enumerate(here)]
+        sizes[:] = [f.size for f, _ in both]
+        return np.concatenate([f for f, _ in both]), np.vstack([J for _, J in both])
 
     def accept() -> None:
         guesses[:] = latest
 
-    def residuals_of(
-        data: Measured, i: int, motion: Motion, point: Point, p: dict[str, float], x: _Array
-    ) -> tuple[_Array, _Array]:
-        omega, xi = p["omega"], p["xi"]
-        static, phase = x[place[f"F0/K {i}"]], x[place[f"phase {i}"]]
-        s = slopes(motion, point)
-        angles = s.phases - phase + turns[i]
-        # by those of SHARED and then F0/K, which change r = Omega/omega, D = d/(F0/K) and the unit of speeds
-        r, D, u = motion.r, motion.clearance, point.speed or 0.0
-        by = np.stack([
-            -(s.by[0] * r + s.by[7] * u) / omega, *s.by[2:7], s.by[1] / static,
-            -(s.by[1] * D + s.by[7] * u) / static,
-        ])  # fmt: skip
-        unit = omega * static
-        jumps = s.jumps * unit
-        d_angles, d_jumps = by[:, 0], by[:, 1] * unit
-        d_jumps[0] += s.jumps * static
-        d_jumps[-1] += s.jumps * omega
+    def residuals_of(i: int, p: _Array, x: _Array) -> tuple[_Array, _Array]:
+        motion, data = latest[i], records[i]
+        omega, xi, static, phase = p[[0, 1, 8, 9]]
         f, J = [], []
-        columns = [place.get(name) for name in SHARED] + [place[f"F0/K {i}"]]
 
-        def row(value: _Array, by_shared: _Array, more: dict[int, _Array]) -> None:
+        def row(value: Any, by: _Array, by_ring: _Array | None = None) -> None:
+            """Residuals, and their derivatives by `PARAMETERS` and by the ringing."""
             f.append(np.atleast_1d(value))
             block = np.zeros((np.size(value), x.size))
-            for column, derivative in zip(columns, by_shared, strict=True):
+            for column, derivative in zip(columns[i], np.atleast_2d(by).T, strict=True):
                 if column is not None:
-                    block[:, column] = derivative
-            for column, derivative in more.items():
-                block[:, column] = derivative
+                    block[:, column] += derivative
+            if by_ring is not None:
+                block[:, -len(RING) :] = by_ring
             J.append(block)
 
         if data.orders.size:
             data = data.up_to(stage)
-            each, impulse = data.impulses(angles, jumps)
-            w = data.frequencies
+            each, impulse = data.impulses(motion.angles, motion.jumps)
+            w, orders = data.frequencies, data.orders / data.k
             below = omega**2 - w**2 + 2j * xi * omega * w
-            turned = data.shape * np.exp(1j * phase * data.orders / data.k)
+            turned = data.shape * np.exp(1j * phase * orders)
             force = impulse + omega**2 * static * turned
             direct = -(w**2) / below
-            value = direct * force
-            response = direct
-            ring_columns: dict[int, _Complex] = {}
+            value, response = direct * force, direct
+            by_ring = None
             if ringing:
-                own = x[[place[name] for name in RING]]
+                own = x[-len(RING) :]
                 mode, by_w, by_zeta = resonance(w, own)
-                value = value + own[2] * mode * impulse
                 response = direct + own[2] * mode
-                for name, derivative in zip(
-                    RING, (own[2] * by_w, own[2] * by_zeta, mode), strict=True
-                ):
-                    ring_columns[place[name]] = derivative * impulse
-            by_angle = -1j * (data.orders / data.k)[:, None] * each * jumps
-            by_values = (by_angle @ d_angles.T + each @ d_jumps.T).T * response
-            by_values[0] += direct * 2 * omega * static * turned - direct * force / below * (
-                2 * omega + 2j * xi * w
-            )
-            by_values[1] += -direct * force / below * 2j * omega * w
-            by_values[-1] += direct * omega**2 * turned
-            by_phase = -(by_angle.sum(axis=1)) * response
-            by_phase = by_phase + direct * omega**2 * static * turned * 1j * data.orders / data.k
-            ring_columns[place[f"phase {i}"]] = by_phase
+                value = value + own[2] * mode * impulse
+                by_ring = (
+                    np.column_stack([own[2] * by_w, own[2] * by_zeta, mode]) * impulse[:, None]
+                )
+            by_angle = -1j * orders[:, None] * each * motion.jumps
+            by = (by_angle @ motion.by[0] + each @ motion.by[1]) * response[:, None]
+            slope = direct * force / below
+            by[:, 0] += direct * 2 * omega * static * turned - slope * (2 * omega + 2j * xi * w)
+            by[:, 1] -= slope * 2j * omega * w
+            by[:, 8] += direct * omega**2 * turned
+            by[:, 9] += direct * omega**2 * static * turned * 1j * orders
+            off, weights = (value - data.values) / data.errors, data.errors[:, None]
             for part in (np.real, np.imag):
                 row(
-                    part(value - data.values) / data.errors, part(by_values) / data.errors,
-                    {column: part(derivative) / data.errors for column, derivative in ring_columns.items()},
+                    part(off), part(by) / weights,
+                    None if by_ring is None else part(by_ring) / weights,
                 )  # fmt: skip
         else:
             errors = data.angle_errors
-            one = {place[f"phase {i}"]: -1 / errors}
-            row((angles - data.angles) / errors, d_angles / errors, one)
+            row((motion.angles - data.angles) / errors, motion.by[0] / errors[:, None])
+        one = np.eye(len(PARAMETERS))
         if data.phase is not None:
             off = math.remainder(phase - data.phase, 2 * math.pi)
-            row(
-                np.array([off / data.phase_error]),
-                np.zeros((len(columns), 1)),
-                {place[f"phase {i}"]: np.array([1 / data.phase_error])},
-            )
+            row(off / data.phase_error, one[9] / data.phase_error)
         if data.F0 is not None and (K is not None or M is not None):
             stiffness = K if K is not None else (M or 0.0) * omega**2
-            change = np.zeros((len(columns), 1))
-            change[-1] = stiffness / data.F0_error
+            change = one[8] * stiffness
             if K is None:
-                change[0] = 2 * stiffness / omega * static / data.F0_error
-            row(np.array([(static * stiffness - data.F0) / data.F0_error]), change, {})
+                change = change + one[0] * 2 * stiffness / omega * static
+            row((static * stiffness - data.F0) / data.F0_error, change / data.F0_error)
         return np.concatenate(f), np.vstack(J)
 
+    for i, (data, p) in enumerate(zip(records, points(x), strict=True)):
+        begin = near[i] if near else data
+        nothing = f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts"
+        try:
+            guesses.append(systems[i].motion(p, begin.angles, begin.jumps))
+        except SingularError as error:
+            raise SingularError(
+                f"{nothing}: {error}; the picked pattern or what is known may be wrong, or the record is "
+                "not quite periodic"
+            ) from None
+        if abs(guesses[i].angles - data.angles).max() > 2 * math.pi * NEAR:
+            raise SingularError(f"{nothing}: Newton's method goes to another one")
     # first by few harmonics, since the high ones turn fast with the times of impacts
     stage = FEW
     # which do not tell the ringing
@@ -235,25 +203,16 @@ def fit(
             raise SingularError(
                 f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts fits the record"
             )
-    return replace(found, speed=speed)
-
-
-def turn_of(motion: Motion, data: Measured, phase: float) -> float:
-    """The load cycles (radians) from the impacts of a motion to those that were picked."""
-    off = data.angles - (described(motion)[0] - phase)
-    return 2 * math.pi * round(float(np.median(off)) / (2 * math.pi))
+    return found
 
 
 def predicted(data: Measured, found: Fit, i: int) -> _Complex:
     """The harmonics of the acceleration of the fitted motion of record i."""
-    phases, jumps = described(found.motions[i])
     omega, xi = found.values["omega"], found.values["xi"]
-    static, w = found.lengths[i], data.frequencies
-    turn = turn_of(found.motions[i], data, found.phases[i])
-    _, impulse = data.impulses(phases - found.phases[i] + turn, jumps * omega * static)
-    force = impulse + omega**2 * static * data.shape * np.exp(
-        1j * found.phases[i] * data.orders / data.k
-    )
+    w, motion = data.frequencies, found.motions[i]
+    _, impulse = data.impulses(motion.angles, motion.jumps)
+    turned = data.shape * np.exp(1j * found.phases[i] * data.orders / data.k)
+    force = impulse + omega**2 * found.lengths[i] * turned
     value: _Complex = -(w**2) / (omega**2 - w**2 + 2j * xi * omega * w) * force
     if found.ring is not None:
         value = value + found.ring[2] * resonance(w, found.ring)[0] * impulse
@@ -262,7 +221,7 @@ def predicted(data: Measured, found: Fit, i: int) -> _Complex:
 
 def finished(
     sizes: Sequence[int], x: _Array, f: _Array, J: _Array, names: list[str],
-    place: dict[str, int], values: dict[str, float], motions: list[Motion], scales: _Array, ringing: bool,
+    place: dict[str, int], values: dict[str, float], motions: list[Impacting], scales: _Array, ringing: bool,
 ) -> Fit:  # fmt: skip
     """Covariance, and what is not determined; `sizes` are the numbers of residuals of the records."""
     count = len(sizes)

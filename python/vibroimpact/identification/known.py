@@ -12,13 +12,20 @@ from ..units import positive
 #: What may be known, and its unit.
 KNOWN = {
     "M": "kg", "K": "N/m", "C": "N s/m", "m": "kg", "d": "m", "F0": "N", "omega": "rad/s", "xi": "", "mu": "",
-    "R1": "", "R2": "", "exponent": "",
+    "R1": "", "R2": "", "exponent": "", "exponent1": "", "exponent2": "",
 }  # fmt: skip
-#: How the coefficients of restitution may depend on the approach speed.
-LAWS = ("constant", "power")
-OF_LAW = ("R1", "R2", "exponent")
+#: How the coefficients of restitution may depend on the approach speed, and what this adds to the parameters.
+LAWS: dict[str, tuple[str, ...]] = {
+    "constant": (), "power": ("exponent",), "powers": ("exponent1", "exponent2"),
+}  # fmt: skip
+EXPONENTS = ("exponent", "exponent1", "exponent2")
 #: What all records share, in this order.
-SHARED = ("omega", "xi", "mu", "R1", "R2", "exponent", "d")
+SHARED = ("omega", "xi", "mu", "R1", "R2", *EXPONENTS, "d")
+
+
+def names_of(law: str) -> list[str]:
+    """What all records share with a law."""
+    return [name for name in SHARED if name not in EXPONENTS or name in LAWS[law]]
 
 
 def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
@@ -34,7 +41,7 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
             values[name] = checks.number(
                 value, "restitution" if name[0] == "R" else name, f"known {name}"
             )
-        elif name == "exponent":
+        elif name in EXPONENTS:
             values[name] = checks.to_float(value, f"known {name}", "a finite number")
             if not math.isfinite(values[name]):
                 raise ParameterError(f"known {name} = {value!r}: must be a finite number")

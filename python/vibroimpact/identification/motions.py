@@ -1,10 +1,17 @@
-"""Exact motions whose coefficients of restitution obey a law, and their derivatives."""
+"""Exact motions of a rig under a load with harmonics, with coefficients of restitution by a law, and their
+derivatives.
+
+With the angles and jumps of the impacts given, the motion of the primary mass is a sum of closed forms: the steady
+motion under the load, and the periodic response to impulses. Momentum and restitution at each impact are then two
+equations, which Newton's method solves. All derivatives are by imaginary steps, so that they have no errors of
+differences.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,144 +19,131 @@ from numpy.typing import NDArray
 from ..errors import SingularError
 from ..model import Oscillator, Pattern
 from ..motion import Motion
-from ..newton import exact, newton
+from ..newton import exact
 from ..restitution import PowerLaw, Restitution, TabulatedRestitution
 from ..structure import Load
 from ..structure_motion import StructureMotion, exact_structure
+from .harmonics import Measured
 
 _Array = NDArray[np.float64]
+_Complex = NDArray[np.complex128]
+#: What moves the impacts of a record: the shared parameters, F0/K (m), and the load phase at time 0.
+PARAMETERS = ("omega", "xi", "mu", "R1", "R2", "exponent1", "exponent2", "d", "F0/K", "phase")
 #: Approach speed, over the largest velocity, that counts as none.
 TOUCHING = 1e-6
-#: Step of a coefficient of restitution for central differences; error of one that obeys its law, and the most
-#: steps to there.
-STEP, LAWFUL, MOST_STEPS = 1e-5, 1e-12, 20
+#: The imaginary step; relative change of a step of Newton's method at its end, and the most steps to there.
+STEP, SETTLED, MOST_STEPS = 1e-30, 1e-11, 25
+#: Largest part of the time to the next impact by which a step of Newton's method moves an impact.
+FARTHEST = 0.3
 #: The sharpness of a power law, with which it is one down to where it is 1; exponent of a constant.
 SHARP, FLAT = 20.0, 1e-7
 
 
-class Slopes(NamedTuple):
-    """Load phases of the impacts and changes of velocity there, and their derivatives by all of a `Point`."""
+class Impacting(NamedTuple):
+    """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
+    coefficients of restitution; and the derivatives of angles and jumps by `PARAMETERS` (2, N, 10)."""
 
-    phases: _Array
+    angles: _Array
     jumps: _Array
+    speeds: _Array
+    restitution: _Array
     by: _Array
 
 
-class Point(NamedTuple):
-    """Where a motion is wanted: the coefficient of an impact is R1 or R2 times (v/speed)^-exponent."""
+class System:
+    """What is the same for all motions of a record; `v0` is the reference speed of laws of restitution."""
 
-    r: float
-    clearance: float
-    xi: float
-    mu: float
-    R1: float
-    R2: float
-    exponent: float = 0.0
-    #: Of reference, in F0 omega/K; None: the coefficients are constants.
-    speed: float | None = None
+    def __init__(self, data: Measured, v0: float | None) -> None:
+        self.Omega, self.k = data.Omega, data.k
+        self.signs = data.pattern.signs.astype(float)
+        self.v0 = 1.0 if v0 is None else v0
+        # without a record of the motion the load is a sine
+        loaded = data.shape != 0
+        self.orders = data.orders[loaded] / data.k if loaded.any() else np.ones(1)
+        self.shape = data.shape[loaded] if loaded.any() else np.array([-1j])
+        N = self.signs.size
+        self.later = 2 * math.pi * self.k * np.triu(np.ones((N, N)), 1)
+        self.last = 2 * math.pi * self.k * np.eye(N)[-1]
 
+    def impacts(self, p: Any, angles: Any, jumps: Any) -> tuple[Any, Any, Any]:
+        """Both equations of each impact (..., 2N), approach speeds and coefficients of restitution.
 
-def described(motion: Motion) -> tuple[_Array, _Array]:
-    """Load phases of the impacts, and changes of velocity of the primary mass."""
-    return motion.phases + motion.load_phase, motion.X_dot_after - motion.X_dot_before
+        The parameters `p` (10, ...), angles and jumps (..., N) may be complex.
+        """
+        omega, xi, mu, R1, R2, p1, p2, d, static, phase = (value[..., None] for value in p)
+        # the steady motion under each harmonic of the load, displacement and velocity
+        w, F = self.orders * self.Omega, omega**2 * static
+        a, b = omega**2 - w**2, 2 * xi * omega * w
+        size = F / (a**2 + b**2)
+        P = (size * (self.shape.real * a + self.shape.imag * b))[..., None, :]
+        Q = (size * (self.shape.imag * a - self.shape.real * b))[..., None, :]
+        turn = self.orders * (angles + phase)[..., None]
+        cosine, sine = np.cos(turn), np.sin(turn)
+        X = (P * cosine - Q * sine).sum(axis=-1)
+        V = -(w * (P * sine + Q * cosine)).sum(axis=-1)
+        # the response to an impulse of 1 in every period, and its rate, which jumps by 1
+        since = angles[..., :, None] - angles[..., None, :] + self.later
+        decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
+        whole = 2 * math.pi * self.k / self.Omega
+        q = np.exp(-decay * whole)
+        c, s = 1 - q * np.cos(rate * whole), q * np.sin(rate * whole)
+        fade = (np.exp(-decay[..., None] * since / self.Omega)) / (c * c + s * s)[..., None]
+        turn = rate[..., None] * since / self.Omega
+        cosine, sine = fade * np.cos(turn), fade * np.sin(turn)
+        c, s = c[..., None], s[..., None]
+        response = (c * sine + s * cosine) / rate[..., None]
+        by_time = c * cosine - s * sine - decay[..., None] * response
+        by_time = by_time - 0.5 * np.eye(self.signs.size)  # the mean of before and after
+        X = X + (response @ jumps[..., None])[..., 0]
+        V = V + (by_time @ jumps[..., None])[..., 0]
+        z = X + self.signs * d / 2
+        flights = np.roll(angles, -1, axis=-1) - angles + self.last
+        after = self.Omega * (np.roll(z, -1, axis=-1) - z) / flights
+        before = np.roll(after, 1, axis=-1)
+        speeds = self.signs * (before - V + jumps / 2)
+        right = self.signs > 0
+        positive = np.where(speeds.real > 0, speeds, 1.0)
+        R = np.where(right, R1, R2) * (positive / self.v0) ** -np.where(right, p1, p2)
+        momentum = jumps + mu * (after - before)
+        restitution = after - V - jumps / 2 + self.signs * R * speeds
+        return np.concatenate([momentum, restitution], axis=-1), speeds, R
 
+    def rates(
+        self, p: _Array, angles: _Array, jumps: _Array
+    ) -> tuple[_Array, _Array, _Array, _Array]:
+        """The equations, their derivatives by angles, jumps and parameters, speeds and coefficients."""
+        N = angles.size
+        point = np.concatenate([angles, jumps, p])
+        points = point + 1j * STEP * np.eye(point.size)
+        found, speeds, R = self.impacts(points[:, 2 * N :].T, points[:, :N], points[:, N : 2 * N])
+        return found[0].real, found.imag.T / STEP, speeds[0].real, R[0].real
 
-def approach_speeds(motion: Motion) -> _Array:
-    """Approach speeds of the impacts."""
-    return np.asarray(motion.pattern.signs * (motion.Z_dot_before - motion.X_dot_before))
-
-
-def slopes(motion: Motion, point: Point) -> Slopes:
-    """The derivatives of a motion."""
-    gradient = motion.gradient()
-    columns = [
-        gradient.parameters.index(name) for name in ("r", "clearance", "xi", "mu", "R1", "R2")
-    ]
-    phases = (gradient["phases"] + gradient["load_phase"])[:, columns]
-    jumps = (gradient["X_dot_after"] - gradient["X_dot_before"])[:, columns]
-    by = np.zeros((len(Point._fields), 2, phases.shape[0]))
-    by[:6] = np.stack([phases.T, jumps.T], axis=1)
-    if point.speed is not None:
-        v, R, p = approach_speeds(motion), motion.restitution, point.exponent
-        right = motion.pattern.signs > 0
-        # of the coefficients at fixed speeds
-        rates = np.zeros((len(Point._fields), R.size))
-        rates[4], rates[5] = R / point.R1 * right, R / point.R2 * ~right
-        rates[6], rates[7] = -R * np.log(v / point.speed), p * R / point.speed
-        # and with the speeds, which change by the other parameters and by the coefficients
-        rates[:4] -= p * R / v * gradient["approach_speeds"][:, columns[:4]].T
-        of_phases, of_jumps, of_speeds = by_restitution(motion)
-        changes = np.linalg.solve(np.eye(R.size) + (p * R / v)[:, None] * of_speeds, rates.T)
-        by[4:6] = 0.0
-        by += np.stack([of_phases @ changes, of_jumps @ changes]).transpose(2, 0, 1)
-    if not np.isfinite(by).all():
-        raise SingularError(
-            f"{motion!r}: has no derivatives: {', '.join(gradient.status.values())}"
-        )
-    return Slopes(*described(motion), by)
-
-
-def by_restitution(motion: Motion) -> _Array:
-    """Derivatives of load phases, changes of velocity and approach speeds by the coefficient of each impact.
-
-    `Motion.gradient` has those by both walls alone, so these are central differences.
-    """
-    columns = []
-    for change in STEP * np.eye(motion.restitution.size):
-        ends = []
-        for each in (motion.restitution + change, motion.restitution - change):
-            near = with_restitution(motion, each)
-            ends.append(np.array([*described(near), approach_speeds(near)]))
-        off = ends[0] - ends[1]
-        off[0] -= 2 * math.pi * np.round(off[0] / (2 * math.pi))
-        columns.append(off / (2 * STEP))
-    return np.stack(columns, axis=-1)
-
-
-def with_restitution(motion: Motion, each: _Array) -> Motion:
-    """The motion near another one with a coefficient of restitution for each impact."""
-    if not ((each >= 0) & (each <= 1)).all():
-        raise SingularError(f"coefficients of restitution {each}: must be from 0 to 1")
-    return newton(
-        motion.osc, motion.r, motion.clearance, 1.0, motion.pattern, motion.X, motion.phases + motion.tau, each
-    )  # fmt: skip
-
-
-def lawful(point: Point, motion: Motion) -> _Array:
-    """The coefficients of restitution by the law at the speeds of a motion."""
-    walls = np.where(motion.pattern.signs > 0, point.R1, point.R2)
-    if point.speed is None:
-        return walls
-    return np.asarray(walls * (approach_speeds(motion) / point.speed) ** -point.exponent)
-
-
-def motion_at(point: Point, guess: Motion | tuple[_Array, Pattern]) -> Motion:
-    """The exact motion at a point near another one, whose coefficients obey the law at its own speeds."""
-    osc = Oscillator(xi=point.xi, mu=point.mu, restitution=(point.R1, point.R2))
-    if point.speed is None:
-        return approaching(exact(osc, point.r, point.clearance, guess))
-    assert isinstance(guess, Motion)
-    motion = newton(
-        osc, point.r, point.clearance, 1.0, guess.pattern, guess.X * (point.clearance / guess.clearance),
-        guess.phases + guess.tau, guess.restitution,
-    )  # fmt: skip
-    # Newton's method on the coefficients, with the derivatives of the first motion
-    slope = -point.exponent * lawful(point, motion) / approach_speeds(motion)
-    matrix = np.eye(slope.size) - slope[:, None] * by_restitution(motion)[2]
-    for _ in range(MOST_STEPS):
-        off = lawful(point, approaching(motion)) - motion.restitution
-        if np.max(abs(off)) < LAWFUL:
-            return motion
-        motion = with_restitution(motion, motion.restitution + np.linalg.solve(matrix, off))
-    raise SingularError(f"{motion!r}: no motion near it obeys the law of restitution")
-
-
-def approaching(motion: Motion) -> Motion:
-    """The motion, if each impact has an approach speed, which is more than a rounding error."""
-    speeds = approach_speeds(motion)
-    if not speeds.min() > TOUCHING * max(1.0, float(np.max(abs(motion.Z_dot_before)))):
-        raise SingularError(f"{motion!r}: the walls are not approached at its impacts")
-    return motion
+    def motion(self, p: _Array, angles: _Array, jumps: _Array) -> Impacting:
+        """The exact motion near some angles and jumps."""
+        N = angles.size
+        for _ in range(MOST_STEPS):
+            off, by, speeds, R = self.rates(p, angles, jumps)
+            if not np.isfinite(by).all():
+                break
+            right = np.column_stack([off, by[:, 2 * N :]])
+            try:
+                change = -np.linalg.solve(by[:, : 2 * N], right)
+            except np.linalg.LinAlgError:
+                break
+            step = change[:, 0]
+            room = FARTHEST * (np.diff(angles, append=angles[0] + 2 * math.pi * self.k)).min()
+            step = step * min(1.0, room / max(abs(step[:N]).max(), 1e-300))
+            angles, jumps = angles + step[:N], jumps + step[N:]
+            if (np.diff(angles) <= 0).any():
+                break
+            small = abs(step[:N]).max() + abs(step[N:]).max() / max(abs(jumps).max(), 1e-300)
+            if small < SETTLED:
+                largest = max(abs(jumps).max() / max(p[2], 1e-3), 1e-300)
+                if not speeds.min() > TOUCHING * largest:
+                    raise SingularError("the walls are not approached at the impacts of the motion")
+                slopes = np.asarray(change[:, 1:].reshape(2, N, p.size), dtype=np.float64)
+                return Impacting(angles, jumps, speeds, R, slopes)
+        raise SingularError("Newton's method found no motion with these impacts")
 
 
 def walls_of(values: Mapping[str, float], unit: float) -> tuple[Restitution, Restitution]:
@@ -159,8 +153,8 @@ def walls_of(values: Mapping[str, float], unit: float) -> tuple[Restitution, Res
     thousandth of v0. Where it grows with the speed, it is a table from v0/100 to 100 v0.
     """
     walls = []
-    for R in (values["R1"], values["R2"]):
-        p, v0 = values.get("exponent", 0.0), values.get("v0", unit) / unit
+    for R, p in zip((values["R1"], values["R2"]), exponents(values), strict=True):
+        v0 = values.get("v0", unit) / unit
         law: Restitution = R
         if p > FLAT:
             low = max(min(1.0, R) ** (1 / p), 1e-3)
@@ -172,11 +166,34 @@ def walls_of(values: Mapping[str, float], unit: float) -> tuple[Restitution, Res
     return walls[0], walls[1]
 
 
-def motion_of_law(
+def exponents(values: Mapping[str, float]) -> tuple[float, float]:
+    """Of the right and of the left wall; 0 for constants."""
+    both = values.get("exponent", 0.0)
+    return values.get("exponent1", both), values.get("exponent2", both)
+
+
+def oscillator_of(values: Mapping[str, float], **scale: Any) -> Oscillator:
+    """The system with some parameters, and perhaps with M, K and F0."""
+    walls = (values["R1"], values["R2"])
+    return Oscillator(xi=values["xi"], mu=values["mu"], restitution=walls, **scale)
+
+
+def verified(
     osc: Oscillator, r: float, clearance: float, phases: _Array, pattern: Pattern,
-    walls: tuple[Restitution, Restitution],
-) -> StructureMotion:  # fmt: skip
-    """The exact motion with laws of restitution, speeds in F0 omega/K, from load phases of its impacts."""
+    walls: tuple[Restitution, Restitution], harmonics: _Complex,
+) -> Motion | StructureMotion:  # fmt: skip
+    """The exact motion of the core, with its verdicts, from the load phases of its impacts.
+
+    Speeds of laws are in F0 omega/K; `harmonics` are those of the load from the second one on, over the first.
+    With a law or with harmonics the motion is that of `Oscillator.structure`.
+    """
+    if walls == osc.restitution and not harmonics.any():
+        return exact(osc, r, clearance, (phases - phases[0], pattern))
     pair = osc.structure(clearance, walls)
     gaps = np.where(pattern.signs > 0, 0, 1)
-    return exact_structure(pair, Load(r, sine=[1, 0]), (phases, gaps, pattern.cycles))
+    tones = np.append(-1j, harmonics)
+    none = np.zeros(tones.size)
+    load = Load(
+        r, sine=np.column_stack([-tones.imag, none]), cosine=np.column_stack([tones.real, none])
+    )
+    return exact_structure(pair, load, (phases, gaps, pattern.cycles))

@@ -8,49 +8,55 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .fit import Fit, fit
-from .known import OF_LAW, SHARED
-from .motions import approach_speeds
+from .harmonics import Measured
+from .known import EXPONENTS, LAWS, names_of
+from .motions import exponents
 from .start import start_of, start_of_times, units_agree
 from .steps import Step, refined
 
 
 def fitted(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
-    power: bool, law_speed: float | None,
-) -> Fit:  # fmt: skip
-    """The fit of exact motions to all records."""
-    law = shared
+    law: str, law_speed: float | None,
+) -> tuple[Fit, float | None]:  # fmt: skip
+    """The fit of exact motions to all records, and the reference speed of the law of restitution (m/s)."""
     # constants first: what is known of a law does not hold for them
-    shared = {name: value for name, value in shared.items() if not (power and name in OF_LAW)}
-    shared |= {"exponent": 0.0}
-    starts: list[dict[str, float]] = []
-    lengths, phases, rings = [], [], []
+    constant = {
+        name: value for name, value in shared.items()
+        if law == "constant" or name not in ("R1", "R2", *EXPONENTS)
+    }  # fmt: skip
+    M, K = scale.get("M"), scale.get("K")
+    found: list[Measured] = []
+    single: list[Fit] = []
     for step in steps:
         data = step.data
         assert data is not None
         if data.orders.size:
-            first = step.data = refined(step, shared.get("omega", data.Omega * 1.0))
-            values, static, phase = start_of(first, shared, guess)
-            units_agree(step, first, values, static, scale)
+            data = refined(step, constant.get("omega", data.Omega))
+            values, static, phase = start_of(data, constant, guess)
+            units_agree(step, data, values, static, scale)
         else:
-            values, static, phase = start_of_times(data, scale, shared, guess)
-        rings.append(step.ring)
-        starts.append(values)
-        lengths.append(static)
-        phases.append(phase)
-    M, K = scale.get("M"), scale.get("K")
-    found = [step.data for step in steps if step.data is not None]
-    # each record by itself, and then all from what these tell together
-    single = [
-        fit([data], shared, begin, [length], [phase], ring, M, K, rough=power)
-        for data, begin, length, phase, ring in zip(
-            found, starts, lengths, phases, rings, strict=True
+            data, values, static, phase = start_of_times(data, scale, constant, guess)
+        step.data = data
+        found.append(data)
+        # each record by itself, and then all from what these tell together
+        single.append(
+            fit(
+                [data],
+                constant,
+                values,
+                [static],
+                [phase],
+                step.ring,
+                M,
+                K,
+                rough=law != "constant",
+            )
         )
-    ]
-    if len(found) == 1 and not power:
-        return single[0]
-    middle = dict(shared)
-    for name in (name for name in SHARED if name not in shared):
+    if len(found) == 1 and law == "constant":
+        return single[0], None
+    middle = dict(constant)
+    for name in (name for name in names_of("constant") if name not in constant):
         sizes = [
             one.covariance[j, j] if name not in one.undetermined else math.inf
             for one in single for j in [one.names.index(name)]
@@ -60,33 +66,36 @@ def fitted(
         middle[name] = float(np.average([one.values[name] for one in single], weights=weights))
     ring = next((one.ring for one in single if one.ring is not None), None)
     lengths, phases = [one.lengths[0] for one in single], [one.phases[0] for one in single]
-    if not power:
-        return fit(found, shared, middle, lengths, phases, ring, M, K)
-    speed, of_law = start_of_law(single, law, law_speed)
     near = [one.motions[0] for one in single]
-    return fit(found, law, middle | of_law, lengths, phases, ring, M, K, speed, near)
+    speed = None
+    if law != "constant":
+        speed, of_law = start_of_law(single, found, law, shared, law_speed)
+        middle |= of_law
+    return fit(found, shared, middle, lengths, phases, ring, M, K, law, speed, near), speed
 
 
 def start_of_law(
-    single: Sequence[Fit], known: Mapping[str, float], speed: float | None
-) -> tuple[float, dict[str, float]]:
+    single: Sequence[Fit], found: Sequence[Measured], law: str, known: Mapping[str, float],
+    speed: float | None,
+) -> tuple[float, dict[str, float]]:  # fmt: skip
     """The reference speed, and a power law through the coefficients of records that were fitted by themselves."""
-    units = [one.values["omega"] * one.lengths[0] for one in single]
-    all_speeds = [
-        unit * approach_speeds(one.motions[0]) for unit, one in zip(units, single, strict=True)
-    ]
+    speeds = [one.motions[0].speeds for one in single]
     if speed is None:
-        speed = float(np.exp(np.mean(np.log(np.concatenate(all_speeds)))))
+        speed = float(np.exp(np.mean(np.log(np.concatenate(speeds)))))
     x, y = np.empty((2, len(single))), np.empty((2, len(single)))
-    for i, (one, speeds) in enumerate(zip(single, all_speeds, strict=True)):
+    for i, (one, data) in enumerate(zip(single, found, strict=True)):
         for j, (name, sign) in enumerate((("R1", 1), ("R2", -1))):
-            own = one.motions[0].pattern.signs == sign
-            x[j, i] = np.mean(np.log(speeds[own] / speed))
+            x[j, i] = np.mean(np.log(speeds[i][data.pattern.signs == sign] / speed))
             y[j, i] = math.log(min(max(one.values[name], 0.05), 1.0))
     apart = x - x.mean(axis=1, keepdims=True)
-    # none where the speeds are nearly alike
-    steep = float(np.clip(-np.sum(apart * y) / (np.sum(apart**2) + 1e-2), -0.5, 0.5))
-    values = {"exponent": known.get("exponent", steep)}
-    for name, level in zip(("R1", "R2"), np.mean(y + values["exponent"] * x, axis=1), strict=True):
-        values[name] = known.get(name, float(min(math.exp(level), 0.99)))
+    values: dict[str, float] = {}
+    each = LAWS[law]
+    for name, own in zip(each, np.split(np.arange(2), len(each)), strict=True):
+        # none where the speeds are nearly alike
+        steep = -np.sum(apart[own] * y[own]) / (np.sum(apart[own] ** 2) + 1e-2)
+        values[name] = known.get(name, float(np.clip(steep, -0.5, 0.5)))
+    for name, p, level, at in zip(
+        ("R1", "R2"), exponents(values), y.mean(axis=1), x.mean(axis=1), strict=True
+    ):
+        values[name] = known.get(name, float(min(math.exp(level + p * at), 0.99)))
     return speed, values

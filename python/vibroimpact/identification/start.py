@@ -8,17 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..errors import ParameterError, SingularError, VibroimpactError
+from ..errors import ParameterError
 from ..model import Oscillator
-from ..motion import Motion
-from ..newton import exact
-from ..solve import equispaced, periodic
+from ..solve import periodic
 from .harmonics import Measured
-from .motions import Point, approaching, described
 from .steps import Step
 
-#: Largest difference of an impact time, in load cycles, from that where it was picked.
-NEAR = 0.05
 #: Harmonics of the load by which a motion is summed.
 MANY = 1000
 #: Largest ratio of two load amplitudes that should be the same.
@@ -126,15 +121,17 @@ def start_of_times(
     scale: Mapping[str, float],
     shared: Mapping[str, float],
     guess: Mapping[str, float],
-) -> tuple[dict[str, float], float, float]:
-    """Parameters to start from, where there are impact times alone: the linear equations tell D."""
+) -> tuple[Measured, dict[str, float], float, float]:
+    """Jumps and parameters to start from, where there are impact times alone: the linear equations tell D."""
     values = {**guess, **shared}
     osc = Oscillator(xi=values["xi"], mu=values["mu"], restitution=(values["R1"], values["R2"]))
     linear = periodic(osc, data.Omega / values["omega"], data.angles - data.angles[0], data.pattern)
     static = scale["F0"] / scale["K"] if {"F0", "K"} <= scale.keys() else 1 / linear.clearance
     values.setdefault("d", linear.clearance * static)
+    static = values["d"] / linear.clearance
     phase = data.phase if data.phase is not None else linear.load_phase - float(data.angles[0])
-    return values, values["d"] / linear.clearance, phase
+    jumps = (linear.X_dot_after - linear.X_dot_before) * static * values["omega"]
+    return replace(data, jumps=jumps), values, static, phase
 
 
 def units_agree(
@@ -162,58 +159,3 @@ def units_agree(
         "units of a "
         f"channel, or known M and K, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
     )
-
-
-def first_motion(point: Point, data: Measured, unit: float, phase: float) -> Motion:
-    """The exact motion to start from: of the phases of the impacts by the linear equations, or by continuation.
-
-    `unit` is F0 omega/K in m/s, and `phase` the load phase in the middle of the record.
-    """
-    r, clearance = point.r, point.clearance
-    osc = Oscillator(xi=point.xi, mu=point.mu, restitution=(point.R1, point.R2))
-    phases = data.angles - data.angles[0]
-    linear = periodic(osc, r, phases, data.pattern)
-
-    def unlike(motion: Motion) -> float:
-        """How far load phases and changes of velocity are from those that were picked."""
-        here, jumps = described(motion)
-        off = float(np.max(abs(np.sin(0.5 * (here - data.angles - phase)))))
-        if data.jumps.any():
-            off += float(np.max(abs(jumps * unit - data.jumps)) / np.max(abs(data.jumps)))
-        return off
-
-    errors, found = [], []
-    guesses: list[Motion] = [linear]
-    if phases.size == 2 and data.k % 2 and abs(phases[1] / (math.pi * data.k) - 1) < 2 * NEAR:
-        # equally spaced impacts leave the amplitude of the linear equations nearly free
-        both = replace(osc, restitution=(0.5 * (point.R1 + point.R2),) * 2)
-        guesses += equispaced(both, r, clearance, data.k)
-    for guess in guesses:
-        try:
-            found.append(checked(exact(osc, r, clearance, guess), data))
-        except VibroimpactError as error:
-            errors.append(error)
-    if found:
-        return min(found, key=unlike)
-    # from the clearance of the linear equations to this one in steps
-    try:
-        motion = exact(osc, r, linear.clearance, linear)
-        for share in np.linspace(0, 1, 21)[1:]:
-            motion = exact(
-                osc, r, linear.clearance * (clearance / linear.clearance) ** share, motion
-            )
-        return checked(motion, data)
-    except VibroimpactError:
-        raise SingularError(
-            f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts at r = {r:.6g}, d K/F0 = "
-            f"{clearance:.6g}: {errors[0]}"
-        ) from None
-
-
-def checked(motion: Motion, data: Measured) -> Motion:
-    """The motion, if its impacts are impacts, about where they were picked."""
-    approaching(motion)
-    off = np.diff(motion.phases) - np.diff(data.angles)
-    if off.size and np.max(abs(off)) > NEAR * 2 * math.pi * 2:
-        raise SingularError("Newton's method went to another motion")
-    return motion

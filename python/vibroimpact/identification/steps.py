@@ -31,7 +31,7 @@ _Array = NDArray[np.float64]
 #: Least number of load cycles of a record.
 LEAST_CYCLES = 8
 #: Harmonics of the load that are measured, in its own channel and, at most, in that of the motion.
-LOAD_TONES, MOTION_TONES = 6, 90
+LOAD_TONES, MOTION_TONES = 12, 90
 #: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
 RISE, CLEAR = 0.2, 6.0
 

@@ -10,17 +10,14 @@ from typing import Any
 import numpy as np
 
 from ..measured import MOTIONS, SensorRecord, sensor_response
-from ..model import Pattern
 from ..tables import made
 from .fit import Fit, predicted
 from .harmonics import Measured
 from .known import KNOWN, SHARED
-from .motions import approach_speeds, described, motion_of_law, walls_of
+from .motions import oscillator_of, verified, walls_of
 from .signals import Tones, centred
-from .steps import Step
+from .steps import LOAD_TONES, Step
 
-#: Share of harmonics in the load from which a result says that its errors do not contain their effect.
-SHAPED = 0.003
 #: Misfit from which a result says that it is doubtful.
 DOUBTFUL = 10.0
 #: Half the width of a 95 % interval in standard errors.
@@ -34,13 +31,14 @@ def tables_of(
     found: Fit | None,
     scale: Mapping[str, float],
     shared: Mapping[str, float],
+    speed: float | None,
     case: str,
 ) -> Any:
-    """All columns of a result."""
-    parameters = parameters_of(steps, found, scale, shared)
+    """All columns of a result; `speed` is that of reference of a law of restitution."""
+    parameters = parameters_of(steps, found, scale, shared, speed)
     names = (
         "status", "quantity", "sides", "cycles", "frequency", "load", "load_phase", "r", "clearance",
-        "static", "first", "misfit", "multipliers",
+        "static", "first", "misfit", "multipliers", "harmonics",
     )  # fmt: skip
     records: dict[str, list[Any]] = {name: [] for name in names}
     impacts: dict[str, list[Any]] = {
@@ -54,10 +52,8 @@ def tables_of(
     notes: list[tuple[bool, str]] = []
     for i, step in enumerate(steps):
         data, record = step.data, step.record
-        motion = found.motions[i] if found is not None else None
-        multipliers = (
-            np.full(4, complex(math.nan, math.nan)) if motion is None else motion.multipliers
-        )
+        multipliers = np.full(4, complex(math.nan, math.nan))
+        harmonics = np.zeros(LOAD_TONES - 1, dtype=np.complex128)
         pattern = data.pattern if data is not None and found is not None else None
         middle = 0.0 if record is None else (len(record) - 1) / 2 / record.rate
         begin = 0.0 if record is None else record.start
@@ -72,35 +68,38 @@ def tables_of(
             "sides": pattern.sides if pattern else "", "cycles": pattern.cycles if pattern else 0,
             "frequency": step.Omega / (2 * math.pi), "load": load,
             "load_phase": (phase - step.Omega * middle) % (2 * math.pi),
-            "r": motion.r if motion else math.nan,
-            "clearance": motion.clearance if motion else math.nan,
+            "r": math.nan, "clearance": math.nan,
             "static": found.lengths[i] if found is not None else math.nan,
             "misfit": found.misfits[i] if found is not None else math.nan,
         }  # fmt: skip
         first = math.nan
-        if found is not None and motion is not None and data is not None:
-            unit = found.values["omega"] * found.lengths[i]
-            if found.speed is not None:
-                of_law = {**found.values, "v0": found.speed}
-                multipliers = motion_of_law(
-                    motion.osc, motion.r, motion.clearance, described(motion)[0], motion.pattern,
-                    walls_of(of_law, unit),
-                ).multipliers  # fmt: skip
-            impacts["speed"] += (unit * approach_speeds(motion)).tolist()
-            impacts["restitution"] += motion.restitution.tolist()
-            fitted_angles = motion.phases + motion.load_phase
-            turn = fitted_angles - phase - data.angles
-            fitted_angles = fitted_angles - 2 * math.pi * round(
-                float(np.median(turn)) / (2 * math.pi)
-            )
-            first = (fitted_angles[0] - phase) / step.Omega + middle + begin
-            own = Pattern(pattern.sides, pattern.cycles).symbols if pattern else []
-            impacts["number"] += [i + 1] * len(own)
-            impacts["side"] += own
-            impacts["picked"] += (data.angles + phase).tolist()
-            impacts["picked_error"] += data.angle_errors.tolist()
-            impacts["fitted"] += fitted_angles.tolist()
-        for name, value in {**fit_of, "multipliers": multipliers, "first": first}.items():
+        if found is not None and data is not None and pattern is not None:
+            motion, static = found.motions[i], found.lengths[i]
+            r, clearance = step.Omega / found.values["omega"], found.values["d"] / static
+            fit_of |= {"r": r, "clearance": clearance}
+            if data.shape.size:
+                multiples = data.shape[data.k - 1 :: data.k][1:LOAD_TONES]
+                harmonics[: multiples.size] = multiples
+            values = found.values if speed is None else {**found.values, "v0": speed}
+            fitted_angles = motion.angles + phase
+            multipliers = verified(
+                oscillator_of(values), r, clearance, fitted_angles, pattern,
+                walls_of(values, values["omega"] * static), harmonics,
+            ).multipliers  # fmt: skip
+            first = motion.angles[0] / step.Omega + middle + begin
+            impacts["number"] += [i + 1] * motion.angles.size
+            impacts["side"] += pattern.symbols
+            for name, of_impacts in {
+                "picked": data.angles + phase, "picked_error": data.angle_errors, "fitted": fitted_angles,
+                "speed": motion.speeds, "restitution": motion.restitution,
+            }.items():  # fmt: skip
+                impacts[name] += of_impacts.tolist()
+        for name, value in {
+            **fit_of,
+            "multipliers": multipliers,
+            "first": first,
+            "harmonics": harmonics,
+        }.items():
             records[name].append(value)
         picks["number"] += [i + 1] * step.times.size
         picks["time"] += step.times.tolist()
@@ -116,17 +115,6 @@ def tables_of(
                     "its scatter, so that the pattern or a known value may be wrong",
                 )
             )
-        if step.load is not None and found is not None:
-            tone = abs(step.load.values)
-            share = math.sqrt(float(np.sum(tone[2:] ** 2))) / float(tone[1])
-            if share > SHAPED:
-                notes.append(
-                    (
-                        False,
-                        f"{said_of}the load has harmonics of {100 * share:.2g} % of its fundamental: the "
-                        "impacts of the fitted motion ignore them, and the errors do not contain this",
-                    )
-                )
         if pattern is not None:
             notes.append(
                 (False, f"{said_of}{pattern.sides}/{pattern.cycles} at r = {records['r'][i]:.6g}")
@@ -138,6 +126,14 @@ def tables_of(
                     f"{said_of}{step.rhythm.status}: {step.times.size} impacts picked; no motion is fitted",
                 )
             )
+    if speed is not None:
+        notes.append(
+            (
+                False,
+                f"R1 and R2 hold at v0 = {speed:.6g} m/s; all errors assume that R goes as a power of the "
+                "speed, without a knee at the speeds of the impacts",
+            )
+        )
     if found is not None:
         columns = (parameters[key] for key in ("name", "value", "error", "state"))
         notes += [
@@ -199,8 +195,9 @@ def modelled(data: Measured, i: int, step: Step, record: SensorRecord, found: Fi
 
 
 def parameters_of(
-    steps: list[Step], found: Fit | None, scale: Mapping[str, float], shared: Mapping[str, float]
-) -> dict[str, list[Any]]:
+    steps: list[Step], found: Fit | None, scale: Mapping[str, float], shared: Mapping[str, float],
+    speed: float | None,
+) -> dict[str, list[Any]]:  # fmt: skip
     """The table of parameters: what is known, what was fitted, and what follows from both."""
     rows: list[tuple[str, float, float, str, str]] = []
     units = KNOWN | {"F0/K": "m", "v0": "m/s"}
@@ -273,14 +270,12 @@ def parameters_of(
                 value * share if math.isfinite(value) else math.inf,
                 "fitted" if math.isfinite(share) else "undetermined",
             )
-    if found is not None and found.speed is not None:
-        add("v0", found.speed, 0.0, "known")
+    if speed is not None:
+        add("v0", speed, 0.0, "known")
     for name in SHARED:
-        if name == "exponent" and (found is None or found.speed is None):
-            continue
         if name in shared:
             add(name, shared[name], 0.0, "known")
-        elif found is not None:
+        elif name in values:
             add(name, values[name], errors[name], states[name])
     if found is not None and F0 is None and "K" in scale:
         share = relative(("F0/K 0", 1.0))

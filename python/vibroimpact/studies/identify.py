@@ -12,15 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError
-from ..identification.known import LAWS, known_values
-from ..identification.motions import motion_of_law, walls_of
+from ..identification.known import LAWS, known_values, names_of
+from ..identification.motions import oscillator_of, verified, walls_of
 from ..identification.stages import fitted
 from ..identification.steps import of_record, of_times
 from ..identification.tables import said, tables_of
 from ..measured import SensorRecord
 from ..model import Oscillator, Pattern, of_numbers
 from ..motion import Motion
-from ..newton import exact
 from ..noun import Noun
 from ..restitution import Restitution
 from ..structure_branch import branch_structure
@@ -34,7 +33,6 @@ _Array = NDArray[np.float64]
 #: The keys of &identify for them.
 OF_KEYS = {
     "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
-    "law_exponent": "exponent",
 }  # fmt: skip
 
 
@@ -86,8 +84,8 @@ class Identification(Noun, study="identify"):
         Load amplitude (NaN if it is not known), clearance d, and d K/F0.
     pattern : Pattern or None
     motion : Motion, StructureMotion or None
-        The exact motion with these parameters, with its multipliers and verdicts; with a power law that of
-        ``oscillator.structure``, whose multipliers take the law into account.
+        The exact motion with these parameters, with its multipliers and verdicts; with a power law, or under
+        a load with harmonics, that of ``oscillator.structure``.
     impact_times : ndarray (impacts,)
         Times of all impacts that were picked in the record, s.
     impact_sides : ndarray (impacts,) of str
@@ -166,8 +164,7 @@ class Identification(Noun, study="identify"):
         }  # fmt: skip
         if not {"M", "K"} <= scale.keys():
             scale = {}
-        walls = (values["R1"], values["R2"])
-        return Oscillator(xi=values["xi"], mu=values["mu"], restitution=walls, **scale)
+        return oscillator_of(values, **scale)
 
     @property
     def restitution(self) -> tuple[Restitution, Restitution] | None:
@@ -248,10 +245,9 @@ class Identification(Noun, study="identify"):
             return None
         phases = self._of(record, "impacts", "fitted")
         r, clearance = self._one("r", record), self._one("clearance", record)
-        if "v0" in self.values:
-            unit = self.values["omega"] * self._one("static", record)
-            return motion_of_law(osc, r, clearance, phases, pattern, walls_of(self.values, unit))
-        return exact(osc, r, clearance, (phases - phases[0], pattern))
+        walls = walls_of(self.values, self.values["omega"] * self._one("static", record))
+        harmonics = self._result.column("records", "harmonics").values[record]
+        return verified(osc, r, clearance, phases, pattern, walls, harmonics)
 
     def _of(self, record: int, table: str, name: str) -> NDArray[Any]:
         """The rows of a table that belong to a record."""
@@ -363,6 +359,11 @@ class Identification(Noun, study="identify"):
         if "natural_frequency" in keys:
             known["omega"] = 2 * math.pi * keys["natural_frequency"]
         right, left = case.osc.restitution
+        if "law_exponent" in keys:
+            each = np.atleast_1d(keys["law_exponent"]).tolist()
+            known |= dict(
+                zip(("exponent",) if len(each) == 1 else LAWS["powers"], each, strict=True)
+            )
         start = {"xi": case.osc.xi, "mu": case.osc.mu, "R1": right, "R2": left}
         if case.osc.M is not None:
             F0 = case.osc.F0
@@ -457,13 +458,14 @@ def identify(
         Phase of the load at time 0 of the impact times (radians).
     known : mapping, optional
         What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
-        and the exponent of a power law.
+        and the exponent of a power law, or exponent1 and exponent2.
     start : Oscillator, optional
         What to start from where the records do not tell; xi = 0.01, mu = 0.05 and R = 0.7 by default.
-    law : {"constant", "power"}
+    law : {"constant", "power", "powers"}
         How the coefficients of restitution depend on the approach speed v: R1 and R2 are constants, or those at
-        the speed v0 of R1 (v/v0)^-exponent and R2 (v/v0)^-exponent. Impacts of different speeds tell the
-        exponent: in records at different loads, or in one period.
+        the speed v0 of R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, or with exponent1 on the right wall and
+        exponent2 on the left one. Impacts of different speeds tell an exponent: in records at different loads, or
+        in one period. This is a `PowerLaw` far above its knee, which is not fitted.
     law_speed : float, optional
         v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
 
@@ -553,14 +555,16 @@ def identified(
     if frequency is not None:
         frequency = positive(frequency, "frequency")
     scale, shared = known_values(known or {})
-    power = checks.choice(law, "law", LAWS) == "power"
+    law = checks.choice(law, "law", tuple(LAWS))
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
-    for name, given in (("law_speed", law_speed), ("known exponent", shared.get("exponent"))):
-        if given is not None and not power:
-            raise ParameterError(f"{name} = {given!r}: must come with law = 'power'")
-    for name in ("R1", "R2"):
-        if power and name in shared and law_speed is None:
+    if law_speed is not None and law == "constant":
+        raise ParameterError(f"law_speed = {law_speed!r}: must come with law = 'power' or 'powers'")
+    for name in shared:
+        if name not in names_of(law):
+            of = next(law for law, own in LAWS.items() if name in own)
+            raise ParameterError(f"known {name} = {shared[name]!r}: must come with law = {of!r}")
+        if name in ("R1", "R2") and law != "constant" and law_speed is None:
             raise ParameterError(
                 f"known {name} = {shared[name]!r}: must come with law_speed, at which it is known"
             )
@@ -579,7 +583,7 @@ def identified(
         steps = [
             of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
         ]
-    found = None
+    found, speed = None, None
     if all(step.rhythm.status == "periodic" for step in steps):
-        found = fitted(steps, scale, shared, guess, power, law_speed)
-    return Identification(tables_of(steps, found, scale, shared, case))
+        found, speed = fitted(steps, scale, shared, guess, law, law_speed)
+    return Identification(tables_of(steps, found, scale, shared, speed, case))
