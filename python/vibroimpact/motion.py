@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, fields
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -599,6 +599,7 @@ class Motions:
         a failed point are NaN.
     """
 
+    study: ClassVar[str] = "motion"
     osc: Oscillator
     r: NDArray[np.float64]
     clearance: NDArray[np.float64]

@@ -171,7 +171,7 @@ class Physical:
             # of a state, without what continues it bit for bit
             names = units_by_name("design") if self.result.study == "design" else UNITS
             return {key: self._converted(key, item) for key, item in value.items() if key in names}
-        if hasattr(value, "of_result"):
+        if hasattr(value, "study"):
             return Physical(value, self.units)
         if isinstance(value, Sample):
             return Sample(
@@ -222,6 +222,26 @@ class Physical:
     def plot(self, *args: Any, **options: Any) -> Any:
         """The picture of the result with physical axes; arguments as of its own `plot`."""
         return type(self.result).plot(self, *args, **options)
+
+    def animate(self, *args: Any, **options: Any) -> Any:
+        """The animation of the result in physical units; arguments as of its own `animate`."""
+        return type(self.result).animate(self, *args, **options)
+
+    def _animate(self, path: Any, cycles: float, seconds: float) -> Any:
+        """The animation, for `animate` of the class of the result."""
+        from .plot import animate
+
+        return animate(self.result, path, cycles, seconds, self.units)
+
+    def __bool__(self) -> bool:
+        return True  # most results have no length
+
+    def __len__(self) -> int:
+        return len(self.result)
+
+    def __getitem__(self, index: Any) -> Any:
+        """A part of the result, or a list of them for a slice."""
+        return self._converted("parts", self.result[index])
 
     def _draw(self, *options: Any) -> Any:
         """The picture, for `plot` of the class of the result."""

@@ -265,6 +265,56 @@ def test_datasets(every):
         draw_chart(found)
 
 
+def test_parts_of_results(every):
+    """Motions of a batch and of a branch, special points, and pieces of a boundary."""
+    pair = vi.periodic_batch(RIG, [0.95, 0.96], [[0, 0], [4.3, 4.4]], "RL")
+    p = vi.physical(pair, MM)
+    assert len(p) == 2
+    np.testing.assert_allclose(p.clearance, pair.clearance * 1000 * UNITS.length, rtol=1e-14)
+    np.testing.assert_allclose(p.X_dot_after, pair.X_dot_after * 1000 * UNITS.velocity, rtol=1e-14)
+    np.testing.assert_allclose(p.frequency, [0.95 * UNITS.frequency, 0.96 * UNITS.frequency])
+    np.testing.assert_array_equal(p.multipliers, pair.multipliers)
+    assert p[1].x_max == pytest.approx(pair[1].x_max * 1000 * UNITS.length, rel=1e-14)
+    assert [one.units.names for one in p[:]] == [MM, MM]
+    branch = every["Branch"]
+    point, own = branch.special_points[-1], branch.physical(MM).special_points[-1]
+    assert own.clearance == pytest.approx(point.clearance * 1000 * UNITS.length, rel=1e-14)
+    assert own.frequency == point.r * UNITS.frequency
+    assert own.motion.x_max == pytest.approx(point.motion.x_max * 1000 * UNITS.length, rel=1e-14)
+    assert (own.type, own.index, own.r) == (point.type, point.index, point.r)
+    assert branch.physical(MM)[3].A == pytest.approx(branch[3].A * 1000 * UNITS.length, rel=1e-14)
+    piece, own = every["Zone"].boundary[0], every["Zone"].physical(MM).boundary[0]
+    np.testing.assert_allclose(own.clearance, piece.clearance * 1000 * UNITS.length, rtol=1e-14)
+    np.testing.assert_allclose(own.frequency, piece.r * UNITS.frequency, rtol=1e-14)
+    # these are x_i/D
+    np.testing.assert_array_equal(own.x, piece.x)
+    assert len(own) == len(piece)
+
+
+def test_animations(every, tmp_path):
+    """The masses, the walls and the cursor in physical units, and a film."""
+    import matplotlib.pyplot as plt
+    from vibroimpact.plot.animation import _Scene
+    from vibroimpact.plot.history import history
+
+    motion, units = every["Motion"], UNITS.to(MM)
+    scenes = [
+        _Scene(motion, history(motion, 1, chosen), plt.subplots(2)[1]) for chosen in (None, units)
+    ]
+    for time in (0.0, 1.3, 4.0):
+        for scene in scenes:
+            scene.show(time)
+        plain, own = scenes
+        assert own.free.get_x() == pytest.approx(plain.free.get_x() * units.length, rel=1e-12)
+        assert own.cursor.get_xdata()[0] == pytest.approx(time * units.time, rel=1e-12)
+        assert own.text.get_text().startswith(f"t = {time * units.time:.4g} s   load ")
+    assert plain.flash == own.flash
+    plt.close("all")
+    for name in ("Motion", "Trajectory"):
+        film = every[name].physical(MM).animate(tmp_path / f"{name}.gif", seconds=0.2)
+        assert film.exists()
+
+
 def test_unknown_units_are_no_numbers(every):
     """What has no form in physical units is an error rather than a dimensionless number."""
     p = every["Motion"].physical()

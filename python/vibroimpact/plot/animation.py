@@ -22,6 +22,7 @@ from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
 if TYPE_CHECKING:
     from ..motion import Motion
     from ..trajectory import Trajectory
+    from ..units import Units
 
 __all__ = ["FORMATS", "animate"]
 
@@ -36,6 +37,7 @@ def animate(
     path: str | os.PathLike[str] | None = None,
     cycles: float = 3.0,
     seconds: float = 3.0,
+    units: Units | None = None,
 ) -> Any:
     """Animate the masses, and write the animation to a file.
 
@@ -48,6 +50,8 @@ def animate(
         Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
     seconds : float
         How long a load cycle lasts on the screen.
+    units : Units, optional
+        Physical units of the axes and numbers; without them they are dimensionless.
 
     Returns
     -------
@@ -55,7 +59,7 @@ def animate(
     """
     cycles, seconds = _positive(cycles, "cycles"), _positive(seconds, "seconds")
     target, writer = (None, "") if path is None else _writer(path)
-    h = history(thing, cycles)
+    h = history(thing, cycles, units)
     n = round((h.last - h.first) * thing.r / (2 * math.pi) * seconds * RATE)
     if not 2 <= n <= MOST:
         raise ParameterError(
@@ -186,7 +190,7 @@ class _Scene:
         from matplotlib.patches import Rectangle
 
         self.thing, self.h = thing, h
-        self.flash = FLASH * (h.last - h.first) / (h.cycles[-1] - h.cycles[0])
+        self.flash = FLASH * 2 * math.pi / thing.r
         ax, below = axes
         low, high = float(h.sample.X.min()), float(h.sample.X.max())
         span = high - low + 2 * h.half
@@ -211,7 +215,8 @@ class _Scene:
         ax.set_ylim(-0.02, 1.2)
         ax.set_yticks([])
         ax.spines["left"].set_visible(False)
-        ax.set_xlabel("position ($F_0/K$); the clearance is to scale", labelpad=1)
+        label = h.scales.label("position", "F0/K")
+        ax.set_xlabel(f"{label}; the clearance is to scale", labelpad=1)
         KINDS["history"](below, h)
         self.cursor = below.axvline(0, color="0.2", lw=0.8)
 
@@ -219,7 +224,7 @@ class _Scene:
         """Move all artists to their positions at a time."""
         thing, h = self.thing, self.h
         now = thing.sample(time)
-        x, z = float(now.X), float(now.Z)
+        x, z = (float(h.scales(value, "F0/K")) for value in (now.X, now.Z))
         self.floor.set_x(x - self.reach)
         self.free.set_x(z - 0.5 * self.width)
         state = glow(h.events, time, self.flash, h.resting)
@@ -231,12 +236,16 @@ class _Scene:
         zigzag = 0.13 + 0.08 * np.where(np.arange(19) % 2, 1, -1) * (np.abs(turns - 0.5) < 0.4)
         self.spring.set_data(self.anchor + turns * (x - self.reach - self.anchor), zigzag)
         cycle = (time - h.first) * thing.r / (2 * math.pi)
-        self.cursor.set_xdata([cycle, cycle])
+        units = h.scales.units
+        at = cycle if units is None else h.scales(time - h.first, "1/omega")
+        self.cursor.set_xdata([at, at])
         phase = (h.phase + 2 * math.pi * cycle) % (2 * math.pi)
-        self.text.set_text(
-            rf"$\omega t$ = {time:.2f}   load {float(now.load):+.2f} $F_0$, "
-            rf"phase {phase / math.pi:.2f} $\pi$"
-        )
+        shown = (
+            rf"$\omega t$ = {time:.2f}   load {float(now.load):+.2f} $F_0$" if units is None
+            else f"t = {h.scales(time, '1/omega'):.4g} {h.scales.unit('1/omega')}   "
+            f"load {h.scales(float(now.load), 'F0'):+.3g} {h.scales.unit('F0')}"
+        )  # fmt: skip
+        self.text.set_text(rf"{shown}, phase {phase / math.pi:.2f} $\pi$")
         return [self.floor, *self.walls, self.free, self.spring, self.cursor, self.text]
 
 

@@ -324,7 +324,7 @@ def atlas(
     ----------
     osc : Oscillator
     r, clearance : (float, float)
-        The window.
+        The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
     max_impacts, max_cycles : int
         Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol.
     survey : int

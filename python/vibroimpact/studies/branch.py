@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,7 @@ class SpecialPoint:
         In words: which flight touches which wall, which impact, which bound.
     """
 
+    study: ClassVar[str] = "branch"
     type: str
     index: int
     r: float

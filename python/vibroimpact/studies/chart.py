@@ -185,7 +185,8 @@ def chart(
     pattern : Pattern or str
         Without rest.
     r, clearance : array_like
-        Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether.
+        Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether; d is the whole
+        travel of m between the walls.
     symmetric : bool, optional
         True: only motions that are their own mirror image half a period later (of RL these are the
         equispaced ones); False: only the others; None: both.

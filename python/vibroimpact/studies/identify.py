@@ -81,7 +81,7 @@ class Identification(Noun, study="identify"):
     r, frequency : float
         Frequency ratio, and load frequency in Hz.
     F0, d, clearance : float
-        Load amplitude (NaN if it is not known), clearance d, and d K/F0.
+        Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0.
     pattern : Pattern or None
     motion : Motion, StructureMotion or None
         The exact motion with these parameters, with its multipliers and verdicts; with a power law, or under

@@ -189,8 +189,8 @@ def uncertainty(
         With the nominal values.
     pattern : Pattern or str
     r, clearance : array_like
-        Increasing nominal frequency ratios and clearances d K/F0. Bands need two of each or more: the outermost
-        ones are the window of the nominal zone.
+        Increasing nominal frequency ratios and clearances d K/F0; d is the whole travel of m between the walls.
+        Bands need two of each or more: the outermost ones are the window of the nominal zone.
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
         load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
@@ -349,7 +349,8 @@ def limit_probability(
     osc : Oscillator
         With the nominal values.
     r, clearance : array_like
-        Nominal values of the points, broadcast against each other.
+        Nominal frequency ratios and clearances d K/F0 (d is the whole travel of m) of the points, broadcast
+        against each other.
     uncertain : dict
         As of `uncertainty`.
     limit : dict

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -56,6 +56,7 @@ class Piece:
         Whether it bounds motions that are their own mirror image.
     """
 
+    study: ClassVar[str] = "zone"
     type: str
     r: _Array
     clearance: _Array
@@ -430,7 +431,7 @@ def zone(
     pattern : Pattern or str
         At most 24 impacts.
     r, clearance : (float, float)
-        The window: lowest and highest frequency ratio and d K/F0.
+        The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
     symmetric : bool, optional
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).
