@@ -126,8 +126,14 @@ contains
       scale = maxval(abs(omega_squared))
       where (abs(omega_squared) <= zero_frequency*scale) omega_squared = 0
       coupling = 0
-      if (any(abs(damping(at, at)) > 0)) coupling = matmul(transpose(shapes), &
-         matmul(damping(at, at), shapes))
+      if (any(abs(damping(at, at)) > 0)) then
+         coupling = matmul(transpose(shapes), matmul(damping(at, at), shapes))
+         call decouple_free(omega_squared, shapes, coupling, info)
+         if (info /= 0) then
+            status = stat%lapack_failed
+            return
+         end if
+      end if
       do i = 1, m
          if (coupling(i, i) < -no_coupling*max(sqrt(scale), maxval(abs(coupling)))) then
             status = stat%negative_stiffness
@@ -156,6 +162,43 @@ contains
       end if
    end subroutine decouple_body
 
+   !> Takes combinations of the modes of frequency 0 that damping does not couple: without stiffness
+   !! any combination is a mode, and those that damping couples could have a defective eigenvalue 0.
+   pure subroutine decouple_free(omega_squared, shapes, coupling, info)
+      !> (m) omega^2 of the modes.
+      real(wp), intent(in) :: omega_squared(:)
+      !> (m, m) In and out: the modes, and C between them.
+      real(wp), intent(inout) :: shapes(:, :), coupling(:, :)
+      !> That of LAPACK: 0 if all is well.
+      integer, intent(out) :: info
+      real(wp), allocatable :: turn(:, :), unit(:, :), drag(:), work(:), columns(:, :)
+      integer, allocatable :: free(:)
+      integer :: i, n
+
+      free = pack([(i, i=1, size(omega_squared))], .not. abs(omega_squared) > 0)
+      n = size(free)
+      info = 0
+      if (n < 2) return
+      allocate (turn, source=coupling(free, free))
+      allocate (unit(n, n), source=0.0_wp)
+      allocate (drag(n), work(66*n))
+      do i = 1, n
+         unit(i, i) = 1
+      end do
+      call dsygv(1, 'V', 'U', n, turn, n, unit, n, drag, work, size(work), info)
+      if (info /= 0) return
+      columns = shapes(:, free)
+      shapes(:, free) = matmul(columns, turn)
+      columns = coupling(:, free)
+      columns = matmul(columns, turn)
+      coupling(:, free) = columns
+      coupling(free, :) = transpose(columns)
+      coupling(free, free) = 0
+      do i = 1, n
+         coupling(free(i), free(i)) = drag(i)
+      end do
+   end subroutine decouple_free
+
    !> The pairs of a body whose modes are coupled by damping.
    pure subroutine decouple_damping(at, mass, shapes, omega_squared, coupling, decoupled, status)
       !> (m) Coordinates of the body.
@@ -169,9 +212,10 @@ contains
       real(wp), allocatable, dimension(:, :) :: a, matrix, vectors, back, factor
       real(wp), allocatable :: re(:), im(:), work(:), speeds(:), omega2(:), sigma(:), plane(:, :)
       real(wp) :: unused(1, 1), to_pairs(size(at), size(at))
-      integer, allocatable :: rigid(:), others(:), pivot(:), reals(:), list(:)
+      integer, allocatable :: rigid(:), others(:), pivot(:), reals(:), list(:), free(:)
       integer :: i, j, k, m, n, info
       logical :: coincide
+      logical, allocatable :: zero(:)
 
       m = size(at)
       ! an undamped mode of frequency 0 would have a defective eigenvalue: it is a pair already
@@ -201,7 +245,10 @@ contains
       where (.not. speeds > 0) speeds = 1
       a = 0
       k = 1
-      list = pack([(i, i=1, 2*n)], .not. im < 0)
+      ! the columns of the modes of frequency 0 are 0, and so are as many eigenvalues, exactly
+      free = pack([(i, i=1, n)], .not. omega_squared(others) > 0)
+      zero = .not. hypot(re, im) > 0
+      list = pack([(i, i=1, 2*n)], .not. (im < 0 .or. zero))
       allocate (reals(0))
       do while (size(list) > 0)
          i = list(1)
@@ -236,6 +283,21 @@ contains
          a(:, [k, n + k]) = plane
          k = k + 1
       end do
+      ! each 0 is paired with the real eigenvalue of a drag on modes of frequency 0: any combination
+      ! of these is at rest, also that which the drag slows down
+      do m = 1, min(count(zero), size(reals))
+         j = reals(maxloc(norm2(vectors(free, reals), 1)/norm2(vectors(:n, reals), 1), 1))
+         reals = pack(reals, reals /= j)
+         omega2(k) = 0
+         sigma(k) = -0.5_wp*re(j)
+         a(free, k) = vectors(free, j)
+         a(:, n + k) = (vectors(:, j) - a(:, k))/re(j)
+         k = k + 1
+      end do
+      if (k + size(reals)/2 /= n + 1) then
+         status = stat%defective
+         return
+      end if
       ! the other real eigenvalues are paired: the slowest with the fastest
       do while (size(reals) > 0)
          i = reals(minloc(abs(re(reals)), 1))
@@ -244,7 +306,6 @@ contains
          reals = pack(reals, reals /= j)
          omega2(k) = re(i)*re(j)
          sigma(k) = -0.5_wp*(re(i) + re(j))
-         if (abs(re(i)) <= 16*n*epsilon(1.0_wp)*maxval(hypot(re, im))) omega2(k) = 0
          ! their difference is small only if they nearly coincide
          if (dot_product(vectors(:, i), vectors(:, j)) < 0) vectors(:, j) = -vectors(:, j)
          a(:, k) = (re(i)*vectors(:, j) - re(j)*vectors(:, i))/(re(i) - re(j))

@@ -70,6 +70,23 @@ def test_through_critical_damping(seed):
             assert (apart <= 1e-12 * np.maximum(np.abs(state), np.abs(exact)).max(1)).all()
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_dashpots_between_free_bodies(seed):
+    """Several modes of frequency 0 keep their digits, whether dashpots join them or not."""
+    rng = np.random.default_rng(seed)
+    n = 2 + seed % 3
+    for stiff in range(n):
+        for damped in range(1, n + 1):
+            root = rng.normal(size=(n, n))
+            mass = root @ root.T + np.eye(n)
+            springs, dashpots = rng.normal(size=(n, stiff)), rng.normal(size=(n, damped))
+            damping = 10 ** rng.uniform(-3, 0) * dashpots @ dashpots.T
+            body = mass, damping, springs @ springs.T
+            state = rng.normal(size=(2, n))
+            exact = exponential(*body, state, 7.0)
+            assert np.abs(flown(*body, state, 7.0) - exact).max() <= 1e-12 * np.abs(exact).max()
+
+
 def coinciding(ratio, sigma):
     """A body of two unit masses with a double pair of complex eigenvalues, of frequency 1."""
     stiffness = np.diag([ratio, 1 / ratio])
