@@ -616,12 +616,15 @@ contains
    pure subroutine set_tables(regime)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
+      !> Of the longest step and the shortest time scale: the shortest step is then a 64th of it.
+      real(wp), parameter :: largest_ratio = 2.0_wp**(levels - 7)
       real(wp) :: speeds(2*size(regime%modes%stiffness) + 1), longest
       integer :: h, j
 
       speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, regime%frequency]
       longest = 1
-      if (any(speeds > 0)) longest = 4/minval(speeds, speeds > 0)
+      if (any(speeds > 0)) longest = min(4/minval(speeds, speeds > 0), &
+         largest_ratio/maxval(speeds))
       call new_steps(regime%modes, longest, regime%steps)
       allocate (regime%turns(size(regime%ripple, 2), levels))
       if (allocated(regime%to_force)) then

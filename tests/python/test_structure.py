@@ -417,6 +417,35 @@ def test_damping_proportional_to_stiffness_of_a_free_chain():
     np.testing.assert_allclose(mass @ run.states[:, 1].T, 0, atol=1e-11)
 
 
+@pytest.mark.parametrize("tiny", [1e-8, 1e-12, 1e-16, 1e-24, 1e-100])
+@pytest.mark.parametrize("of", ["damping", "stiffness"])
+def test_rates_that_differ_by_many_orders(tiny, of):
+    """A damping or a stiffness far below all others changes no event, and makes none of its own."""
+    matrices = {"damping": [0.02, 0.0, 0.0], "stiffness": [1.0, 3.0, 0.0]}
+
+    def events(**changed):
+        gaps = [vi.Gap([-1, 0, 1], 0.5, 0.8), vi.Gap([1, 0, -1], 0.5, 0.8), vi.Gap([0, 1, 0], 10.0)]
+        s = vi.Structure([1, 1, 0.1], **(matrices | changed), gaps=gaps)
+        return vi.simulate(s, duration=15, state=([1, 1, 1], [0, 0.5, 0])).events
+
+    plain = events()
+    assert len(plain) > 5
+    assert (plain["gap"] < 2).all()
+    place = {"damping": 1, "stiffness": 2}[of]
+    other = events(**{of: [tiny if i == place else x for i, x in enumerate(matrices[of])]})
+    assert other["gap"].tolist() == plain["gap"].tolist()
+    np.testing.assert_allclose(other["time"], plain["time"], rtol=1e-11 + 1e3 * tiny)
+
+
+def test_a_dashpot_between_the_ends_of_a_free_chain():
+    """Rounding gives the mode in which the ends move alike a damping far below all others."""
+    stiffness = [[1, -1, 0], [-1, 2, -1], [0, -1, 1]]
+    damping = 0.1 * np.array([[1, 0, -1], [0, 0, 0], [-1, 0, 1]])
+    for direction in ([1, 0, 0], [0, 1, 0], [0, 0, 1], [1, -1, 0], [1, 0, -1]):
+        s = vi.Structure([1, 1, 1], damping, stiffness, [vi.Gap(direction, 10)])
+        assert len(vi.simulate(s, duration=20, state=([1, 1, 0.9], [0, 0, 0.3])).events) == 0
+
+
 def test_samples_after_many_cycles():
     """With a period of 4, whole periods are exact: late samples are those of the first cycles."""
     gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
