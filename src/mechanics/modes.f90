@@ -357,8 +357,11 @@ contains
       complex(wp), intent(in) :: drift, force
       !> Complex amplitudes of x and v; 0 at a resonance.
       complex(wp), intent(out) :: x, v
-      !> Whether there is no steady response, because an undamped mode resonates.
+      !> Whether an undamped mode resonates: then there is no steady response. Near a resonance it
+      !! is so large that its difference from free vibration has lost digits.
       logical, intent(out) :: resonant
+      !> Half of the least distance from a resonance, of which the digits lost are the inverse.
+      real(wp), parameter :: nearest = 1.0e-9_wp
       complex(wp) :: divisor, turn
 
       x = 0
@@ -367,7 +370,7 @@ contains
       divisor = cmplx(stiffness - frequency**2, 2*damping*frequency, wp)
       resonant = .false.
       if (.not. abs(drift) + abs(force) > 0) return
-      resonant = .not. abs(divisor) > 4*epsilon(1.0_wp)*(stiffness + frequency**2)
+      resonant = .not. abs(divisor) > nearest*(stiffness + frequency**2)
       if (resonant) return
       x = ((turn + 2*damping)*drift + force)/divisor
       v = (turn*force - stiffness*drift)/divisor

@@ -270,7 +270,7 @@ contains
       !> The motion.
       type(regime_type), intent(out) :: regime
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates;
-      !! `stat%extreme_units`.
+      !! `stat%dependent_rests`; `stat%extreme_units`.
       integer, intent(out) :: status
       !> Whether contacts will be searched in it and its coordinates evaluated, which takes tables;
       !! true if it is left out.
@@ -283,6 +283,7 @@ contains
       regime%resting = resting
       regime%frequency = load%frequency
       call constraint(structure, resting, basis, inverse, regime%offset, status)
+      if (status == stat%singular) status = stat%dependent_rests
       if (status /= stat%ok) return
       call decouple(between(structure%mass), between(structure%damping), &
          between(structure%stiffness), parts, status)
@@ -504,7 +505,7 @@ contains
       type(regime_type), intent(inout) :: regime
       !> The harmonic, from 1.
       integer, intent(in) :: h
-      !> `stat%ok`, or `stat%resonance` where an undamped mode resonates.
+      !> `stat%ok`, `stat%resonance` where an undamped mode resonates, or `stat%extreme_units`.
       integer, intent(out) :: status
       complex(wp), dimension(size(regime%modes%stiffness)) :: x, v
       logical :: resonant(size(x))
@@ -512,6 +513,7 @@ contains
       call steady_response(regime%modes%stiffness, regime%modes%damping, h*regime%frequency, &
          regime%wave_drift(:, h), regime%wave_force(:, h), x, v, resonant)
       status = merge(stat%resonance, stat%ok, any(resonant))
+      if (is_extreme(h*regime%frequency)) status = stat%extreme_units
       regime%steady(:, h) = cmplx(matmul(regime%qx, x%re) + matmul(regime%qv, v%re), &
          matmul(regime%qx, x%im) + matmul(regime%qv, v%im), wp)
       regime%steady_rate(:, h) = regime%steady(:, h)*cmplx(0.0_wp, h*regime%frequency, wp)

@@ -74,6 +74,8 @@ module vi_status
       !> Newton's method leads from a motion to one of a shorter period, or to one that is its own
       !! mirror image.
       integer :: shorter_period = 31, symmetric = 32
+      !> The directions of gaps that are at rest together depend on each other.
+      integer :: dependent_rests = 33
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -137,7 +139,8 @@ contains
          text = 'damping makes two modes of the structure nearly coincide, so that digits are &
             &lost; change a damping coefficient by a millionth of its size'
       case (stat%resonance)
-         text = 'a mode without damping resonates with the load'
+         text = 'a mode without damping resonates with the load, or so nearly that digits are &
+            &lost'
       case (stat%coupled_impacts)
          text = 'two coupled gaps close at one instant, and the impact law does not say what &
             &follows'
@@ -173,6 +176,9 @@ contains
       case (stat%symmetric)
          text = 'the iteration leads to a motion that is its own mirror image: the guess is too &
             &far away, or beyond the pitchfork where motions like it end'
+      case (stat%dependent_rests)
+         text = 'gaps are closed together whose directions depend on each other, as on both sides &
+            &of a slot without play: their forces are not determined'
       case default
          text = 'unknown status code'
       end select

@@ -564,7 +564,7 @@ contains
       integer, intent(in) :: gaps(:)
       !> (n) In and out: velocities.
       real(wp), intent(inout) :: rate(:)
-      !> `stat%ok` or `stat%singular`.
+      !> `stat%ok` or `stat%dependent_rests`.
       integer, intent(out) :: status
       real(wp), dimension(size(rate), size(gaps)) :: directions, kicks
       real(wp) :: gram(size(gaps), size(gaps)), impulses(size(gaps)), ratio
@@ -577,7 +577,7 @@ contains
       impulses = matmul(rate, directions)
       status = stat%ok
       do k = 1, size(gaps)
-         if (.not. gram(k, k) > 0) status = stat%singular
+         if (.not. gram(k, k) > 0) status = stat%dependent_rests
          if (status /= stat%ok) return
          do i = k + 1, size(gaps)
             ratio = gram(i, k)/gram(k, k)

@@ -302,7 +302,8 @@ contains
          stat%defective, stat%resonance, stat%coupled_impacts, stat%gap_closed, &
          stat%no_impacts, stat%no_period, stat%extreme_units, &
          stat%not_stable, stat%fold, stat%graze, stat%not_exact, stat%coincident, &
-         stat%not_smooth, stat%no_extremum, stat%shorter_period, stat%symmetric]
+         stat%not_smooth, stat%no_extremum, stat%shorter_period, stat%symmetric, &
+         stat%dependent_rests]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

@@ -336,10 +336,39 @@ def test_uncoupled_impacts_at_one_instant_are_done():
     assert run.final_state[1].tolist() == [-0.5, -0.25]
 
 
-def test_resonance_without_damping_is_named():
+@pytest.mark.parametrize("apart", [0, 1e-15, -1e-13, 1e-10])
+def test_resonance_without_damping_is_named(apart):
     s = vi.Structure([1.0], [0.0], [4.0], [])
     with pytest.raises(vi.SingularError, match="resonates"):
-        vi.simulate(s, vi.Load(2.0, sine=[1.0]), cycles=1)
+        vi.simulate(s, vi.Load(2.0 * (1 + apart), sine=[1.0]), cycles=1)
+
+
+@pytest.mark.parametrize("apart", [1e-2, 1e-5, 3e-9])
+def test_near_a_resonance_without_damping_digits_are_kept(apart):
+    omega = 1 + apart
+    run = vi.simulate(
+        vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 9.0)]),
+        vi.Load(omega, sine=[1.0]),
+        cycles=2,
+    )
+    t = np.linspace(0, 12, 50)
+    # (sin omega t - omega sin t)/(1 - omega^2) with both differences of sines as products
+    half = apart / 2
+    exact = (np.sin(t) - 2 * np.cos((1 + half) * t) * np.sin(half * t) / apart) / (2 + apart)
+    np.testing.assert_allclose(run.sample(t)[0][0], exact, atol=1e-14 + 4e-16 / apart)
+
+
+def test_a_slot_without_play_is_named():
+    gaps = [vi.Gap([-1, 1], 0.0, 0.8), vi.Gap([1, -1], 0.0, 0.8)]
+    with pytest.raises(vi.SingularError, match="a slot without play"):
+        vi.simulate(
+            vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps), vi.Load(1.04, sine=[0.1, 0]), cycles=2
+        )
+
+
+def test_a_frequency_beyond_all_units_is_named():
+    with pytest.raises(vi.SingularError, match="choose other units"):
+        vi.simulate(vi.Structure([1.0], [0.0], [1.0], []), vi.Load(1e300, sine=[1.0]), duration=1)
 
 
 @pytest.mark.parametrize(("words", "message"), [
