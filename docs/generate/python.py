@@ -27,7 +27,7 @@ SUBJECTS = {
 #: Functions of modules that need an extra, which are documented without it.
 OF_EXTRAS = {
     "Functions for JAX (extra `jax`)": ("jax.motion", "jax.response", "jax.final_state"),
-    "The interactive page (extra `explorer`)": ("explorer.explore",),
+    "The interactive page (extra `explorer`)": ("explorer.server.explore",),
 }
 EXTRA = {
     "What all results can do": ("noun.Savable",),

@@ -75,7 +75,7 @@ def swept_sine(
 ) -> _Array:
     """The samples of a sine whose frequency is swept, for `Record` or `base_record`.
 
-    The phase is the integral of the frequency, from 0. For a stepped sine, which waits at each frequency until the
+    The phase is the integral of the frequency, from 0. For a stepped sine, which stays at each frequency until the
     response has settled, `bifurcation_diagram` along r sweeps up and down.
 
     Parameters

@@ -288,7 +288,7 @@ class Oscillator:
         self, f: float, *, displacement: float | None = None, velocity: float | None = None,
         acceleration: float | None = None,
     ) -> float:  # fmt: skip
-        """The load amplitude F0 that acts as a harmonic motion of the base.
+        """The load amplitude F0 that is equivalent to a harmonic motion of the base.
 
         A base that moves by y = Y sin(Omega t) exerts K y + C y' through spring and dashpot, a force of amplitude
         Y |K + i Omega C|. Positions stay absolute, and the free mass slides in its slot without

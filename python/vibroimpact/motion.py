@@ -224,7 +224,7 @@ class Motion(Savable, study="motion"):
 
         Examples
         --------
-        What the load puts in, dashpot and impacts take:
+        Dashpot and impacts dissipate the work of the load:
 
         >>> import vibroimpact as vi
         >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

@@ -201,7 +201,8 @@ class StructureMotion(Savable, study="motion_structure"):
             'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its mirror
             image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth function
             that gives (Structure, Load), and the value of its argument at the motion; the function is called
-            within 5 % of it (within 0.05 of 0). By default frequency, load, and all openings and restitutions.
+            within 5 % of it (within 0.05 of 0). By default frequency, load, and all openings and coefficients of
+            restitution.
 
         Returns
         -------

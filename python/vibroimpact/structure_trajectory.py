@@ -176,7 +176,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         parameters : sequence, optional
             Names or tuples as in `StructureMotion.gradient`, and of the start: 'start' (its time, the state being
             fixed), 'q_I' and 'q_dot_I'. Of a record 'load' is a factor. By default those of the start, frequency,
-            load, and all openings and restitutions.
+            load, and all openings and coefficients of restitution.
 
         Returns
         -------

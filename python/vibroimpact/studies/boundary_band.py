@@ -115,7 +115,7 @@ def boundary_bands(
 ) -> list[BoundaryBand]:
     """The bands in which the boundary of a zone lies where parameters are uncertain.
 
-    At each vertex one condition is zero: a multiplier on the unit circle, a graze, a vanishing approach speed. The
+    At each vertex one condition holds: a multiplier on the unit circle, a graze, a vanishing approach speed. The
     unknowns of the motion are eliminated from the equations of the motion and this condition; what remains
     gives the displacement along the normal to first order. For every sample the displaced boundary is also found
     on the normal by Newton's method. Both have the same samples, so that they differ only by what first order

@@ -434,8 +434,8 @@ def identify(
     The load gives frequency, phase and amplitude. Impacts are picked as spikes in a band above load, motion and
     ringing, and refined below the sample by the harmonics of the motion, with a mode that rings after them. Their
     phases repeat as a pattern of N impacts in k load cycles, or do not. The linear equations of 1983 with these
-    phases give a motion from which exact motions are fitted to all harmonics, weighted by their errors, which the
-    noise beside each harmonic tells.
+    phases give a first motion. From it, exact motions are fitted to all harmonics, weighted by errors that are
+    estimated from the noise beside each harmonic.
 
     Parameters
     ----------
@@ -460,12 +460,12 @@ def identify(
         What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
         and the exponent of a power law, or exponent1 and exponent2.
     start : Oscillator, optional
-        What to start from where the records do not tell; xi = 0.01, mu = 0.05 and R = 0.7 by default.
+        Where the fit starts, for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
     law : {"constant", "power", "powers"}
         How the coefficients of restitution depend on the approach speed v: R1 and R2 are constants, or those at
         the speed v0 of R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, or with exponent1 on the right wall and
-        exponent2 on the left one. Impacts of different speeds tell an exponent: in records at different loads, or
-        in one period. This is a `PowerLaw` far above its knee, which is not fitted.
+        exponent2 on the left one. Impacts of different speeds determine an exponent: in records at different loads,
+        or in one period. This is a `PowerLaw` far above its knee, which is not fitted.
     law_speed : float, optional
         v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
 

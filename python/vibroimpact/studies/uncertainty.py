@@ -178,7 +178,7 @@ def uncertainty(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Uncertainty:
-    """How probable it is that motions of a pattern are stable where parameters are uncertain.
+    """The probability that motions of a pattern are stable where parameters are uncertain.
 
     The samples are a Latin hypercube, so that the standard error is at most that of independent samples. Each
     gives a chart of the pattern, or its zone if the pattern has rest.
@@ -194,8 +194,8 @@ def uncertainty(
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
         load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
-        of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are refused: the
-        clearances of a map differ by more than they could. Each is a pair (low, high) between which all
+        of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are refused: one
+        deviation would not suit all clearances of a map. Each is a pair (low, high) between which all
         values are equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
     symmetric : bool, optional
         As of `zone` and `chart`.
@@ -338,7 +338,7 @@ def limit_probability(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> LimitProbability:
-    """The probability that a system with uncertain parameters keeps within limits.
+    """The probability that a system with uncertain parameters stays within limits.
 
     Each sample is an independent system, simulated from random initial states until it settles. With one start a
     sample chooses its attractor as a random disturbance would; with more, all attractors that they reach must be
