@@ -257,7 +257,8 @@ def carried(system: System, run: StructureTrajectory, start: _Array) -> Carried:
     """The motion from a start, complex in its small changes; its real part is that of a trajectory."""
     n, events, pace = system.n, run.events, system.pace
     clocks = np.append(events["time"], run.end) * pace.real
-    sizes = np.repeat([np.abs(run.states[:, j]).max(initial=1e-300) for j in (0, 1)], n)
+    states = np.concatenate([run.states, [run.first_state, run.final_state]])
+    sizes = np.repeat([np.abs(states[:, j]).max(initial=1e-300) for j in (0, 1)], n)
     found = Carried(
         np.zeros((len(events), 2 * n + 3), complex),
         np.zeros((len(events), 2 * n + 3, 2 * n), complex),
