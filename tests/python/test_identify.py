@@ -163,7 +163,7 @@ def test_a_power_law_holds_where_constants_fail():
 
 
 def test_a_knee_is_said_not_to_be_fitted():
-    """At a knee a power law fits one record; its coefficients at the impacts are right, and a note names the rest."""
+    """At a knee a power law fits one record; its coefficients at the impacts are right, a note names the rest."""
     walls = tuple(vi.PowerLaw(R, speed=0.3, exponent=0.2) for R in (0.9, 0.8))
     record = records_at_loads(walls, 1)[0]
     found = vi.identify(record, known=KNOWN, law="power")
@@ -332,7 +332,12 @@ def test_other_records_have_a_status(clearance, status):
     found = vi.identify(vi.VirtualRig(**BENCH | {"d": clearance}).record(seed=1), known=KNOWN)
     assert found.status == status
     assert (found.oscillator, found.motion, found.pattern) == (None, None, None)
-    assert found.errors == {}
+    assert list(found.errors) == ["F0"]
+    assert abs(found.F0 - 6) < 4 * found.errors["F0"]
+    assert found.frequency == pytest.approx(19.5, rel=1e-5)
+    assert (found.impact_times.size == 0) == (status == "no impacts")
+    assert found.impact_times.size == found.impact_sides.size
+    assert any("no motion is fitted" in text for _, text in found._result.notes)
 
 
 def test_drifting_restitution_is_an_average():
@@ -379,6 +384,14 @@ def short(channels):
         channels[name] = values[:2000]
 
 
+def stick(channels):
+    channels["acceleration"][9000:9100] = 0.0
+
+
+def turn(channels):
+    channels["acceleration"] *= -1
+
+
 def flat(channels):
     channels["load"][:] = 3.0
 
@@ -393,12 +406,80 @@ def flat(channels):
         (in_kilonewtons, "must agree; .* factor of "),
         (short, r"0\.195.* s with 3\.8 load cycles .*must be at least 8 load cycles"),
         (flat, "load = 3 in all samples: must vary"),
+        (stick, r"acceleration\[9000\] = 0 in 100 samples: must vary; samples are missing"),
+        (turn, "must have the same positive direction"),
     ],
 )
 def test_faults_of_records_are_named(change, message):
     """Clipped signals, missing samples, channels in the wrong order, wrong units, short and constant records."""
     with pytest.raises(vi.ParameterError, match=message):
         vi.identify(faulty(change), known=KNOWN)
+
+
+@pytest.mark.parametrize(
+    ("known", "message"),
+    [
+        (
+            KNOWN | {"R1": 0.3},
+            "no exact motion RLL/1 near the picked impacts: .*what is known, .* may be wrong",
+        ),
+        (KNOWN | {"d": 0.012}, "no exact motion RLL/1 near the picked impacts: "),
+    ],
+)
+def test_what_is_known_wrongly_is_no_result(known, message):
+    """With wrong values that are said to be known there is no fit."""
+    with pytest.raises(vi.SingularError, match=message):
+        vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=known)
+
+
+def test_a_bandwidth_above_half_the_rate_is_an_error():
+    """What the sensors pass above half the rate is folded onto the harmonics."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    every = vi.SensorRecord(
+        record.rate / 8,
+        load=record.load[::8],
+        acceleration=record.acceleration[::8],
+        bandwidth=2000,
+    )
+    with pytest.raises(
+        vi.ParameterError, match="rate = 1280: must be more than twice the bandwidth"
+    ):
+        vi.identify(every, known=KNOWN)
+
+
+def test_impacts_below_the_band_of_ringing_are_found():
+    """With sensors that hardly pass more than the ringing there are no spikes, but harmonics."""
+    rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=600.0)
+    found = vi.identify(rig.record(seed=1), known=KNOWN)
+    assert found.pattern == vi.Pattern("RLL")
+    assert found.impact_times.size == pytest.approx(3 * 3.0 * 19.5, abs=2)
+    for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+def test_too_small_a_bandwidth_is_said():
+    """Where the harmonics that the sensors pass cannot tell ringing from impacts, this is the error."""
+    rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=500.0)
+    with pytest.raises(
+        vi.SingularError, match="the bandwidth or the sampling rate may be too small"
+    ):
+        vi.identify(rig.record(seed=1), known=KNOWN)
+
+
+def test_what_the_errors_do_not_contain_is_said():
+    """Samples that were dropped, and coefficients that drift, leave a note."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    channels = {name: np.delete(values, 9000) for name, values in record.channels.items()}
+    dropped = vi.SensorRecord(record.rate, bandwidth=2000, **channels)
+    drifting = vi.VirtualRig(**BENCH, drift=0.09).record(seed=1)
+    for item, text in (
+        (dropped, "samples are missing or"),
+        (drifting, "the rig changed"),
+        (record, ""),
+    ):
+        notes = [note for _, note in vi.identify(item, known=KNOWN)._result.notes]
+        said = [note for note in notes if "load phase off" in note or "misfit" in note]
+        assert any(text in note for note in said) if text else said == []
 
 
 @pytest.mark.parametrize(

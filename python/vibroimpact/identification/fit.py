@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import SingularError
 from .harmonics import Measured
 from .impacts import resonance
-from .known import EXPONENTS, SHARED, names_of
+from .known import EXPONENTS, HINT, SHARED, names_of
 from .least_squares import MOST_ITERATIONS, levenberg
 from .motions import PARAMETERS, Impacting, System, exponents
 
@@ -178,10 +178,7 @@ def fit(
         try:
             guesses.append(systems[i].motion(p, begin.angles, begin.jumps))
         except SingularError as error:
-            raise SingularError(
-                f"{nothing}: {error}; the picked pattern or what is known may be wrong, or the record is "
-                "not quite periodic"
-            ) from None
+            raise SingularError(f"{nothing}: {error}; {HINT}") from None
         if abs(guesses[i].angles - data.angles).max() > 2 * math.pi * NEAR:
             raise SingularError(f"{nothing}: Newton's method goes to another one")
     # first by few harmonics, since the high ones turn fast with the times of impacts
@@ -194,7 +191,7 @@ def fit(
     if not converged and not rough:
         raise SingularError(
             f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted "
-            f"residuals add up to {float(f @ f):.3g}"
+            f"residuals add up to {float(f @ f):.3g}; {HINT}"
         )
     found = finished(sizes, x, f, J, names, place, shared(x), guesses, scales, ringing)
     for i, data in enumerate(records):

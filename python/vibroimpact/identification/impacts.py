@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import ParameterError, SingularError
 from .harmonics import Measured
+from .known import HINT
 from .least_squares import levenberg
 
 _Array = NDArray[np.float64]
@@ -20,6 +21,8 @@ _Complex = NDArray[np.complex128]
 #: a load cycle.
 GOOD, WEAK = 4.0, 0.02
 LEAST_GAIN, LEAST_SHARE = 40.0, 0.15
+#: Misfit above which impulses explain nothing.
+HOPELESS = 1000.0
 #: Relative error of the acceleration of a free mass for that of one on a spring, times w/omega.
 BOUND = 0.05
 MOST_IMPACTS = 12
@@ -190,6 +193,12 @@ def refine(data: Measured, omega: float) -> Refined:
             best = found
     if best is None:
         raise SingularError("no impacts stand out from the noise of the harmonics")
+    if best.misfit > HOPELESS:
+        raise SingularError(
+            "impacts after which one mode rings do not explain the harmonics up to "
+            f"{data.frequencies[-1] / (2 * math.pi):.4g} Hz: the bandwidth or the sampling rate may be too "
+            f"small; {HINT}"
+        )
     return best
 
 

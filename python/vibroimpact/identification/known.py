@@ -19,6 +19,11 @@ LAWS: dict[str, tuple[str, ...]] = {
     "constant": (), "power": ("exponent",), "powers": ("exponent1", "exponent2"),
 }  # fmt: skip
 EXPONENTS = ("exponent", "exponent1", "exponent2")
+#: What may be wrong where there is no fit.
+HINT = (
+    "what is known, the bandwidth of the sensors, or units, signs or times of the channels may be wrong, or "
+    "the motion is not quite periodic"
+)
 #: What all records share, in this order.
 SHARED = ("omega", "xi", "mu", "R1", "R2", *EXPONENTS, "d")
 

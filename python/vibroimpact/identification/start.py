@@ -12,6 +12,7 @@ from ..errors import ParameterError
 from ..model import Oscillator
 from ..solve import periodic
 from .harmonics import Measured
+from .known import HINT
 from .steps import Step
 
 #: Harmonics of the load by which a motion is summed.
@@ -61,6 +62,11 @@ def start_of(
     xi = known.get("xi", fixed[1] / (2 * omega))
     if not 1e-4 < xi < 0.5:
         xi = known.get("xi", guess.get("xi", 0.01))
+    if data.phase is not None and fixed[2] < 0:
+        raise ParameterError(
+            "load and motion: must have the same positive direction; the motion answers to the load as if "
+            f"its sign were changed: {HINT}"
+        )
     force = -1j * turn * fixed[2] + fixed[3]
     phase = float(np.angle(1j * force))
     static = abs(force) / omega**2

@@ -18,6 +18,7 @@ from .impacts import refine
 from .signals import (
     Rhythm,
     Tones,
+    centred,
     load_frequency,
     no_rhythm,
     period_of,
@@ -25,6 +26,7 @@ from .signals import (
     rhythm,
     spikes,
     tones,
+    whole_periods,
 )
 
 _Array = NDArray[np.float64]
@@ -32,6 +34,10 @@ _Array = NDArray[np.float64]
 LEAST_CYCLES = 8
 #: Harmonics of the load that are measured, in its own channel and, at most, in that of the motion.
 LOAD_TONES, MOTION_TONES = 12, 90
+#: Samples, and load cycles, during which a channel that works may stay the same.
+STUCK, STUCK_CYCLES = 16, 0.05
+#: Error of the load phase of a part of a record, over its standard error and in samples, that is none of noise.
+UNSTEADY, SHIFT = 8.0, 0.2
 #: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
 RISE, CLEAR = 0.2, 6.0
 
@@ -51,6 +57,11 @@ class Step:
         self.rhythm = no_rhythm("no impacts")
         self.data: Measured | None = None
         self.ring: _Array | None = None
+        #: Amplitude of the load by its channel, and its error (N).
+        self.F0: float | None = None
+        self.F0_error = math.nan
+        #: What is doubtful.
+        self.notes: list[str] = []
 
 
 def of_record(
@@ -90,16 +101,37 @@ def of_record(
     if force is not None:
         step.load = tones(force, rate, Omega, LOAD_TONES)
         order_of_channels(force, values, step.load, Omega, rate, quantity, where)
+        step.notes += filter(None, [steadiness(force, rate, step.load)])
+        passes = float(abs(sensor_response(Omega / (2 * math.pi), record.bandwidth)))
+        step.F0, step.F0_error = (
+            float(size) / passes for size in (abs(step.load.values[1]), step.load.errors[1])
+        )
+    if record.bandwidth is not None:
+        if not record.bandwidth < rate / 2:
+            raise ParameterError(
+                f"{where}rate = {rate:g}: must be more than twice the bandwidth of {record.bandwidth:g} Hz, or "
+                "what the sensors pass is folded onto the harmonics"
+            )
+        if record.bandwidth > rate / 4:
+            step.notes.append(
+                f"bandwidth of {record.bandwidth:g} Hz at a rate of {rate:g} Hz: what the sensors pass above half "
+                "the rate is folded, which the errors do not contain"
+            )
+    for name in ("load", quantity):
+        if (channel := getattr(record, name)) is not None:
+            changing(channel, rate, Omega, f"{where}{name}")
     k = period_of(values, rate, Omega)
     if order == 2:
         times, step.signs = spikes(values, rate, Omega, record.bandwidth)
         times -= 0.0 if record.bandwidth is None else RISE / record.bandwidth
         step.times = times + (len(record) - 1) / 2 / rate + record.start
         step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
-    elif k:  # impacts are no spikes in these, and are found by their harmonics
-        step.rhythm = Rhythm("periodic", k, np.empty(0), np.empty(0))
     else:
         step.rhythm = no_rhythm("not periodic")
+    if k and not step.times.size:
+        # of a velocity, of a displacement, or below the band of ringing: impacts are no spikes, and are found by
+        # their harmonics
+        step.rhythm = Rhythm("periodic", k, np.empty(0), np.empty(0))
     if step.rhythm.status != "periodic":
         return step
     base = Omega / k
@@ -133,7 +165,8 @@ def of_record(
                 data.shape[j * k - 1] = tone[j] / abs(tone[1]) * np.exp(-1j * j * phase)
     if "F0" in scale:
         data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
-    high = data.orders >= 3 * k
+    # those that the load does not have
+    high = (data.orders >= 3 * k) & (data.shape == 0)
     if np.count_nonzero(abs(data.values[high]) > CLEAR * data.errors[high]) < 2:
         step.rhythm = no_rhythm("no impacts")
         return step
@@ -172,6 +205,38 @@ def usable(values: _Array, name: str) -> None:
                 "range of "
                 "its sensor"
             )
+
+
+def changing(values: _Array, rate: float, Omega: float, name: str) -> None:
+    """An error if a channel stays the same for longer than samples of few bits do at the peak of a sine."""
+    ends = np.append(np.flatnonzero(np.diff(values) != 0), values.size - 1)
+    runs = np.diff(ends, prepend=-1)
+    longest = int(np.argmax(runs))
+    if runs[longest] > max(STUCK, STUCK_CYCLES * rate * 2 * math.pi / Omega):
+        first = int(ends[longest] - runs[longest] + 1)
+        raise ParameterError(
+            f"{name}[{first}] = {values[first]:.6g} in {int(runs[longest])} samples: must vary; samples are "
+            "missing, or the sensor is stuck"
+        )
+
+
+def steadiness(force: _Array, rate: float, load: Tones) -> str:
+    """What is said of a load whose frequency is not constant; nothing if it is."""
+    edges = whole_periods(force.size, rate, load.omega, 16)
+    t = centred(force.size, rate)
+    turned = (force - force.mean()) * np.exp(-1j * load.omega * t)
+    sums = np.add.reduceat(turned[: edges[-1]], edges[:-1])
+    phases = np.unwrap(np.angle(sums))
+    middles = 0.5 * (t[edges[:-1]] + t[edges[1:] - 1])
+    off = phases - np.polyval(np.polyfit(middles, phases, 1), middles)
+    noise = UNSTEADY * float(np.median(load.errors[2:])) / abs(load.values[1]) * math.sqrt(off.size)
+    worst = float(abs(off).max())
+    if worst < max(noise, SHIFT * load.omega / rate):
+        return ""
+    return (
+        f"load phase off a constant frequency by {worst:.2g} rad, {worst / load.omega * rate:.2g} samples: "
+        "samples are missing or the frequency changes, which the errors do not contain"
+    )
 
 
 def order_of_channels(
@@ -279,7 +344,7 @@ def refined(step: Step, omega: float) -> Measured:
             "motion is "
             "periodic"
         )
-    if step.quantity != "acceleration" and step.record is not None:
+    if not step.times.size and step.record is not None:
         turns = np.arange(math.ceil(step.record.duration * data.Omega / whole) + 2)[:, None]
         half = (len(step.record) - 1) / 2 / step.record.rate
         times = (

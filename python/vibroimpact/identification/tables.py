@@ -19,7 +19,16 @@ from .signals import Tones, centred
 from .steps import LOAD_TONES, Step
 
 #: Misfit from which a result says that it is doubtful.
-DOUBTFUL = 10.0
+DOUBTFUL = 2.0
+#: What records that are not periodic tell and leave open.
+LEFT_OPEN = {
+    "no impacts": ", so that mu, R1, R2 and d do not show in the record",
+    "not periodic": "; their times and walls, and the load, are what the record tells",
+    "accumulation": " at intervals that shrink, of which the last ones may be missing; times, walls and the load "
+    "are what the record tells",
+    "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
+    "wall; times, walls and the load are what the record tells",
+}
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Samples and load cycles of each record that a result keeps for its picture.
@@ -57,9 +66,8 @@ def tables_of(
         pattern = data.pattern if data is not None and found is not None else None
         middle = 0.0 if record is None else (len(record) - 1) / 2 / record.rate
         begin = 0.0 if record is None else record.start
-        load = data.F0 if data is not None and data.F0 is not None else math.nan
-        if data is None and step.load is not None:
-            load = float(abs(step.load.values[1]))
+        load = data.F0 if data is not None else step.F0
+        load = math.nan if load is None else load
         phase = found.phases[i] if found is not None else math.nan
         if found is None and step.load is not None:
             phase = float(np.angle(1j * step.load.values[1]))
@@ -112,9 +120,11 @@ def tables_of(
                 (
                     False,
                     f"{said_of}misfit of {found.misfits[i]:.3g}: the motion does not describe the record to "
-                    "its scatter, so that the pattern or a known value may be wrong",
+                    "its scatter: the pattern or a known value may be wrong, or the rig changed during the "
+                    "record; the errors are multiplied by the root of the misfit",
                 )
             )
+        notes += [(False, f"{said_of}{text}") for text in step.notes]
         if pattern is not None:
             notes.append(
                 (False, f"{said_of}{pattern.sides}/{pattern.cycles} at r = {records['r'][i]:.6g}")
@@ -123,7 +133,9 @@ def tables_of(
             notes.append(
                 (
                     True,
-                    f"{said_of}{step.rhythm.status}: {step.times.size} impacts picked; no motion is fitted",
+                    f"{said_of}{step.rhythm.status}: {step.times.size} impacts picked"
+                    + (LEFT_OPEN.get(step.rhythm.status, "") if found is None else "")
+                    + "; no motion is fitted",
                 )
             )
     if speed is not None:
@@ -220,8 +232,11 @@ def parameters_of(
             errors[name] = math.inf if vague else math.sqrt(found.covariance[j, j])
             states[name] = "undetermined" if vague else "fitted"
     data = steps[0].data
-    F0 = data.F0 if data is not None else None
-    F0_error = data.F0_error if data is not None else math.nan
+    F0, F0_error = steps[0].F0, steps[0].F0_error
+    if data is not None:
+        F0, F0_error = data.F0, data.F0_error
+    elif "F0" in scale:
+        F0, F0_error = scale["F0"], 0.0
     omega, static = values.get("omega", math.nan), values.get("F0/K 0", math.nan)
 
     def relative(*powers: tuple[str, float]) -> float:
