@@ -274,7 +274,7 @@ def _matrix(values: Any, name: str) -> _Array:
     if apart.size and apart.max() > 1e-12 * np.abs(array).max():
         i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
         raise ParameterError(
-            f"{name}[{i}, {j}] = {array[i, j]!r} and {name}[{j}, {i}] = {array[j, i]!r}: must be equal"
+            f"{name}[{i}, {j}] = {float(array[i, j])} and {name}[{j}, {i}] = {float(array[j, i])}: must be equal"
         )
     symmetric: _Array = np.array(0.5 * (array + array.T))
     symmetric.flags.writeable = False
@@ -424,6 +424,10 @@ def or_structure(
                     )
             return of_structure(structure, load, **given)
 
+        summary, blank, rest = inspect.cleandoc(of_oscillator.__doc__ or "").partition("\n\n")
+        first = (kind or Structure).__name__
+        other = f"`{of_structure.__name__}` describes the arguments if the first is a `{first}`."
+        either.__doc__ = f"{summary}{blank}{other}\n\n{rest}"
         return either
 
     return decorate

@@ -374,7 +374,7 @@ def test_a_frequency_beyond_all_units_is_named():
 @pytest.mark.parametrize(("words", "message"), [
     ({"mass": [[1, 2], [2, 1]]}, "mass: must be positive definite; its least eigenvalue is -1"),
     ({"mass": [1, np.nan]}, "mass: must be a symmetric matrix"),
-    ({"stiffness": [[1, 2], [0, 1]]}, "stiffness[0, 1] = "),
+    ({"stiffness": [[1, 2], [0, 1]]}, "stiffness[0, 1] = 2.0 and stiffness[1, 0] = 0.0: must be equal"),
     ({"stiffness": [-1, 1]}, "stiffness: must have no negative eigenvalue"),
     ({"damping": [1, 2, 3]}, "damping of shape (3, 3): must be (2, 2)"),
     ({"gaps": [vi.Gap([1], 1)]}, "gaps[0].direction has 1 numbers: must have 2"),
@@ -385,6 +385,21 @@ def test_bad_structures(words, message):
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
         vi.Structure(**(good | words))
     assert message in str(caught.value)
+
+
+def test_help_names_the_study_of_structures():
+    for name in (
+        "simulate",
+        "periodic",
+        "exact",
+        "find",
+        "branch",
+        "zone",
+        "basins",
+        "lyapunov",
+        "response",
+    ):
+        assert f"`{name}_structure`" in getattr(vi, name).__doc__
 
 
 @pytest.mark.parametrize(("words", "message"), [
