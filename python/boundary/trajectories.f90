@@ -148,7 +148,7 @@ subroutine perform(n, parameters, places, settling, keep, max_events, threads, p
    integer(c_int), intent(in) :: n, settling, keep, max_events, threads
    integer(c_int), intent(inout) :: progress(3)
    real(c_double), intent(in) :: parameters(6, n), places(4, n)
-   real(c_double), intent(out) :: found(7, n), ends(5, n)
+   real(c_double), intent(out) :: found(9, n), ends(5, n)
    integer(c_int), intent(out) :: counts(2, n), status(n)
 
    call run(parameters, places, settling, keep, max_events, usable_threads(threads), found, &

@@ -15,13 +15,16 @@ from .distribution import Uncertain
 from .errors import ParameterError, SingularError
 from .model import Oscillator
 from .newton import exact
-from .performance import PARAMETERS, perform
+from .performance import LEAST, PARAMETERS, perform
 from .trajectory import simulate
 
 _Array = NDArray[np.float64]
 
 #: Figures that can be limited, and the power of the load amplitude by which they grow.
-LIMITED = {"displacement": 1, "rms": 1, "acceleration": 1, "force": 1, "speed": 1, "multiplier": 0}
+LIMITED = {
+    "displacement": 1, "rms": 1, "acceleration": 1, "force": 1, "speed": 1, "multiplier": 0, "least_speed": 1,
+    "least_gap": 1,
+}  # fmt: skip
 #: What can be minimised; the attenuation is max|X|/A.
 TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
 #: Targets with derivatives in closed form, and the parameters.
@@ -31,8 +34,8 @@ SLOPE_NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What units do: the target, and the greatest figure over its limit (0 without limits); inf for runs that
-    failed.
+    """What units do: the target, and the greatest figure over its limit, or limit over a figure that has a least
+    value (0 without limits); inf for runs that failed.
 
     Attributes
     ----------
@@ -72,7 +75,7 @@ class OscillatorHost:
     target : str
         A key of `TARGETS`.
     limits : mapping
-        Greatest allowed figures, at the load of each unit.
+        Greatest allowed figures, or least ones of those in `LEAST`, at the load of each unit.
     settling, keep : int
         As for `perform`.
     """
@@ -112,7 +115,11 @@ class OscillatorHost:
                 figure = np.where(
                     np.isnan(figure), np.where(found.impacts > 0, math.inf, 0), figure
                 )
-            excess = np.maximum(excess, figure / limit)
+            if name in LEAST:
+                over = np.divide(limit, figure, out=np.full(r.shape, math.inf), where=figure > 0)
+            else:
+                over = figure / limit
+            excess = np.maximum(excess, over)
         failed = found.status != 0
         return Outcome(np.where(failed, math.inf, target), np.where(failed, math.inf, excess))
 

@@ -14,7 +14,12 @@ from .interrupt import new_counters, stoppable
 #: Rows of the parameters of `perform`.
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
 #: Rows of its figures.
-FIGURES = ("displacement", "rms", "acceleration", "force", "speed", "multiplier", "amplitude")
+FIGURES = (
+    "displacement", "rms", "acceleration", "force", "speed", "multiplier", "least_speed", "least_gap",
+    "amplitude",
+)  # fmt: skip
+#: Figures that must be above their limits.
+LEAST = ("least_speed", "least_gap")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,6 +39,9 @@ class Performance:
         Greatest approach speed of an impact.
     multiplier : ndarray (n,)
         Greatest modulus of the multipliers; NaN without a period or without impacts.
+    least_speed, least_gap : ndarray (n,)
+        Distances to boundaries: least approach speed of an impact, and least distance from a wall that the free
+        mass approaches without an impact. Both are inf where there is none, and 0 with rest.
     amplitude : ndarray (n,)
         Amplitude A of the motion without impacts.
     states : ndarray (5, n)
@@ -50,6 +58,8 @@ class Performance:
     force: NDArray[np.float64]
     speed: NDArray[np.float64]
     multiplier: NDArray[np.float64]
+    least_speed: NDArray[np.float64]
+    least_gap: NDArray[np.float64]
     amplitude: NDArray[np.float64]
     states: NDArray[np.float64]
     cycles: NDArray[np.int32]

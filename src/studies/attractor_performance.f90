@@ -4,13 +4,13 @@
 !! are those of the closed form over its period. Where no period is found they are those over the
 !! last load cycles.
 module vi_attractor_performance
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
    use vi_attractor_known, only: exact_period, known_type
    use vi_attractor_settled, only: advance, segments_between
    use vi_attractor_spread, only: placed_state
    use vi_attractor_target, only: over_period, target_state
    use vi_extrema, only: relative_extrema
-   use vi_flight, only: flight_type
+   use vi_flight, only: flight_type, new_flight
    use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
       new_forced_system, state_time, state_type, two_pi
    use vi_kinds, only: wp
@@ -26,9 +26,11 @@ module vi_attractor_performance
 
    !> Rows of the figures: greatest |x|, root mean square of x, greatest |x''| and |x + 2 xi x'|
    !! (acceleration and transmitted force, except the impulses), greatest approach speed, greatest
-   !! modulus of the multipliers (NaN without a period or without impacts), amplitude A.
+   !! modulus of the multipliers (NaN without a period or without impacts); the distances to
+   !! boundaries: least approach speed, and least distance from a wall that the free mass approaches
+   !! without an impact (both inf where there is none, and 0 with rest); amplitude A.
    integer, parameter, public :: displacement = 1, rms = 2, acceleration = 3, force = 4, &
-      speed = 5, multiplier = 6, amplitude = 7, figures = 7
+      speed = 5, multiplier = 6, least_speed = 7, least_gap = 8, amplitude = 9, figures = 9
 
    !> Events kept of a simulation.
    integer, parameter :: capacity = 2048
@@ -36,6 +38,8 @@ module vi_attractor_performance
    integer, parameter :: chunk = 8, longest = 8
    !> States one period apart are refined to a periodic motion within this share of the clearance.
    real(wp), parameter :: near = 2.0e-3_wp
+   !> Turns of the free mass within this share of the clearance are one, found twice.
+   real(wp), parameter :: same = 1.0e-9_wp
    !> Damping ratio times load cycles after which a transient without impacts is below 1e-4, and
    !! the largest number of load cycles that are waited for it.
    real(wp), parameter :: decayed = 1.5_wp
@@ -218,6 +222,7 @@ contains
       counts = 0
       found(:force) = 0
       found(speed) = 0
+      found([least_speed, least_gap]) = ieee_value(1.0_wp, ieee_positive_inf)
       squares = 0
       final = mark
       do i = 1, keep
@@ -229,6 +234,8 @@ contains
          if (.not. good) exit
          found(:force) = max(found(:force), part(:force))
          found(speed) = max(found(speed), part(speed))
+         found([least_speed, least_gap]) = min(found([least_speed, least_gap]), &
+            part([least_speed, least_gap]))
          squares = squares + part(rms)**2
          counts(2) = counts(2) + count(events(:n)%kind == impact_event)
       end do
@@ -279,15 +286,52 @@ contains
       end do
       found(rms) = sqrt(max(0.0_wp, square)/lapse)
       found(speed) = 0
+      found([least_speed, least_gap]) = ieee_value(1.0_wp, ieee_positive_inf)
       do i = 1, size(events)
-         associate (e => events(i))
-            if (e%kind == impact_event) found(speed) = max(found(speed), &
-               abs(e%z_dot_before - e%x_dot_before))
+         associate (e => events(i), approach => abs(events(i)%z_dot_before - &
+            events(i)%x_dot_before))
+            if (e%kind /= impact_event) cycle
+            found(speed) = max(found(speed), approach)
+            found(least_speed) = min(found(least_speed), approach)
          end associate
       end do
+      do i = 0, size(events)
+         if (.not. times(i + 1) > times(i)) cycle
+         if (i > 0) starts(5, i) = starts(3, i) + 0.5_wp*events(i)%side*system%clearance
+         call narrow(system, starts(:, i), times(i + 1) - times(i), found(least_gap), complete)
+      end do
+      ! accumulations and rests have other boundaries
+      if (any(resting /= 0)) found([least_speed, least_gap]) = 0
       found(amplitude) = system%amplitude
-
    end subroutine measure
+
+   !> Lowers a distance to the least one from a wall at a turn of the free mass in a flight.
+   pure subroutine narrow(system, start, duration, gap, complete)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> (6) Time, phase, x, x', z, z' at the start.
+      real(wp), intent(in) :: start(:)
+      !> Duration of the flight (1/omega).
+      real(wp), intent(in) :: duration
+      !> In and out: the distance (F0/K).
+      real(wp), intent(inout) :: gap
+      !> In and out: set to false if the search ran out of steps.
+      logical, intent(inout) :: complete
+      real(wp) :: lowest, highest
+      logical :: whole, several
+
+      call relative_extrema(new_flight(system%osc%xi, system%r, system%amplitude, start(2) - &
+         system%lag, start(3), start(4), start(5), start(6), duration), lowest, highest, whole)
+      complete = complete .and. whole
+      if (lowest > highest) return
+      ! a single turn is a greatest value of z - x if that is above the one at the start; several
+      ! alternate, so that the lowest is a least value and the highest a greatest one
+      several = highest - lowest > same*system%clearance
+      associate (first => start(5) - start(3))
+         if (several .or. lowest < first) gap = min(gap, lowest + 0.5_wp*system%clearance)
+         if (several .or. highest > first) gap = min(gap, 0.5_wp*system%clearance - highest)
+      end associate
+   end subroutine narrow
 
    !> Raises a figure to the greatest absolute value in a segment, its ends included.
    pure subroutine raise(segment, figure, complete)

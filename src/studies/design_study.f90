@@ -96,6 +96,12 @@ module vi_design_study
       key_type('limit_multiplier', low=tiny_value, may_miss=.true., never='amplitude', &
       takes='a number > 0', meaning='greatest allowed modulus of the multipliers; a motion &
       &without a period is above it'), &
+      key_type('limit_least_speed', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='omega F0/K', takes='a number > 0', meaning='least allowed approach speed of an impact, &
+      &the distance from zero approach; 0 with rest'), &
+      key_type('limit_least_gap', low=tiny_value, may_miss=.true., never='amplitude', &
+      unit='F0/K', takes='a number > 0', meaning='least allowed distance from a wall that the free &
+      &mass approaches without impact, that from a graze; 0 with rest'), &
       key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, only='amplitude', &
       meaning='oscillations over which the damping of free vibration is averaged'), &
       key_type('states', a_whole, default='2', low=1.0_wp, high=64.0_wp, &

@@ -30,6 +30,20 @@ def random_systems(n, seed, restitution):
     return np.array(columns), rng.uniform(-1, 1, (4, n))
 
 
+def sampled_gap(motion, amounts):
+    """The least distance from a wall at the turns of the relative position between impacts, from dense samples."""
+    times = np.linspace(0, amounts.duration, 20_001)
+    y = motion.sample(times).Y
+    before, here, after = y[:-2], y[1:-1], y[2:]
+    upper, lower = (
+        (sign * here > sign * before) & (sign * here >= sign * after) for sign in (1, -1)
+    )
+    gaps = np.append(0.5 * motion.clearance - here[upper], 0.5 * motion.clearance + here[lower])
+    # the samples beside an impact
+    near = 2 * amounts.impacts["speed"].max() * times[1]
+    return gaps[gaps > near].min(initial=math.inf)
+
+
 def test_figures_are_those_of_exact_motions():
     """Two routes: the closed form of the core over a period, and `quantities` of the exact motion."""
     parameters, places = random_systems(60, 3, (0.5, 0.8))
@@ -54,6 +68,10 @@ def test_figures_are_those_of_exact_motions():
         assert found.force[j] == pytest.approx(amounts.transmitted.peak, rel=1e-9)
         assert found.speed[j] == pytest.approx(amounts.impacts["speed"].max(), rel=1e-8)
         assert found.multiplier[j] == pytest.approx(abs(motion.multipliers).max(), rel=1e-6)
+        assert found.least_speed[j] == pytest.approx(amounts.impacts["speed"].min(), rel=1e-8)
+        assert found.least_gap[j] == pytest.approx(
+            sampled_gap(motion, amounts), rel=1e-3, abs=1e-4 * clearance
+        )
         assert found.amplitude[j] == pytest.approx(motion.A, rel=1e-12)
         tried += 1
     assert tried > 25
@@ -226,6 +244,40 @@ def test_limits_hold_for_the_design():
     none = vi.design(OSC, target="displacement", limits={"speed": 1e-3}, **kwargs)
     assert none.excess > 1
     assert "no candidate meets all limits" in none.verdict
+
+
+@pytest.mark.parametrize("name", ["least_speed", "least_gap"])
+def test_distances_to_boundaries_have_limits(name):
+    """Least allowed figures: the excess is the limit over the least figure, that of the units over the load."""
+    host = OscillatorHost(OSC, None, "displacement", {name: 2.0}, 200, 16, None)
+    values = {"clearance": np.array([8.0, 20.0, 30.0, 1e6])}
+    load, r = np.array([0.5, 1.0, 2.0, 1.0]), np.full(4, 1.01)
+    places = np.random.default_rng(2).uniform(-1, 1, (4, 4))
+    found = host.outcome(values, r, load, places, None, "")
+    system = np.array(
+        [r, values["clearance"] / load, *np.tile([[0.0114], [0.028], [0.75], [0.75]], 4)]
+    )
+    one = perform(system, places, 200, 16)
+    assert (one.impacts[:3] > 0).all()
+    np.testing.assert_allclose(found.excess, 2.0 / (getattr(one, name) * load))
+    # without impacts no approach speed is too low
+    assert one.least_speed[3] == math.inf
+    rest = np.array([[1.0], [20.0], [0.0114], [0.028], [0.1], [0.1]])
+    resting = perform(rest, places[:, :1])
+    run = vi.simulate(
+        vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.1), 1.0, 20.0, cycles=20, discard=600
+    )
+    assert (run.events["kind"] == "stick").any()
+    assert getattr(resting, name)[0] == 0
+    best = vi.design(OSC, r=1.0, free={"clearance": (20, 45)}, limits={name: 1.0}, **QUICK)
+    chosen = np.array([1.0, best.values["clearance"], 0.0114, 0.028, 0.75, 0.75])[:, None]
+    assert best.excess <= 1.0
+    assert getattr(perform(np.tile(chosen, 4), places, 200, 16), name).min() >= 1.0
+    kept = vi.limit_probability(OSC, 1.0, best.values["clearance"], {}, {name: 1.0}, samples=10)
+    assert kept.probability == 1
+    assert ">= 1" in repr(kept)
+    never = vi.limit_probability(OSC, 1.0, best.values["clearance"], {}, {name: 1e3}, samples=10)
+    assert never.probability == 0
 
 
 def test_probability_is_that_of_a_known_share():

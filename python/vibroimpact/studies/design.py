@@ -397,7 +397,9 @@ def design(
         Share of the units that has to reach it, 0.5 to 1. With 1 the search judges by its worst unit.
     limits : dict, optional
         Greatest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
-        of the ``multiplier``; a simulation without a period is above a limit of the multiplier.
+        of the ``multiplier``; a simulation without a period is above a limit of the multiplier. Least allowed
+        distances to boundaries: ``least_speed`` at an impact, and ``least_gap``, the distance from a wall that the
+        free mass approaches without an impact; a simulation with rest is below both.
     over : {'worst', 'basins'}
         Whether the worst attractor of a unit counts, or each by the share of initial states that reach it.
     amplitude : float or (float, float), optional

@@ -14,7 +14,7 @@ from ..distribution import Uncertain, interval, shares, systems, uncertain_param
 from ..errors import ParameterError, ParameterTypeError
 from ..libraries import xarray
 from ..model import Oscillator, Pattern, of_numbers, pattern_of
-from ..performance import FIGURES, perform
+from ..performance import FIGURES, LEAST, perform
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
 from .zone import Zone, zone
@@ -304,7 +304,10 @@ class LimitProbability:
     limit: dict[str, float]
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{name} <= {value:g}" for name, value in self.limit.items())
+        shown = ", ".join(
+            f"{name} {'>=' if name in LEAST else '<='} {value:g}"
+            for name, value in self.limit.items()
+        )
         return (
             f"<LimitProbability of {shown}: {self.probability.size} points, {self.samples} samples>"
         )
@@ -356,7 +359,8 @@ def limit_probability(
     limit : dict
         Greatest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
         approach speed of impacts, or modulus of the multipliers (0 without impacts; without a period it is not
-        kept), in the units of `Motion`.
+        kept), in the units of `Motion`; or least allowed distances to boundaries, least_speed and least_gap, as
+        of `design`.
     samples : int
         For each point, 1 to 1000000.
     starts : int
@@ -441,13 +445,13 @@ def limit_probability(
         )
         good = done.status == 0
         kept = good.copy()
-        for name, greatest in limits.items():
+        for name, limited in limits.items():
             values = (
                 done.displacement / done.amplitude if name == "attenuation" else getattr(done, name)
             )
             if name == "multiplier":
                 values = np.where(done.impacts == 0, 0.0, values)
-            kept &= values <= greatest
+            kept &= values >= limited if name in LEAST else values <= limited
         whole = kept.reshape(count, tries).all(axis=1)
         lost = ~good.reshape(count, tries).all(axis=1) & (kept | ~good).reshape(count, tries).all(
             axis=1
