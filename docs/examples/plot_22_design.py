@@ -2,9 +2,9 @@ r"""
 The design of an impact damper
 ==============================
 
-The clearance and the mass of a free mass are chosen so that max\|X\|/A stays below 0.3 from r = 1 to 1.02 for 99 % of
-the units. The coefficients of restitution lie between 0.66 and 0.78, and the clearance deviates by up to one F0/K to
-either side. The clearance is the whole travel of the free mass from wall to wall.
+The clearance and the mass of a free mass are chosen so that max\|X\|/A stays below 0.3 from r = 1 to 1.02 for 99 %
+of the units. The coefficients of restitution lie between 0.66 and 0.78, and the clearance deviates by up to one
+F0/K to either side. The clearance is the whole travel of the free mass from wall to wall.
 """
 
 import vibroimpact as vi
@@ -22,8 +22,8 @@ print(found.values)
 print(found.verdict)
 
 # %%
-# The candidates over the clearance; the level with tolerances over the nominal one, with the Pareto front; the share
-# of the samples within the limit along the band, with confidence intervals; and the change of max\|X\|/A of the worst
-# unit when a parameter grows by 1 %.
+# The candidates over the clearance; the level with tolerances over the nominal one, with the Pareto front; the
+# share of the samples within the limit along the band, with confidence intervals; and the change of max\|X\|/A of
+# the worst unit when a parameter grows by 1 %.
 
 found.plot()
