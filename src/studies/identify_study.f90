@@ -59,8 +59,8 @@ module vi_identify_study
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
       meaning='parameters of &system that are known; the fit starts from the others'), &
       key_type('law', a_word, default='''constant''', words='constant power powers', &
-      meaning='how the coefficients of restitution depend on the approach speed v: constants, or &
-      &R1 and R2 times (v/v0)^-p with one exponent p, or with one for each wall'), &
+      meaning='restitution: constant, or R1 and R2 times (v/v0)^-p at approach speed v, with &
+      &one p or one for each wall'), &
       key_type('law_speed', low=tiny_value, high=huge_value, may_miss=.true., &
       unit='m/s', meaning='v0, at which R1 and R2 hold; by default the geometric mean of the &
       &speeds of all impacts'), &
