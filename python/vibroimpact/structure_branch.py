@@ -232,8 +232,9 @@ def branch_structure(
     """Follow a motion of a structure along a parameter in both directions, through folds, to the bounds.
 
     The tracer of `vibroimpact.branch`, whose unknowns are here the approach speeds and load phases of the impacts
-    and the mean positions of modes of frequency 0. A motion that is its own mirror image half a period later is
-    followed as such, with the map of half a period, so that the branch continues through a pitchfork.
+    and the mean positions of modes of frequency 0. A motion that is its own image half a period later, by the
+    mirror or another symmetry of the structure such as an exchange of equal units, is followed as such, with the
+    map of half a period, so that the branch continues through a pitchfork, where two motions without it begin.
     `vibroimpact.branch` calls this for a `StructureMotion`.
 
     Parameters
@@ -266,7 +267,8 @@ def branch_structure(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     SingularError
-        If the motion rests, repeats itself, or cannot be followed.
+        If the motion rests, repeats itself, is symmetric at each instant with impacts on exchanged gaps, or
+        cannot be followed.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 

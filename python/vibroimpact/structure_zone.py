@@ -41,7 +41,7 @@ class StructurePiece:
     detail : str
         Which flight touches which gap, which impact, which edge.
     symmetric : bool
-        Whether it bounds motions that are their own mirror image.
+        Whether it bounds motions that are their own image half a period later.
     """
 
     type: str

@@ -15,6 +15,8 @@ module vi_family
       !! that has passed.
       integer :: shift = 0
       real(wp) :: sign = 1, phase = 0
+      !> Of a structure: how many of the further displacements keep their sign at any rate.
+      integer :: even = 0
    end type repetition_type
 
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -142,8 +144,9 @@ contains
          slope(j) = slope(j) + repetition%sign*sign**turns*away(i)
          slope(n + j) = slope(n + j) + away(n + i)
       end do
+      i = 2*n + repetition%even + 1
       j = size(unknowns)
-      slope(2*n + 1:j) = slope(2*n + 1:j) + (repetition%sign - 1)*away(2*n + 1:)
+      slope(i:j) = slope(i:j) + (repetition%sign - 1)*away(i:)
    end subroutine add_distance_slope
 
    !> The unknowns of the image of a motion under a repetition: it begins at a later impact, and is
@@ -169,21 +172,24 @@ contains
          image(i) = repetition%sign*sign**turns*unknowns(j)
          image(n + i) = unknowns(n + j) + turns*span - repetition%phase
       end do
-      image(2*n + 1:) = repetition%sign*unknowns(2*n + 1:)
+      image(2*n + 1:) = unknowns(2*n + 1:)
+      j = 2*n + repetition%even + 1
+      image(j:) = repetition%sign*unknowns(j:)
    end function image_of
 
    !> The unknowns of all impacts of a family's pattern.
    pure function whole_unknowns(family, unknowns) result(whole)
       !> The family of the orbit.
       type(family_type), intent(in) :: family
-      !> (2n) u_i and theta_i; for a symmetric family those of the first half period.
+      !> (2n) u_i and theta_i; for a symmetric family those of the first half period, and of a
+      !! structure further displacements, which are left out.
       real(wp), intent(in) :: unknowns(:)
       real(wp), allocatable :: whole(:)
       integer :: n
 
       n = size(family%sides)
       if (family%mirror) then
-         whole = [unknowns(:n), -unknowns(:n), unknowns(n + 1:), unknowns(n + 1:) &
+         whole = [unknowns(:n), -unknowns(:n), unknowns(n + 1:2*n), unknowns(n + 1:2*n) &
             + pi*family%cycles]
       else
          whole = unknowns

@@ -245,7 +245,7 @@ contains
       real(wp), intent(in) :: extremes(:, :, :)
       !> Why it ends, at its first and at its last point.
       integer, intent(in) :: reasons(2)
-      !> Whether a motion that repeats itself in the first way is its own mirror image.
+      !> Whether a motion that repeats itself in the first way is its own image.
       logical, intent(in) :: mirrored
       !> The parameter, and its name.
       type(change_type), intent(in) :: change

@@ -7,8 +7,8 @@
 module vi_repetition_vertices
    use vi_curve, only: correct, curve_type, point_size
    use vi_family, only: repetition_type
-   use vi_frame, only: condition_type, edge, flip, grazing, neimark_sacker, repetition, &
-      zero_approach
+   use vi_frame, only: condition_type, edge, flip, frame_type, grazing, neimark_sacker, &
+      repetition, zero_approach
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type
    implicit none (type, external)
@@ -161,7 +161,7 @@ contains
       same = other
       if (any(other%kind == [grazing, zero_approach]) .and. other%index > way%shift) then
          same%index = other%index - way%shift
-         if (way%sign < 0) same%side = -other%side
+         if (way%sign < 0) same%side = image_of_side(parent%frame, other%side)
       end if
       allocate (near, source=half_of(parent, way, point, 1.0_wp))
       call solve(parent, [condition_type(flip, 0), same], near, good)
@@ -208,7 +208,7 @@ contains
       free = size(half) - 2*n - 2
       half(:n) = 0.5_wp*(point(:n) + way%sign*point(n + 1:2*n))
       half(n + 1:2*n) = 0.5_wp*(point(2*n + 1:3*n) + point(3*n + 1:4*n) - affine*way%phase)
-      ! a mirror image has the opposite displacements of free modes
+      ! an image has the opposite displacements of free modes, but for the first ones
       half(2*n + 1:2*n + free) = point(4*n + 1:4*n + free)
       half(2*n + free + 1:) = point(size(point) - 1:)
    end function half_of
@@ -221,16 +221,34 @@ contains
       real(wp), intent(in) :: half(:), affine
       !> The motion or derivative, with all impacts.
       real(wp), intent(out) :: point(:)
-      integer :: tail
 
-      associate (n => way%shift)
+      associate (n => way%shift, free => size(half) - 2*way%shift - 2)
          point(:4*n) = [half(:n), way%sign*half(:n), half(n + 1:2*n), half(n + 1:2*n) &
             + affine*way%phase]
          point(4*n + 1:) = 0
-         tail = size(half) - 2*n
-         point(size(point) - tail + 1:) = half(2*n + 1:)
+         point(4*n + 1:4*n + free) = half(2*n + 1:2*n + free)
+         point(size(point) - 1:) = half(size(half) - 1:)
       end associate
    end subroutine make_whole
+
+   !> The channel and wall that the image of a motion touches where the motion touches another.
+   pure integer function image_of_side(frame, side) result(image)
+      !> The family.
+      type(frame_type), intent(in) :: frame
+      !> The channel with the sign of the wall.
+      integer, intent(in) :: side
+      integer :: gap, label
+
+      image = -side
+      if (.not. allocated(frame%structure)) return
+      if (.not. allocated(frame%structure%symmetry)) return
+      associate (s => frame%structure, structure => frame%structure%path%structure)
+         gap = findloc(structure%channel*structure%wall, side, dim=1)
+         label = findloc(s%gap_of, gap, dim=1) + lbound(s%gap_of, 1) - 1
+         gap = s%gap_of(-label)
+         image = structure%channel(gap)*structure%wall(gap)
+      end associate
+   end function image_of_side
 
    !> Extrapolates a vertex to distance 0 from its places at some distances, each twice the previous
    !! one.

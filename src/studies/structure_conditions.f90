@@ -297,7 +297,7 @@ contains
                here%side = wall*row
                here%share = k/real(nodes, wp)
                ! an impact leaves its wall; without restitution its speed is 0, up to rounding
-               if (k == 0 .and. in_contact(frame, touch%index, here%side)) cycle
+               if (k == 0 .and. in_contact(member, touch%index, here%side)) cycle
                if (k < nodes) then
                   ! the gap has a minimum between two nodes
                   if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
@@ -320,7 +320,7 @@ contains
                end if
                if (k < nodes) cycle
                ! the next impact comes first: before it all other gaps are open
-               if (in_contact(frame, touch%index + 1, here%side)) cycle
+               if (in_contact(member, touch%index + 1, here%side)) cycle
                value = gap_at(frame, member, here%side, y(row, k))
                if (value >= gap) cycle
                gap = value
@@ -350,20 +350,17 @@ contains
    end function is_wall
 
    !> Whether an impact of the family, or the one after the last, is on a wall.
-   pure logical function in_contact(frame, impact, side)
-      !> The family.
-      type(frame_type), intent(in) :: frame
+   pure logical function in_contact(member, impact, side)
+      !> The motion.
+      type(member_type), intent(in) :: member
       !> Number of the impact, from 1 to n + 1.
       integer, intent(in) :: impact
       !> The channel with the sign of the wall.
       integer, intent(in) :: side
 
-      associate (family => frame%family, n => size(frame%family%sides))
-         if (impact <= n) then
-            in_contact = family%sides(impact) == side
-         else
-            in_contact = family%sides(1) == merge(-side, side, family%mirror)
-         end if
+      associate (structure => member%structure, gap => member%equations%gaps(modulo(impact - 1, &
+         size(member%equations%gaps)) + 1))
+         in_contact = structure%channel(gap)*structure%wall(gap) == side
       end associate
    end function in_contact
 

@@ -2,9 +2,9 @@
 !!
 !! The unknowns of a motion are, for each impact, its approach speed with the sign of the wall, and
 !! its load phase; then the displacements of modes of frequency 0, whose mean positions are free. A
-!! motion that is its own mirror image half a period later is described by its first half. The
-!! speeds and phases correspond to (u_i, theta_i) of the oscillator, so that both families have the
-!! same symmetries.
+!! motion that is its own image half a period later, by the mirror or another symmetry of the
+!! structure, is described by its first half. The speeds and phases correspond to (u_i, theta_i) of
+!! the oscillator, so that both families have the same symmetries.
 module vi_structure_family
    use vi_family, only: whole_unknowns
    use vi_kinds, only: wp
@@ -22,18 +22,24 @@ module vi_structure_family
    private
 
    public :: flight_duration, free_unknowns, member_equations, member_multipliers, &
-      move_member, rows_of_family, set_flights, set_member
+      move_member, of_family, set_flights, set_member, set_sides, whole_sides
 
    !> What the members of a family have in common, besides the impacts (`family_type`, where a side
-   !! is the number of a channel with the sign of its wall).
+   !! is the number of a channel with the sign of its wall; with a symmetry other than the mirror,
+   !! sides of opposite sign are those of gaps that it exchanges).
    type, public :: structure_family_type
       type(structure_path_type) :: path
       !> Units of speed and of length.
       real(wp) :: speed = 1, length = 1
       !> (n, p) Displacements of the modes of frequency 0 at the start.
       real(wp), allocatable :: free(:, :)
-      !> Most pairs whose frequency is 0.
-      integer :: p = 0
+      !> Most pairs whose frequency is 0; how many of their displacements a symmetric motion has.
+      integer :: p = 0, even = 0
+      !> (-m:m) The gap of each side; 0 if there is none.
+      integer, allocatable :: gap_of(:)
+      !> (n, n) The symmetry q(t + T/2) = S q(t) that motions of the pattern can have, if it is not
+      !! the mirror, -1.
+      real(wp), allocatable :: symmetry(:, :)
    end type structure_family_type
 
    !> One member.
@@ -47,6 +53,8 @@ module vi_structure_family
       real(wp), allocatable :: speeds(:), offsets(:)
       !> (p, p) Offsets due to the unknown displacements.
       real(wp), allocatable :: turn(:, :)
+      !> (2m, 2m) The symmetry of a symmetric motion in the pairs, if it is not the mirror.
+      real(wp), allocatable :: symmetry(:, :)
       !> (m, n + 1) The pairs just before and just after the impacts of the family and the next one,
       !! if `set_flights` was called; the first columns of the former are not set.
       real(wp), allocatable, dimension(:, :) :: x_before, v_before, x_after, v_after
@@ -61,18 +69,30 @@ contains
       !> The impacts.
       type(family_type), intent(in) :: family
 
-      free_unknowns = merge(0, s%p, family%mirror)
+      free_unknowns = merge(s%even, s%p, family%mirror)
    end function free_unknowns
 
-   !> The gap of a side.
-   pure integer function gap_of(structure, side)
-      !> The structure, with its channels.
-      type(structure_type), intent(in) :: structure
-      !> The number of a channel with the sign of its wall.
-      integer, intent(in) :: side
+   !> Numbers the sides as the channels, with the signs of their walls.
+   pure subroutine set_sides(s)
+      !> In and out: the structure, whose channels are set.
+      type(structure_family_type), intent(inout) :: s
+      integer :: i
 
-      gap_of = findloc(structure%channel*structure%wall, side, dim=1)
-   end function gap_of
+      associate (structure => s%path%structure)
+         allocate (s%gap_of(-structure%channels:structure%channels), source=0)
+         s%gap_of(structure%channel*structure%wall) = [(i, i=1, size(structure%channel))]
+      end associate
+   end subroutine set_sides
+
+   !> The sides of all impacts of a period.
+   pure function whole_sides(family) result(sides)
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      integer :: sides(size(family%sides)*merge(2, 1, family%mirror))
+
+      sides(:size(family%sides)) = family%sides
+      if (family%mirror) sides(size(family%sides) + 1:) = -family%sides
+   end function whole_sides
 
    !> The member with given unknowns at given parameters.
    pure subroutine set_member(s, family, unknowns, shares, member, searched)
@@ -106,8 +126,31 @@ contains
       if (size(pairs) /= s%p) return
       rows = member%regime%xq(pairs, :)
       member%turn = s%length*matmul(rows, s%free)
+      if (family%mirror .and. allocated(s%symmetry)) call set_symmetry(s%symmetry, member)
       call set_unknowns(s, family, unknowns, member)
    end subroutine set_member
+
+   !> The symmetry of a member in its pairs.
+   pure subroutine set_symmetry(symmetry, member)
+      !> (n, n) S.
+      real(wp), intent(in) :: symmetry(:, :)
+      !> In and out: its regime is set.
+      type(member_type), intent(inout) :: member
+      integer :: m
+
+      associate (regime => member%regime)
+         m = size(regime%xq, 1)
+         allocate (member%symmetry(2*m, 2*m))
+         member%symmetry(:m, :m) = matmul(regime%xq, matmul(symmetry, regime%qx)) &
+            + matmul(regime%xd, matmul(symmetry, regime%dx))
+         member%symmetry(:m, m + 1:) = matmul(regime%xq, matmul(symmetry, regime%qv)) &
+            + matmul(regime%xd, matmul(symmetry, regime%dv))
+         member%symmetry(m + 1:, :m) = matmul(regime%vq, matmul(symmetry, regime%qx)) &
+            + matmul(regime%vd, matmul(symmetry, regime%dx))
+         member%symmetry(m + 1:, m + 1:) = matmul(regime%vq, matmul(symmetry, regime%qv)) &
+            + matmul(regime%vd, matmul(symmetry, regime%dv))
+      end associate
+   end subroutine set_symmetry
 
    !> The times, speeds and offsets of a member, and its equations.
    pure subroutine set_unknowns(s, family, unknowns, member)
@@ -124,13 +167,12 @@ contains
       integer :: i, n, status
 
       member%exists = .false.
-      sides(:size(family%sides)) = family%sides
-      if (family%mirror) sides(size(family%sides) + 1:) = -family%sides
+      sides = whole_sides(family)
       n = size(sides)
       allocate (whole, source=whole_unknowns(family, unknowns))
       associate (frequency => member%regime%frequency)
-         call new_equations(member%structure, member%regime, [(gap_of(member%structure, sides(i)), &
-            i=1, n)], whole(n + 1:2*n)/frequency, 2*acos(-1.0_wp)*family%cycles/frequency, &
+         call new_equations(member%structure, member%regime, [(s%gap_of(sides(i)), i=1, n)], &
+            whole(n + 1:2*n)/frequency, 2*acos(-1.0_wp)*family%cycles/frequency, &
             member%equations, status)
       end associate
       if (status /= stat%ok) return
@@ -156,23 +198,35 @@ contains
       n = size(member%speeds)
       allocate (whole, source=whole_unknowns(family, unknowns))
       member%equations%times = whole(n + 1:2*n)/member%regime%frequency
-      member%speeds = s%speed*member%structure%wall(member%equations%gaps)*whole(:n)
-      member%offsets = 0
-      if (.not. family%mirror) member%offsets = matmul(member%turn, whole(2*n + 1:))
+      member%speeds = s%speed*sign(1, whole_sides(family))*whole(:n)
+      associate (free => unknowns(2*size(family%sides) + 1:))
+         member%offsets = 0
+         if (size(free) > 0) member%offsets = matmul(member%turn(:, :size(free)), free)
+      end associate
    end subroutine move_member
 
-   !> Which of the equations of a period are those of a member: of mirror images the first half.
-   pure function rows_of_family(family, impacts, equations) result(rows)
+   !> The equations of a member among those of a period: of symmetric motions those of the first
+   !! half, and the balances of the displacements that they can have.
+   pure function of_family(family, member, whole, equations) result(part)
       !> The impacts.
       type(family_type), intent(in) :: family
-      !> Number of impacts in a period, and of equations of the member.
-      integer, intent(in) :: impacts, equations
-      integer :: rows(equations), i
+      !> The member.
+      type(member_type), intent(in) :: member
+      !> The values of all equations, or their derivatives.
+      real(wp), intent(in) :: whole(:)
+      !> Number of equations of the member.
+      integer, intent(in) :: equations
+      real(wp) :: part(equations)
+      integer :: k, n, m
 
-      associate (n => size(family%sides))
-         rows = [(i, i=1, n), (impacts + i, i=1, n), (2*impacts + i, i=1, equations - 2*n)]
-      end associate
-   end function rows_of_family
+      n = size(family%sides)
+      m = size(member%speeds)
+      part = [whole(:n), whole(m + 1:m + n), whole(2*m + 1:2*m + equations - 2*n)]
+      if (.not. family%mirror) return
+      do k = 1, equations - 2*n
+         part(2*n + k) = dot_product(member%turn(:, k), whole(2*m + 1:))/norm2(member%turn(:, k))
+      end do
+   end function of_family
 
    !> The equations of a member: gaps, approach speeds, and balances of modes of frequency 0.
    pure subroutine member_equations(s, family, member, value, jacobian)
@@ -188,32 +242,34 @@ contains
       real(wp), intent(out), optional :: jacobian(:, :)
       real(wp), dimension(2*size(member%speeds) + size(member%offsets)) :: whole, scale
       real(wp), dimension(size(whole), size(whole)) :: by
-      integer :: rows(size(value))
+      real(wp) :: rows(size(value), size(whole))
       integer :: i, k, m, n
 
       n = size(family%sides)
       m = size(member%speeds)
-      rows = rows_of_family(family, m, size(value))
       if (.not. present(jacobian)) then
          call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
             scale)
-         value = whole(rows)
+         value = of_family(family, member, whole, size(value))
          return
       end if
       call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
          scale, by)
-      value = whole(rows)
+      value = of_family(family, member, whole, size(value))
+      do i = 1, size(whole)
+         rows(:, i) = of_family(family, member, by(:, i), size(value))
+      end do
       do i = 1, n
-         jacobian(i, :) = sign(1, family%sides(i))*s%speed*by(rows, m + i)
-         jacobian(n + i, :) = by(rows, i)/member%regime%frequency
+         jacobian(i, :) = sign(1, family%sides(i))*s%speed*rows(:, m + i)
+         jacobian(n + i, :) = rows(:, i)/member%regime%frequency
          if (.not. family%mirror) cycle
-         jacobian(i, :) = jacobian(i, :) + sign(1, family%sides(i))*s%speed*by(rows, m + n + i)
-         jacobian(n + i, :) = jacobian(n + i, :) + by(rows, n + i)/member%regime%frequency
+         jacobian(i, :) = jacobian(i, :) + sign(1, family%sides(i))*s%speed*rows(:, m + n + i)
+         jacobian(n + i, :) = jacobian(n + i, :) + rows(:, n + i)/member%regime%frequency
       end do
       do k = 1, size(value) - 2*n
          jacobian(2*n + k, :) = 0
          do i = 1, size(member%offsets)
-            jacobian(2*n + k, :) = jacobian(2*n + k, :) + member%turn(i, k)*by(rows, 2*m + i)
+            jacobian(2*n + k, :) = jacobian(2*n + k, :) + member%turn(i, k)*rows(:, 2*m + i)
          end do
       end do
    end subroutine member_equations
@@ -259,7 +315,7 @@ contains
    end function flight_duration
 
    !> The multipliers of a member, without those of modes on which its impacts do not act; of a
-   !! motion that is its own mirror image those of the map of half a period, with the mirror.
+   !! symmetric motion those of the map of half a period, with the symmetry.
    pure subroutine member_multipliers(family, member, multipliers, good)
       !> The impacts.
       type(family_type), intent(in) :: family
@@ -294,13 +350,19 @@ contains
             member%regime%frequency*member%equations%times(next), speed, &
             member%x_before(:, i + 1), member%v_before(:, i + 1), member%x_after(:, i + 1), &
             member%v_after(:, i + 1), d, status)
-         call jumps_of(member%structure, member%regime, member%equations%gaps(next), in_x, in_v)
+      end do
+      do i = 1, size(member%equations%gaps)
+         call jumps_of(member%structure, member%regime, member%equations%gaps(i), in_x, in_v)
          moved(:size(in_x)) = moved(:size(in_x)) .or. abs(in_x) + abs(in_v) > 0
       end do
       moved(pack([(i, i=1, size(in_x))], .not. member%regime%modes%stiffness > 0)) = &
          .not. member%equations%apart
       moved(size(in_x) + 1:) = moved(:size(in_x))
-      if (family%mirror) d = -d
+      if (allocated(member%symmetry)) then
+         d = matmul(member%symmetry, d)
+      else if (family%mirror) then
+         d = -d
+      end if
       good = all(abs(d) <= huge(1.0_wp))
       if (.not. good) return
       allocate (part(count(moved), count(moved)))

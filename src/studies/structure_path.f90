@@ -10,7 +10,7 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, is_odd, new_change, new_function, rates_of, value_at
+   public :: changed, is_odd, new_change, new_function, rates_of, same_law, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
    !! load.

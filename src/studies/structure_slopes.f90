@@ -13,7 +13,7 @@ module vi_structure_slopes
    use vi_restitution, only: restitution_at, restitution_type
    use vi_status, only: stat
    use vi_structure, only: inputs_of
-   use vi_structure_family, only: member_equations, member_type, rows_of_family, set_member, &
+   use vi_structure_family, only: member_equations, member_type, of_family, set_member, &
       structure_family_type
    use vi_structure_motion, only: impulse_of, since
    use vi_structure_path, only: rates_of, rates_type
@@ -49,7 +49,7 @@ contains
          call by_differences(s, family, unknowns, shares, k, slope, good)
       else
          call in_closed_form(member, rates, whole)
-         slope = whole(rows_of_family(family, size(member%speeds), size(slope)))
+         slope = of_family(family, member, whole, size(slope))
       end if
    end subroutine equations_by_parameter
 

@@ -4,6 +4,7 @@ module vi_structure_start
    use vi_family, only: new_family, repetition_distance, repetition_type, whole_unknowns
    use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
+   use vi_eigen_routines, only: dgesv
    use vi_linear, only: most
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
@@ -12,8 +13,10 @@ module vi_structure_start
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type, &
       to_pairs
    use vi_structure_extremes, only: coordinate_extremes
-   use vi_structure_family, only: member_type, set_flights, set_member, structure_family_type
-   use vi_structure_path, only: change_type, is_odd
+   use vi_structure_family, only: member_type, set_flights, set_member, set_sides, &
+      structure_family_type, whole_sides
+   use vi_structure_path, only: change_type, is_odd, structure_path_type
+   use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
    use vi_structure_return, only: settled_type
@@ -45,7 +48,7 @@ contains
       type(curve_type), intent(out) :: curve
       !> The unknowns of the motion, and the parameters.
       real(wp), allocatable, intent(out) :: point(:)
-      !> Whether motions of this pattern can be their own mirror images although this one is not.
+      !> Whether motions of this pattern can be their own images although this one is not.
       logical, intent(out) :: mirrored
       !> Why there is no such family; empty if there is one.
       character(:), allocatable, intent(out) :: message
@@ -89,12 +92,21 @@ contains
          ! a displacement is the unit, whatever the unit of mass
          s%free(:, i) = s%free(:, i)/maxval(abs(s%free(:, i)))
       end do
+      call set_sides(s)
       pattern%sides = complete%channel(found%gaps)*complete%wall(found%gaps)
       pattern%cycles = found%cycles
       shares = [((changes(i)%start - changes(i)%low)/(changes(i)%high - changes(i)%low), &
          i=1, size(changes))]
       odd = is_odd(s%path)
       call new_family(pattern, .false., odd, family, repetitions, possible)
+      mirrored = .false.
+      if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
+      if (.not. mirrored) call add_symmetry(found%gaps, s, family, repetitions)
+      if (is_synchronous(s%path, found)) then
+         message = 'impacts on gaps that a symmetry of the structure exchanges are at one instant, &
+            &and remain so; follow the motion of the smaller structure of symmetric motions'
+         return
+      end if
       call unknowns_of_motion(s, family, regime, found, shares, unknowns)
       symmetric = .false.
       do i = 1, size(repetitions)
@@ -107,9 +119,12 @@ contains
          symmetric = .true.
       end do
       if (symmetric) then
-         unknowns = [unknowns(:n/2), unknowns(n + 1:n + n/2)]
-         call new_family(pattern, .true., odd, family, repetitions, possible)
+         unknowns = [unknowns(:n/2), unknowns(n + 1:n + n/2), unknowns(2*n + 1:2*n + s%even)]
+         repetitions = pack(repetitions, repetitions%sign > 0)
+         family%mirror = .true.
+         family%sides = family%sides(:n/2)
       end if
+      mirrored = .false.
       if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
       curve%frame%family = family
       curve%frame%repetitions = repetitions
@@ -128,6 +143,80 @@ contains
       curve%scale = spread(1.0_wp, 1, size(changes))
       point = [unknowns, shares]
    end subroutine start_curve
+
+   !> Adds the symmetry other than the mirror that exchanges both halves of the impacts, if there is
+   !! one.
+   subroutine add_symmetry(gaps, s, family, repetitions)
+      !> The gaps of the impacts.
+      integer, intent(in) :: gaps(:)
+      !> In and out: the structure, without a symmetry; its displacements become even and odd ones.
+      type(structure_family_type), intent(inout) :: s
+      !> In and out: the impacts; sides of opposite sign are then those of exchanged gaps.
+      type(family_type), intent(inout) :: family
+      !> In and out: the ways in which a motion can repeat itself; the symmetry becomes the first.
+      type(repetition_type), allocatable, intent(inout) :: repetitions(:)
+      type(repetition_type), allocatable :: others(:)
+      real(wp), allocatable :: matrix(:, :)
+      integer, allocatable :: image(:)
+      integer :: i, side
+
+      if (mod(size(gaps), 2) /= 0) return
+      call find_symmetry(s%path, gaps, cshift(gaps, size(gaps)/2), family%cycles, matrix, image)
+      if (.not. allocated(matrix)) return
+      call move_alloc(matrix, s%symmetry)
+      call even_and_odd(s%path%structure%mass, s%symmetry, s%free, s%even)
+      deallocate (s%gap_of)
+      allocate (s%gap_of(-size(image):size(image)), source=0)
+      side = 0
+      do i = 1, size(image)
+         if (image(i) < i) cycle
+         side = side + 1
+         s%gap_of(-side) = image(i)
+         s%gap_of(side) = i
+      end do
+      associate (half => size(gaps)/2)
+         do i = 1, half
+            family%sides(i) = findloc(s%gap_of, gaps(i), dim=1) + lbound(s%gap_of, 1) - 1
+         end do
+         ! a gap that is its own image has both sides
+         family%sides(half + 1:) = -family%sides(:half)
+         allocate (others, source=repetitions)
+         deallocate (repetitions)
+         allocate (repetitions(size(others) + 1))
+         repetitions(1) = repetition_type(half, -1.0_wp, acos(-1.0_wp)*family%cycles, s%even)
+         repetitions(2:) = others
+      end associate
+   end subroutine add_symmetry
+
+   !> Whether a motion is its own image at each instant by a symmetry that exchanges gaps: impacts
+   !! on these are at one instant along its whole family, where their order means nothing.
+   logical function is_synchronous(path, found)
+      !> The structure, complete.
+      type(structure_path_type), intent(in) :: path
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      real(wp), parameter :: instant = 1.0e-9_wp
+      real(wp), allocatable :: matrix(:, :), q(:, :)
+      integer, allocatable :: image(:)
+      integer :: partners(size(found%gaps)), i, n
+
+      is_synchronous = .false.
+      n = size(found%gaps)
+      partners = found%gaps
+      i = 1
+      do while (i < n)
+         if (found%motion%phases(i + 1) - found%motion%phases(i) < instant) then
+            partners(i:i + 1) = found%gaps(i + 1:i:-1)
+            i = i + 1
+         end if
+         i = i + 1
+      end do
+      if (all(partners == found%gaps)) return
+      call find_symmetry(path, found%gaps, partners, 0, matrix, image)
+      if (.not. allocated(matrix)) return
+      q = found%motion%states(:size(matrix, 1), :)
+      is_synchronous = maxval(abs(matmul(matrix, q) - q)) < same*maxval(abs(q))
+   end function is_synchronous
 
    !> Moves a bound at which there are no motions of the family a little inwards.
    pure subroutine avoid_resonance(s, family, unknowns, shares, bound)
@@ -175,6 +264,7 @@ contains
       type(structure_motion_type), intent(out) :: motion
       !> (n, 2) Least and greatest value of each coordinate.
       real(wp), intent(out) :: extremes(:, :)
+      type(family_type) :: family
       type(member_type) :: member
       real(wp), allocatable :: value(:), scale(:)
       real(wp) :: c(n_parameters)
@@ -193,8 +283,14 @@ contains
          motion%residual = relative(value, scale)
          call describe_structure_motion(member%structure, member%regime, member%equations, &
             member%offsets, motion)
-         call set_flights(frame%family, member)
-         call coordinate_extremes(frame%family, member, extremes)
+         family = frame%family
+         if (allocated(member%symmetry)) then
+            ! the extremes of a motion are not those of its image
+            family%sides = whole_sides(frame%family)
+            family%mirror = .false.
+         end if
+         call set_flights(family, member)
+         call coordinate_extremes(family, member, extremes)
       end associate
    end subroutine motion_at
 
@@ -214,8 +310,9 @@ contains
       real(wp), allocatable, intent(out) :: unknowns(:)
       type(member_type) :: member
       real(wp), dimension(size(regime%modes%stiffness)) :: x, v
-      integer :: pairs(s%p)
-      integer :: n
+      real(wp) :: turn(s%p, s%p), shift(s%p, 1)
+      integer :: pairs(s%p), pivot(s%p)
+      integer :: info, n
 
       n = size(found%gaps)
       allocate (unknowns(2*n + s%p), source=0.0_wp)
@@ -230,8 +327,14 @@ contains
          call to_pairs(regime, found%motion%phases(1), state(:size(x)), state(size(x) + 1:), x, v)
       end associate
       pairs = offset_pairs(regime)
-      unknowns(2*n + 1:) = maxval(abs(regime%qx(:, pairs)), dim=1)*(x(pairs) - &
-         member%x_after(pairs, 1))/s%length
+      shift(:, 1) = x(pairs) - member%x_after(pairs, 1)
+      if (allocated(s%symmetry)) then
+         turn = member%turn
+         call dgesv(s%p, 1, turn, s%p, pivot, shift, s%p, info)
+         if (info == 0) unknowns(2*n + 1:) = shift(:, 1)
+      else
+         unknowns(2*n + 1:) = maxval(abs(regime%qx(:, pairs)), dim=1)*shift(:, 1)/s%length
+      end if
    end subroutine unknowns_of_motion
 
 end module vi_structure_start

@@ -50,7 +50,7 @@ module vi_zone_structure_study
       column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
       column_type('pieces', 'detail', words, meaning='the impact, flight or bound concerned'), &
       column_type('pieces', 'symmetric', truths, listed=.false., &
-      meaning='whether the motions are their own mirror images'), &
+      meaning='whether the motions are their own images half a period later'), &
       column_type('vertices', 'x', meaning='parameter of the abscissa'), &
       column_type('vertices', 'y', meaning='parameter of the ordinate'), &
       column_type('vertices', 'corner', truths, meaning='whether pieces meet there'), &

@@ -10,7 +10,8 @@ module studies_structure_slopes
    use vi_restitution, only: power_law
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_structure, structure_type
-   use vi_structure_family, only: free_unknowns, member_type, set_member, structure_family_type
+   use vi_structure_family, only: free_unknowns, member_type, set_member, set_sides, &
+      structure_family_type
    use vi_structure_path, only: change_type, new_change, new_function
    use vi_structure_slopes, only: by_differences, equations_by_parameter
    implicit none (type, external)
@@ -84,6 +85,7 @@ contains
       call check_structure(s%path%structure, status)
       call check(status == stat%ok, 'slopes of structures: a structure')
       s%path%load = new_load(draw(random, 0.5_wp, 2.5_wp), harmonics, constant)
+      call set_sides(s)
       s%speed = 0.7_wp
       s%length = 1.3_wp
       s%p = merge(0, 1, mod(number, 5) == 0)

@@ -1,0 +1,238 @@
+"""Symmetries of structures: motions that have one are followed with it, and lose it at pitchforks."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.errors import SingularError
+
+EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
+#: Half periods by which the image of a motion of two impacts begins earlier.
+SHIFT = np.array([-1.0, 1.0])
+
+
+def stops(restitution=(0.7, 0.7), opening=0.3):
+    """Two equal masses on springs, coupled, each with a stop on its right."""
+    k = 0.3
+    gaps = [vi.Gap([1, 0], opening, restitution[0]), vi.Gap([0, 1], opening, restitution[1])]
+    return vi.Structure([1, 1], [0.1, 0.1], [[1 + k, -k], [-k, 1 + k]], gaps)
+
+
+def opposite(structure=None):
+    """Motion of these masses under opposite forces: the stops are hit in turn."""
+    guess = ([0.63 * np.pi, 1.63 * np.pi], [0, 1])
+    return vi.exact(structure or stops(), vi.Load(1.6, sine=[0.5, -0.5]), guess)
+
+
+def dampers(at=None, opening=0.6):
+    """Two equal dampers in one host, and a motion in which one does the opposite of the other later.
+
+    The coordinates are the columns of `at`.
+    """
+    at = np.eye(3) if at is None else at
+    directions = [[-1, 1, 0], [1, -1, 0], [-1, 0, 1], [1, 0, -1]]
+    gaps = [vi.Gap(np.array(g) @ at, opening, 0.7) for g in directions]
+    mass, damping, stiffness = (
+        at.T @ np.diag(d) @ at for d in ([1, 0.05, 0.05], [0.04, 0, 0], [1, 0, 0])
+    )
+    structure = vi.Structure(mass, damping, stiffness, gaps)
+    load = vi.Load(1.0, sine=at.T @ [0.1, 0, 0])
+    phases = np.array([1.35817, 1.4974, 2.35817, 2.4974]) * np.pi
+    return vi.exact(structure, load, (phases, [0, 2, 3, 1]))
+
+
+def period_map(motion):
+    """The derivative of the simulated period by central differences."""
+    n = motion.structure.coordinates
+    start = (motion.phases[0] - 0.2) / motion.load.frequency
+    q, rate = motion.sample([start])
+    state = np.concatenate([q[:, 0], rate[:, 0]])
+
+    def end(state):
+        run = vi.simulate(
+            motion.structure,
+            motion.load,
+            cycles=motion.cycles,
+            start=start,
+            state=(state[:n], state[n:]),
+        )
+        return np.concatenate(run.final_state)
+
+    h = 1e-5
+    columns = [(end(state + h * e) - end(state - h * e)) / (2 * h) for e in np.eye(2 * n)]
+    return np.array(columns).T
+
+
+def of_type(branch, kind):
+    return [point for point in branch.special_points if point.type == kind]
+
+
+@pytest.mark.parametrize(
+    ("name", "bounds"),
+    [("opening", (0.1, 0.9)), ("load", (0.4, 3)), ("stiffness_0_1", (-0.7, -0.1)), ("frequency", (1.4, 1.9))],
+)  # fmt: skip
+def test_a_pitchfork_where_an_exchange_is_lost(name, bounds):
+    """The simulated period has the multiplier 1 there, whose vector breaks the symmetry; beyond, images."""
+    branch = vi.branch(opposite(), name, bounds)
+    (pitchfork,) = of_type(branch, "pitchfork")
+    assert not of_type(branch, "fold") or name == "opening"
+    for i in range(0, len(branch), 9):
+        motion = branch[i]
+        t = np.linspace(0, motion.period, 50)
+        (here, _), (later, _) = motion.sample(t), motion.sample(t + motion.period / 2)
+        assert later == pytest.approx(EXCHANGE @ here, abs=1e-12)
+        assert branch.q_max[0, i] == pytest.approx(branch.q_max[1, i], rel=1e-9)
+    there = branch[pitchfork.index]
+    assert np.abs(np.linalg.eigvals(period_map(there)) - 1).min() < 1e-4
+    # multipliers of exact motions without the symmetry nearby pass 1 at the same value
+    shares = 1e-3 * np.array([-6, -4, -2, 2, 4, 6])
+    values = [
+        vi.exact(*branch.at(pitchfork.value * (1 + x)), there).multipliers for x in shares.tolist()
+    ]
+    nearest = [each[np.argmin(np.abs(each - 1))].real - 1 for each in values]
+    assert nearest[0] * nearest[-1] < 0
+    assert np.polynomial.Polynomial.fit(nearest, shares, 5)(0.0) == pytest.approx(0, abs=1e-7)
+
+
+def test_motions_beyond_a_pitchfork_are_images_of_each_other():
+    """A branch without the symmetry ends at the same pitchfork; the exchange gives another motion."""
+    (pitchfork,) = of_type(vi.branch(opposite(), "opening", (0.1, 0.9)), "pitchfork")
+    load = vi.Load(1.6, sine=[0.5, -0.5])
+    motion = vi.exact(stops(), load, ([1.3427 * np.pi, 1.6072 * np.pi], [0, 1]))
+    branch = vi.branch(motion, "opening", (0.29, 0.9))
+    assert "meets a motion that repeats itself" in branch.ends
+    (end,) = of_type(branch, "pitchfork")
+    assert end.value == pytest.approx(pitchfork.value, rel=1e-8)
+    near = branch[int(np.argmin(np.abs(branch.values - 0.598)))]
+    image = vi.exact(near.structure, near.load, (near.phases[::-1] + np.pi * SHIFT, [0, 1]))
+    t = np.linspace(0, near.period, 50)
+    (here, _), (other, _) = near.sample(t), image.sample(t + near.period / 2)
+    assert other == pytest.approx(EXCHANGE @ here, abs=1e-10)
+    assert np.abs(np.diff(near.phases) - np.diff(image.phases)) > 1e-3
+    assert np.sort(np.abs(image.multipliers)) == pytest.approx(
+        np.sort(np.abs(near.multipliers)), rel=1e-8
+    )
+
+
+def test_two_dampers_in_one_host():
+    """A symmetry with free masses, of which one displacement remains unknown, in any coordinates."""
+    motion = dampers()
+    ours = vi.branch(motion, "opening", (0.3, 0.8))
+    symmetry = -np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]])
+    assert ours.residual.max() < 1e-12
+    for i in range(0, len(ours), 11):
+        here = ours[i]
+        t = np.linspace(0, here.period, 50)
+        (q, _), (later, _) = here.sample(t), here.sample(t + here.period / 2)
+        assert later == pytest.approx(symmetry @ q, abs=1e-11)
+    (pitchfork,), (fold,) = of_type(ours, "pitchfork"), of_type(ours, "fold")
+    for point in (pitchfork, fold):
+        assert np.abs(ours.multipliers[:, point.index] - 1).min() < 1e-7
+    values = ours.values
+    assert values[fold.index] == pytest.approx(values.max(), rel=1e-12)
+    i = pitchfork.index
+    assert (values[i] - values[i - 1]) * (values[i + 1] - values[i]) > 0
+    at = np.eye(3) + 0.4 * np.random.default_rng(5).uniform(-1, 1, (3, 3))
+    theirs = vi.branch(dampers(at), "opening", (0.3, 0.8))
+    assert [p.type for p in theirs.special_points] == [p.type for p in ours.special_points]
+    assert [p.value for p in theirs.special_points] == pytest.approx(
+        [p.value for p in ours.special_points], rel=1e-7
+    )
+
+
+def test_units_that_take_turns():
+    """Under equal forces each unit does in one load cycle what the other does in the next one."""
+    load, guess = vi.Load(1.2, sine=[0.3, 0.3]), ([4.156, 10.439], [0, 1], 2)
+    branch = vi.branch(vi.exact(stops(opening=1.0), load, guess), "opening", (0.1, 3.0))
+    (fold,) = of_type(branch, "fold")
+    assert np.abs(branch.multipliers[:, fold.index] - 1).min() < 1e-7
+    for i in range(0, len(branch), 13):
+        motion = branch[i]
+        t = np.linspace(0, motion.period, 50)
+        (here, _), (later, _) = motion.sample(t), motion.sample(t + motion.period / 2)
+        assert later == pytest.approx(EXCHANGE @ here, abs=1e-10)
+
+
+def test_without_the_symmetry_there_is_no_pitchfork():
+    """Unequal stops, and a parameter of one of them, break the symmetry: the pitchfork unfolds."""
+    unequal = opposite(stops(restitution=(0.7, 0.69)))
+    for motion, name in ((unequal, "opening"), (opposite(), "restitution_0")):
+        bounds = (0.1, 0.9) if name == "opening" else (0.6, 0.8)
+        assert not of_type(vi.branch(motion, name, bounds), "pitchfork")
+
+
+def test_zones_end_at_pitchforks():
+    """Zones of symmetric motions and of those without the symmetry; multipliers at their boundaries."""
+    zone = vi.zone(opposite(), x=("frequency", 1.4, 1.9), y=("opening", 0.1, 0.9))
+    kinds = {piece.type for piece in zone.boundary}
+    assert "pitchfork" in kinds
+    assert all(piece.symmetric for piece in zone.boundary)
+    for piece in zone.boundary:
+        if piece.type != "pitchfork":
+            continue
+        for j in range(1, len(piece) - 1, 7):
+            place = zone.at(float(piece.x[j]), float(piece.y[j]))
+            motion = vi.periodic(*place, np.sort(piece.phases[:, j]), [0, 1])
+            assert np.abs(motion.multipliers - 1).min() < 1e-6
+    assert zone.contains(1.6, 0.55)
+    assert not zone.contains(1.6, 0.63)
+
+
+def test_synchronous_motions_are_refused_by_name():
+    """Impacts that stay at one instant; the reduced structure has the motion and half of its multipliers."""
+    load = vi.Load(1.2, sine=[0.5, 0.5])
+    motion = vi.exact(stops(), load, ([1.7721298] * 2, [0, 1]))
+    for study in (
+        lambda: vi.branch(motion, "frequency", (1.0, 1.4)),
+        lambda: vi.zone(motion, ("frequency", 1.0, 1.4), ("opening", 0.2, 0.4)),
+    ):
+        with pytest.raises(SingularError, match="at one instant, and remain so"):
+            study()
+    half = vi.Structure([2], [0.2], [2], [vi.Gap([1], 0.3, 0.7)])
+    branch = vi.branch(
+        vi.exact(half, vi.Load(1.2, sine=[1]), ([1.77], [0])), "frequency", (1.0, 1.4)
+    )
+    for i in range(0, len(branch), 7):
+        load = vi.Load(float(branch.values[i]), sine=[0.5, 0.5])
+        both = vi.exact(stops(), load, (np.repeat(branch.phases[:, i], 2), [0, 1]))
+        for multiplier in branch.multipliers[:, i]:
+            assert np.abs(both.multipliers - multiplier).min() < 1e-9
+
+
+def test_simulations_beyond_a_pitchfork_settle_on_either_image():
+    """Below 0.44 two stable motions without the symmetry; their zone ends at the pitchfork, too."""
+    load = vi.Load(0.418, sine=[0.5, -0.5])
+    found = []
+    for seed in (0, 1):
+        rng = np.random.default_rng(seed)
+        state = (rng.uniform(-0.5, 0.2, 2), rng.normal(size=2))
+        found.append(vi.exact(stops(), load, vi.simulate(stops(), load, cycles=800, state=state)))
+    one, other = found
+    assert one.stable
+    assert np.diff(one.phases) + np.diff(other.phases) == pytest.approx(2 * np.pi, abs=1e-9)
+    branch = vi.branch(one, "frequency", (0.38, 0.47))
+    ends = [point.value for point in of_type(branch, "pitchfork")]
+    assert ends
+    symmetric = vi.branch(opposite(), "frequency", (0.4, 1.9))
+    places = np.array([point.value for point in of_type(symmetric, "pitchfork")])
+    for value in ends:
+        assert np.abs(places - value).min() < 1e-8
+    zone = vi.zone(one, x=("frequency", 0.38, 0.47), y=("opening", 0.25, 0.35))
+    assert zone.contains(0.418, 0.3)
+    assert not any(piece.symmetric for piece in zone.boundary)
+    lost = [piece for piece in zone.boundary if piece.type == "pitchfork"]
+    assert lost
+    for piece in lost:
+        for j in range(0, len(piece), 9):
+            assert np.diff(piece.phases[:, j]) == pytest.approx(np.pi, abs=1e-4)
+
+
+def test_branches_of_two_dampers_meet():
+    """The motion without the symmetry, whose free masses have both displacements, ends at the pitchfork."""
+    motion = dampers()
+    (pitchfork,) = of_type(vi.branch(motion, "opening", (0.3, 0.8)), "pitchfork")
+    phases = np.array([1.3418, 1.6263, 2.25, 2.5022]) * np.pi
+    unequal = vi.exact(
+        vi.branch(motion, "opening", (0.3, 0.8)).at(0.66)[0], motion.load, (phases, [0, 2, 3, 1])
+    )
+    ends = of_type(vi.branch(unequal, "opening", (0.6, 0.8)), "pitchfork")
+    assert min(abs(end.value - pitchfork.value) for end in ends) < 1e-8
