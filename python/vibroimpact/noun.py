@@ -50,6 +50,16 @@ class column:  # noqa: N801 (a descriptor, written as property is)
         return np.moveaxis(values, -1, 0) if self.first else values
 
 
+def key(*names: str) -> Any:
+    """The value of a key of the case as an attribute, read-only; a tuple of the values of several keys."""
+
+    def value(noun: Noun) -> Any:
+        keys = noun.keys
+        return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
+
+    return property(value)
+
+
 class Savable:
     """What all results can do: conversion to files and to objects of other libraries, and back.
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door, namelist
 from ..model import Oscillator, Pattern
 from ..namelist import SYMMETRIC
-from ..noun import Noun
+from ..noun import Noun, key
 from .zone import NAMES, Zone, window
 
 __all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]
@@ -162,14 +162,8 @@ class Atlas(Noun, study="atlas"):
     """
 
     __slots__ = ("__dict__",)
-
-    @property
-    def r(self) -> tuple[float, float]:
-        return self.keys["r_min"], self.keys["r_max"]
-
-    @property
-    def clearance(self) -> tuple[float, float]:
-        return self.keys["clearance_min"], self.keys["clearance_max"]
+    r: tuple[float, float] = key("r_min", "r_max")
+    clearance: tuple[float, float] = key("clearance_min", "clearance_max")
 
     @cached_property
     def zones(self) -> list[Zone]:

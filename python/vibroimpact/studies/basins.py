@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door
 from ..errors import ParameterError
 from ..model import Oscillator, of_numbers
-from ..noun import Noun, column
+from ..noun import Noun, column, key
 from ..spacing import Axis
 from ..structure import or_structure, state_by_coordinates
 from .basin_attractors import BasinAttractor, attractors_of
@@ -58,6 +58,9 @@ class Basins(Noun, study="basins"):
     labels = column("states", "label")
     fractions = column("attractors", "fraction")
     standard_error = column("attractors")
+    r: float = key("r")
+    clearance: float = key("clearance")
+    load: float = key("load")
 
     @property
     def attractors(self) -> list[BasinAttractor]:
@@ -69,21 +72,6 @@ class Basins(Noun, study="basins"):
     def states(self) -> _Array:
         columns = self._result.tables["states"].columns
         return np.stack([columns[name].values for name in ("t", "x", "x_dot", "z", "z_dot")])
-
-    @property
-    def r(self) -> float:
-        r: float = self.keys["r"]
-        return r
-
-    @property
-    def clearance(self) -> float:
-        clearance: float = self.keys["clearance"]
-        return clearance
-
-    @property
-    def load(self) -> float:
-        load: float = self.keys["load"]
-        return load
 
     @property
     def axes(self) -> tuple[Axis, Axis] | None:

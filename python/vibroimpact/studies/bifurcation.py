@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door
 from ..errors import ParameterError
 from ..model import Oscillator
-from ..noun import Noun, column
+from ..noun import Noun, column, key
 from ..states import NEEDED, checked_state
 from ..status import NOT_COMPUTED
 from ..structure import or_structure
@@ -81,11 +81,8 @@ class BifurcationDiagram(Noun, study="bifurcation"):
     x_max = column("cells")
     status = column("cells")
     labels = column("cells", "label")
-
-    @property
-    def parameter(self) -> str:
-        parameter: str = self.keys["parameter"]
-        return parameter
+    parameter: str = key("parameter")
+    load: float = key("load")
 
     @property
     def r(self) -> float | _Array:
@@ -100,11 +97,6 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         keys = self.keys
         value = self.values[0] if keys["parameter"] == name else keys[name]
         return np.array(value) if isinstance(value, list) else float(value)
-
-    @property
-    def load(self) -> float:
-        load: float = self.keys["load"]
-        return load
 
     @property
     def runs(self) -> list[str]:

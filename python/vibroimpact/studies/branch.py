@@ -14,7 +14,7 @@ from .. import checks, door, namelist
 from ..errors import ParameterError, SingularError, StudyInterrupted
 from ..model import Pattern, plain_pattern
 from ..motion import Motion
-from ..noun import Noun, column
+from ..noun import Noun, column, key
 from ..solve import frozen
 from ..status import VERDICT
 from ..structure import or_structure
@@ -135,11 +135,7 @@ class Branch(Noun, study="branch", part=True):
     consistent = column("points")
     admissible = column("points")
     stable = column("points")
-
-    @property
-    def parameter(self) -> str:
-        parameter: str = self.keys["parameter"]
-        return parameter
+    parameter: str = key("parameter")
 
     @property
     def pattern(self) -> Pattern:

@@ -14,7 +14,7 @@ from ..errors import ParameterError, ParameterTypeError
 from ..jupyter import rows_html
 from ..model import Oscillator, of_numbers
 from ..motion import Motion, motions_of
-from ..noun import Noun
+from ..noun import Noun, key
 from ..structure import or_structure, state_by_coordinates
 from ..structure_find import find_structure
 
@@ -110,6 +110,9 @@ class Findings(Noun, study="find"):
     """
 
     __slots__ = ("__dict__",)
+    r: float = key("r")
+    clearance: float = key("clearance")
+    load: float = key("load")
 
     @classmethod
     def of(
@@ -122,21 +125,6 @@ class Findings(Noun, study="find"):
         ):  # fmt: skip
             raise ParameterError(f"motions = {motions!r}: must be what find gave at this point")
         return findings
-
-    @property
-    def r(self) -> float:
-        r: float = self.keys["r"]
-        return r
-
-    @property
-    def clearance(self) -> float:
-        clearance: float = self.keys["clearance"]
-        return clearance
-
-    @property
-    def load(self) -> float:
-        load: float = self.keys["load"]
-        return load
 
     @cached_property
     def motions(self) -> list[Motion]:

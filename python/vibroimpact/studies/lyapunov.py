@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import checks, door
 from ..errors import ParameterError, SingularError
 from ..model import Oscillator
-from ..noun import Noun, column
+from ..noun import Noun, column, key
 from ..states import NEEDED, checked_state
 from ..structure import or_structure, state_by_coordinates
 from .structure_lyapunov import lyapunov_structure
@@ -72,11 +72,7 @@ class Lyapunov(Noun, study="lyapunov"):
     impacts = column("points")
     rests = column("points")
     status = column("points")
-
-    @property
-    def load(self) -> float:
-        load: float = self.keys["load"]
-        return load
+    load: float = key("load")
 
     @property
     def cycles(self) -> int:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from .. import door
 from ..model import Oscillator
-from ..noun import Noun, column
+from ..noun import Noun, column, key
 from ..structure import or_structure
 from .structure_sweep import response_structure
 
@@ -50,11 +50,7 @@ class Response(Noun, study="response"):
     impacts = column("runs")
     rests = column("runs")
     status = column("runs")
-
-    @property
-    def load(self) -> float:
-        load: float = self.keys["load"]
-        return load
+    load: float = key("load")
 
     def plot(self, ax: Any = None) -> Any:
         """Draw each attractor as a dot and the envelopes as lines (extra `plot`); returns the Axes."""

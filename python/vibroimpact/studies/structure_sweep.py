@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
-from ..noun import column
+from ..noun import column, key
 from ..spacing import spacing_of
 from ..status import sentence
 from ..structure import Load, Structure
@@ -95,11 +95,7 @@ class StructureBifurcation(_Sweep, study="bifurcation_structure"):
     """
 
     __slots__ = ()
-
-    @property
-    def parameter(self) -> str:
-        parameter: str = self.keys["parameter"]
-        return parameter
+    parameter: str = key("parameter")
 
     def strobes(self, cell: int) -> tuple[_Array, _Array]:
         """Coordinates and velocities (m, n) at the beginning of load cycles at one of `values`: those of a period,

@@ -18,7 +18,7 @@ from ..model import Oscillator, Pattern, pattern_of
 from ..motion import Motion
 from ..namelist import symmetric_word
 from ..newton import newton
-from ..noun import Noun
+from ..noun import Noun, key
 from ..structure import or_structure
 from ..structure_motion import StructureMotion
 from ..structure_zone import zone_structure
@@ -128,18 +128,12 @@ class Zone(Noun, study="zone"):
     """
 
     __slots__ = ("__dict__",)
+    r: tuple[float, float] = key("r_min", "r_max")
+    clearance: tuple[float, float] = key("clearance_min", "clearance_max")
 
     @property
     def pattern(self) -> Pattern:
         return Pattern(self.keys["sides"], self.keys["cycles"])
-
-    @property
-    def r(self) -> tuple[float, float]:
-        return self.keys["r_min"], self.keys["r_max"]
-
-    @property
-    def clearance(self) -> tuple[float, float]:
-        return self.keys["clearance_min"], self.keys["clearance_max"]
 
     @property
     def symmetric(self) -> bool | None:
