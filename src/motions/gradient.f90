@@ -8,12 +8,12 @@ module vi_gradient
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_exact, only: setting_type
    use vi_extrema, only: relative_extrema
-   use vi_flight, only: flight_type, new_flight
+   use vi_flight, only: flight_type
    use vi_kinds, only: wp
    use vi_lapack, only: solve
    use vi_lapack_routines, only: geev
-   use vi_orbit, only: by_after, by_before, by_clearance, by_left, by_position, by_r, by_right, &
-      by_speed, by_xi, family_type, most_impacts, n_parameters, orbit_slopes, orbit_type, &
+   use vi_orbit, only: by_clearance, by_left, by_position, by_r, by_right, by_speed, by_velocity, &
+      by_xi, family_type, flight_at, most_impacts, n_parameters, orbit_slopes, orbit_type, &
       period_parts, set_orbit
    use vi_oscillation, only: derivatives
    use vi_oscillator, only: gain, lag, left, right
@@ -217,10 +217,10 @@ contains
             quantities(n + i) = quantity(solved, o%u(i), slope(:m), .true.)
             quantities(2*n + i) = quantity(solved, o%z(i), slope(:m), .true.)
             slope = 0
-            call by_before(o, i, 1.0_wp, slope)
+            call by_velocity(o, i, 0.0_wp, 1.0_wp, slope)
             quantities(3*n + i) = quantity(solved, o%before(i), slope(:m), .true.)
             slope = 0
-            call by_after(o, i, 1.0_wp, slope)
+            call by_velocity(o, i, 1.0_wp, 0.0_wp, slope)
             quantities(4*n + i) = quantity(solved, o%after(i), slope(:m), .true.)
             slope = 0
             call by_speed(o, i - 1, 1.0_wp, slope)
@@ -266,18 +266,6 @@ contains
       call by_position(solved%o, i, t, real(side, wp), slope)
       gap = quantity(solved, 0.5_wp - side*extreme, slope(:2*solved%o%n + n_parameters), .true.)
    end function gap
-
-   !> The flight after impact i, lengths in units of the clearance.
-   pure function flight_at(o, i) result(flight)
-      !> The orbit.
-      type(orbit_type), intent(in) :: o
-      !> Number of the impact.
-      integer, intent(in) :: i
-      type(flight_type) :: flight
-
-      flight = new_flight(o%xi, o%r, o%amplitude, o%theta(i), o%u(i), o%after(i), o%z(i), &
-         o%speed(i), o%time(i))
-   end function flight_at
 
    !> The time at which the relative position is stationary, which the search for it leaves with
    !! half of the digits.

@@ -5,6 +5,7 @@
 !! period later, a fold has the multiplier +1 of the half-period map, and the pitchfork, where the
 !! symmetry is lost, has -1.
 module vi_orbit
+   use vi_flight, only: flight_type, new_flight
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
    use vi_member, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
@@ -14,12 +15,24 @@ module vi_orbit
    private
 
    public :: set_orbit, orbit_residual, orbit_slopes, orbit_by_parameter
-   public :: by_after, by_before, by_forced, by_law, by_speed, by_time, by_position, period_parts, &
-      span_of, split_part, transfer_by_xi
+   public :: by_forced, by_law, by_speed, by_time, by_position, by_velocity, flight_at, &
+      period_parts, span_of, split_part, transfer_by_xi
    public :: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, most_impacts
    public :: family_type, orbit_type
 
 contains
+
+   !> The flight after impact i, lengths in units of the clearance.
+   pure function flight_at(o, i) result(flight)
+      !> The orbit.
+      type(orbit_type), intent(in) :: o
+      !> Number of the impact.
+      integer, intent(in) :: i
+      type(flight_type) :: flight
+
+      flight = new_flight(o%xi, o%r, o%amplitude, o%theta(i), o%u(i), o%after(i), o%z(i), &
+         o%speed(i), o%time(i))
+   end function flight_at
 
    !> Position and velocity at the end of each flight less those just before the next impact (2n).
    pure function orbit_residual(o) result(residual)
@@ -146,39 +159,22 @@ contains
       end associate
    end subroutine by_law
 
-   !> Adds the effect of the velocity of the primary mass just after an impact, times a weight, to a
-   !! gradient.
-   pure subroutine by_after(o, i, weight, slope)
+   !> Adds the effect of the velocities of the primary mass just after and just before an impact,
+   !! times weights, to a gradient.
+   pure subroutine by_velocity(o, i, after, before, slope)
       !> The orbit.
       type(orbit_type), intent(in) :: o
       !> Number of the impact, 1 to n.
       integer, intent(in) :: i
-      !> Derivative of the quantity with respect to that velocity.
-      real(wp), intent(in) :: weight
+      !> Derivatives of the quantity with respect to the velocities just after and just before it.
+      real(wp), intent(in) :: after, before
       !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
       real(wp), contiguous, intent(inout) :: slope(:)
 
-      call by_speed(o, i - 1, weight*o%of_after(1, i), slope)
-      call by_speed(o, i, weight*o%of_after(2, i), slope)
-      call by_law(o, i, weight, 0.0_wp, slope)
-   end subroutine by_after
-
-   !> Adds the effect of the velocity of the primary mass just before an impact, times a weight, to
-   !! a gradient.
-   pure subroutine by_before(o, i, weight, slope)
-      !> The orbit.
-      type(orbit_type), intent(in) :: o
-      !> Number of the impact, 1 to n.
-      integer, intent(in) :: i
-      !> Derivative of the quantity with respect to that velocity.
-      real(wp), intent(in) :: weight
-      !> (at least 2n + o%varied) In and out: gradient with respect to u_i, theta_i, parameters.
-      real(wp), contiguous, intent(inout) :: slope(:)
-
-      call by_speed(o, i - 1, weight*o%of_before(1, i), slope)
-      call by_speed(o, i, weight*o%of_before(2, i), slope)
-      call by_law(o, i, 0.0_wp, weight, slope)
-   end subroutine by_before
+      call by_speed(o, i - 1, after*o%of_after(1, i) + before*o%of_before(1, i), slope)
+      call by_speed(o, i, after*o%of_after(2, i) + before*o%of_before(2, i), slope)
+      call by_law(o, i, after, before, slope)
+   end subroutine by_velocity
 
    !> Adds the effect of the position of the primary mass a given time after an impact, times a
    !! weight, to a gradient; the time is fixed.
@@ -204,7 +200,7 @@ contains
       sine = weight*o%amplitude*sin(o%r*t + o%theta(i))
       cosine = weight*o%amplitude*cos(o%r*t + o%theta(i))
       slope(i) = slope(i) + free(1)
-      call by_after(o, i, free(2), slope)
+      call by_velocity(o, i, free(2), 0.0_wp, slope)
       call by_forced(o, i, -free(1), -free(2), slope)
       slope(n + i) = slope(n + i) + cosine
       slope(2*n + by_r) = slope(2*n + by_r) + cosine*t + o%growth*sine

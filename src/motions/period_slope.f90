@@ -5,8 +5,8 @@
 !! of each [P_i], and from these through (A5)-(A7) to the unknowns and parameters.
 module vi_period_slope
    use vi_kinds, only: wp
-   use vi_orbit, only: by_after, by_clearance, by_forced, by_left, by_mu, by_r, by_right, &
-      by_speed, by_time, by_xi, most_impacts, orbit_type, transfer_by_xi
+   use vi_orbit, only: by_clearance, by_forced, by_left, by_mu, by_r, by_right, by_speed, &
+      by_time, by_velocity, by_xi, most_impacts, orbit_type, transfer_by_xi
    implicit none (type, external)
    private
 
@@ -119,7 +119,7 @@ contains
       slope(2*o%n + by_r) = slope(2*o%n + by_r) + w_r
       call by_time(o, i, w_time, slope)
       call by_speed(o, i, w_speed, slope)
-      call by_after(o, i, m(2), slope)
+      call by_velocity(o, i, m(2), 0.0_wp, slope)
       call by_forced(o, i, w_f(1) - m(1), w_g(1)/r - m(2), slope)
       call by_forced(o, i + 1, w_f(2), w_g(2)/r, slope)
    end subroutine add_part_slope

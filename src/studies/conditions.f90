@@ -5,11 +5,11 @@
 module vi_conditions
    use vi_extrema, only: relative_extrema
    use vi_family, only: repetition_distance
-   use vi_flight, only: flight_position, flight_type, new_flight
+   use vi_flight, only: flight_position, flight_type
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
       neimark_sacker, repetition, rest_vanishes, zero_approach
    use vi_kinds, only: wp
-   use vi_orbit, only: orbit_type, set_orbit
+   use vi_orbit, only: flight_at, orbit_type, set_orbit
    use vi_oscillation, only: derivatives
    use vi_rest_conditions, only: rest_condition, rest_conditions
    use vi_structure_conditions, only: structure_condition, structure_conditions
@@ -246,17 +246,5 @@ contains
       touch%share = t/flight%duration
       gap = 0.5_wp - touch%side*(flight_position(flight, t) - d(0))
    end subroutine polish_touch
-
-   !> The flight after impact i, lengths in units of the clearance.
-   pure function flight_at(o, i) result(flight)
-      !> The orbit.
-      type(orbit_type), intent(in) :: o
-      !> Number of the impact.
-      integer, intent(in) :: i
-      type(flight_type) :: flight
-
-      flight = new_flight(o%xi, o%r, o%amplitude, o%theta(i), o%u(i), o%after(i), o%z(i), &
-         o%speed(i), o%time(i))
-   end function flight_at
 
 end module vi_conditions
