@@ -4,6 +4,9 @@ from importlib.metadata import version as _version
 
 from . import errors
 from .bundle import Bundle, simulate_bundle
+from .campaigns.campaign import Campaign
+from .campaigns.run import campaign
+from .campaigns.sweep import Sweep
 from .case import Case, read_namelist
 from .errors import (
     MissingExtraError,
@@ -79,6 +82,7 @@ __all__ = [
     "Branch",
     "Branches",
     "Bundle",
+    "Campaign",
     "Case",
     "Chart",
     "Decay",
@@ -132,6 +136,7 @@ __all__ = [
     "StructureZone",
     "StudyInterrupted",
     "TabulatedRestitution",
+    "Sweep",
     "Trajectory",
     "Uncertainty",
     "Units",
@@ -148,6 +153,7 @@ __all__ = [
     "bifurcation_structure",
     "boundary_bands",
     "branch",
+    "campaign",
     "branch_structure",
     "chart",
     "decay",

@@ -78,7 +78,7 @@ class Case(NamedTuple):
     @property
     def study(self) -> str:
         """Name of the study."""
-        *_, group, _ = groups_of(self.text)
+        group = [name for name in groups_of(self.text) if name not in ("sweep", "output")][-1]
         system = self.structure is not None
         return next(
             str(name) for name, about in language()["results"].items()
@@ -160,37 +160,31 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     echo = message_of(Handle(handle))
     if status:
         raise ParameterError(echo)
-    cases: list[dict[str, Any]] = []
+    texts: list[str] = []
     # the reader returns each case as in the header of its result: one `# key = value` per line
     for line in echo.split("\n"):
         if line in ("# &system", "# &structure"):
-            cases.append({"text": ""})
-        if cases and not line.startswith("# !"):
-            cases[-1]["text"] += line[2:] + "\n"
-    return [
-        _structure_case(item["text"].strip("\n") + "\n") if item["text"].startswith("&structure")
-        else _case(keys_of(item["text"]) | item)
-        for item in cases
-    ]  # fmt: skip
+            texts.append("")
+        if texts and not line.startswith("# !"):
+            texts[-1] += line[2:] + "\n"
+    return [case_of(text.strip("\n") + "\n") for text in texts]
 
 
-def _case(keys: dict[str, Any]) -> Case:
+def case_of(text: str) -> Case:
+    """A case that is complete and checked, with one `key = value` a line."""
+    return _structure_case(text) if text.startswith("&structure") else _case(text)
+
+
+def _case(text: str) -> Case:
+    keys = keys_of(text)
     osc = Oscillator._of_keys(keys)
-    name, kind, r, text, *_ = (
-        keys.pop(key, None) for key in ("name", "kind", "r", "text", *osc._keys())
-    )
-    return Case(
-        name,
-        kind,
-        osc,
-        r,
-        keys,
-        text.strip("\n") + "\n",
-    )
+    name, kind, r, *_ = (keys.pop(key, None) for key in ("name", "kind", "r", *osc._keys()))
+    return Case(name, kind, osc, r, keys, text)
 
 
 def _structure_case(text: str) -> Case:
-    *parts, (kind, keys), (_, output) = parts_of(text)
+    *parts, (kind, keys) = [part for part in parts_of(text) if part[0] not in ("sweep", "output")]
+    output = dict(parts_of(text))["output"]
     structure, load = from_groups(parts)
     name = output.pop("name")
     return Case(name, kind, None, None, keys | output, text, structure, load)

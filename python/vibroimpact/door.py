@@ -80,9 +80,12 @@ def translated(message: str, names: Mapping[str, str]) -> str:
 
 def run_text(
     noun: Callable[[Result], Found], text: str, threads: int | None = None,
-    progress: Progress | None = None, little: bool = False,
+    progress: Progress | None = None, little: bool = False, counters: NDArray[np.int32] | None = None,
 ) -> Found:  # fmt: skip
-    """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist."""
+    """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist.
+
+    With `counters` the call is made in this thread, and another one stops it by their flag.
+    """
     study: str = noun.study  # type: ignore[attr-defined]
     if progress is not None and not callable(progress):
         raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
@@ -90,8 +93,9 @@ def run_text(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
     )
     call = (_core.run_case, np.frombuffer(text.encode(), "S1"), workers)
-    if little:
-        (handle, status), complete = call[0](*call[1:], new_counters()), True
+    if little or counters is not None:
+        counters = new_counters() if counters is None else counters
+        (handle, status), complete = call[0](*call[1:], counters), True
     else:
         (handle, status), complete = stoppable(
             *call, counters=new_counters(), progress=progress, note=study

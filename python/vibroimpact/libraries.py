@@ -23,3 +23,14 @@ def scipy(module: str, what: str, extra: str = "identify") -> Any:
         return import_module(f"scipy.{module}")
     except ImportError:
         raise MissingExtraError(f"{what} needs scipy: pip install 'vibroimpact[{extra}]'") from None
+
+
+def zarr() -> Any:
+    """The zarr module, or an error that says what needs it and how to install it."""
+    try:
+        import zarr as module
+    except ImportError:
+        raise MissingExtraError(
+            "a campaign's store needs zarr: pip install 'vibroimpact[campaign]' (Python 3.11 or newer)"
+        ) from None
+    return module

@@ -72,8 +72,13 @@ def keys_of(text: str) -> dict[str, Any]:
     &motion before this group.
     """
     keys: dict[str, Any] = {}
+    of_sweep = False
     for line in text.split("\n"):
         name, equals, value = line.strip().partition(" = ")
+        if line[:1] == "&":
+            of_sweep = name == "&sweep"
+        if of_sweep:
+            continue
         if line[:1] == "&" and name not in ("&system", "&output"):
             if "kind" in keys:
                 keys["motion_kind"] = keys["kind"]

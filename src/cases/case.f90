@@ -26,6 +26,8 @@ module vi_case
       type(values_type), allocatable :: parts(:)
       !> The group that asks for the result, and the name of its study.
       type(values_type) :: study
+      !> The &sweep after it, which makes a campaign of the case; without a name if there is none.
+      type(values_type) :: sweep
       character(:), allocatable :: study_name
       !> The group that the study starts from, such as the &motion of a &branch.
       type(values_type) :: start
@@ -184,6 +186,7 @@ contains
       end if
       if (allocated(case%start%name)) call case%start%echo(lines)
       call case%study%echo(lines)
+      if (allocated(case%sweep%name)) call case%sweep%echo(lines)
       call case%output%echo(lines)
    end subroutine echo
 

@@ -7,6 +7,7 @@ module vi_describe
    use vi_study, only: name_length, study_type
    use vi_structure_groups, only: gap_keys, load_keys, structure_keys
    use vi_study_list, only: find_study, list_studies
+   use vi_sweep, only: sweep_keys
    use vi_text, only: append, line_type, number_text, whole
    implicit none (type, external)
    private
@@ -23,7 +24,7 @@ contains
 
       call list_studies(studies)
       names = [character(name_length) :: 'system', 'structure', 'gap', 'load', studies%name, &
-         'output']
+         'sweep', 'output']
    end subroutine list_groups
 
    !> The keys of a group for users: name, values, default, meaning.
@@ -176,6 +177,8 @@ contains
          keys = gap_keys
       case ('load')
          keys = load_keys
+      case ('sweep')
+         keys = sweep_keys
       case ('output')
          keys = output_keys
       case default

@@ -14,6 +14,7 @@ module vi_parse_cases
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
    use vi_structure_groups, only: most_coordinates, read_parts, read_structure
+   use vi_sweep, only: sweep_keys
    use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
    use vi_text, only: brief, lower, whole, whole_width
@@ -30,7 +31,7 @@ module vi_parse_cases
 
    !> The groups that are not studies.
    character(9), parameter :: other_groups(*) = [character(9) :: 'system', 'structure', 'gap', &
-      'load', 'output']
+      'load', 'sweep', 'output']
 
    !> The system of the cases that follow.
    type :: system_type
@@ -60,7 +61,7 @@ contains
       type(study_type), allocatable :: studies(:)
       type(system_type) :: system
       character(:), allocatable :: names
-      integer :: line, i, n
+      integer :: line, i, n, n_before
 
       allocate (cases(0))
       line = 0
@@ -85,10 +86,13 @@ contains
                call take_structure(studies, path, groups(i:), system, line, message)
             case ('gap', 'load')
                call check_place(groups(:i), message)
-            case ('output')
-               if (.not. ends_in_case(studies, groups(:i - 1))) then
+            case ('sweep', 'output')
+               n_before = i - 1
+               if (groups(i)%name == 'output' .and. n_before > 0) n_before = n_before - &
+                  merge(1, 0, groups(n_before)%name == 'sweep')
+               if (.not. ends_in_case(studies, groups(:n_before))) then
                   call join_groups(studies%group, names)
-                  message = '&output: no '//names//' stands before it'
+                  message = '&'//groups(i)%name//': no '//names//' stands before it'
                end if
             case default
                if (.not. allocated(system%values%name)) then
@@ -103,8 +107,11 @@ contains
                else if (is_case(studies, groups(i:))) then
                   n = n + 1
                   call take_case(studies, path, groups, i, system, cases(n), line, message)
-                  if (len(message) == 0) call take_output(path, groups(i:), n, size(cases), &
-                     cases(n), line, message)
+                  n_before = i
+                  if (len(message) == 0) call take_sweep(groups, n_before, cases(n), line, &
+                     message)
+                  if (len(message) == 0) call take_output(path, groups(n_before:), n, &
+                     size(cases), cases(n), line, message)
                end if
             end select
             if (len(message) > 0) exit
@@ -374,6 +381,26 @@ contains
       end associate
       call pass_on(case%study, line, message)
    end subroutine take_case
+
+   !> Reads the &sweep after a study, if there is one.
+   subroutine take_sweep(groups, last, case, line, message)
+      !> All groups of the file.
+      type(group_type), intent(in) :: groups(:)
+      !> In: place of the study. Out: that of its &sweep, if it has one.
+      integer, intent(inout) :: last
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> Out: line of the fault; not changed if there is none.
+      integer, intent(inout) :: line
+      !> Out: the fault; empty if there is none.
+      character(:), allocatable, intent(inout) :: message
+
+      if (last == size(groups)) return
+      if (groups(last + 1)%name /= 'sweep') return
+      last = last + 1
+      call read_values('sweep', sweep_keys, groups(last), case%sweep)
+      call pass_on(case%sweep, line, message)
+   end subroutine take_sweep
 
    !> Name and format of the result; the name is that of the file (numbered) unless given.
    subroutine take_output(path, groups, number, total, case, line, message)

@@ -123,6 +123,12 @@ contains
       allocate (lines(0))
       if (has_room(echo_bytes*case%study%count_numbers())) call echo(case, lines)
       call start_result(lines, columns, study%row, result)
+      if (allocated(case%sweep%name)) then
+         result%empty = .true.
+         call result%fail('with its &sweep this is a campaign, which the Python package runs: &
+            &vibroimpact campaign FILE.nml --store FOLDER')
+         return
+      end if
       if (study%in_python) then
          result%empty = .true.
          call result%fail('&'//trim(study%group)//' is computed by the Python package: &

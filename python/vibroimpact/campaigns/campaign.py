@@ -1,0 +1,195 @@
+"""The results of a campaign, read from its store, also while it runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks
+from ..errors import ParameterError
+from ..libraries import xarray
+from ..noun import Noun
+from ..tables import declared
+from .chunk import Chunk
+from .store import Store
+from .sweep import Sweep
+
+__all__ = ["Campaign"]
+
+#: What becomes of the rows of a case in `Campaign.values`.
+REDUCTIONS: dict[str, Any] = {"min": np.minimum, "max": np.maximum, "sum": np.add}
+
+
+#: What a plan has besides its cases.
+HEAD = ("study", "size", "chunk", "core", "vibroimpact")
+
+
+class Campaign:
+    """The results in the store of a campaign.
+
+    Parameters
+    ----------
+    store : path
+        The folder of the campaign.
+
+    Attributes
+    ----------
+    study : str
+        The study of its cases.
+    sweep : Sweep or None
+        None if the cases were given one by one.
+    size : int
+        The number of its cases.
+
+    Raises
+    ------
+    ParameterError
+        If the folder is not the store of a campaign.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> case = vi.equispaced(osc, r=1.0, clearance=20.0)[0].to_namelist()
+    >>> sweep = vi.Sweep(case, {"r": [0.9, 1.0], "clearance": [10.0, 20.0, 30.0]})
+    >>> store = pathlib.Path(tempfile.mkdtemp()) / "store"
+    >>> _ = vi.campaign(sweep, store)
+    >>> found = vi.Campaign(store)
+    >>> found.values("motions", "attenuation", "min").round(3)
+    array([[..., ..., ...],
+           [..., ..., ...]])
+    """
+
+    def __init__(self, store: str | os.PathLike[str]) -> None:
+        self._store = Store(store)
+        plan = self._store.plan()
+        self.study: str = plan["study"]
+        self.size: int = plan["size"]
+        self._chunk: int = plan["chunk"]
+        self.sweep = None
+        if "template" in plan:
+            self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in HEAD})
+        self._read = lru_cache(4)(self._store.read)
+
+    @property
+    def failures(self) -> Path:
+        """The folder with the cases that were refused or failed, as namelists."""
+        return self._store.failures
+
+    def __repr__(self) -> str:
+        done = self.finished
+        return (
+            f"<Campaign of {self.study}: {done.sum()} of {self.size} cases finished, {len(self.refused)} refused>"
+        )
+
+    def __len__(self) -> int:
+        return self.size
+
+    def _chunks(self) -> Iterator[tuple[int, Chunk]]:
+        """The chunks that are there, with the numbers of their first cases."""
+        for name in self._store.names():
+            yield int(name.partition("-")[0]), self._read(name)
+
+    @property
+    def finished(self) -> NDArray[np.bool_]:
+        """For each case whether its chunk is in the store."""
+        done = np.zeros(self.size, bool)
+        for name in self._store.names():
+            first = int(name.partition("-")[0])
+            done[first : first + self._chunk] = True
+        return done
+
+    @property
+    def refused(self) -> dict[int, str]:
+        """The cases that the study refused, by number, with the reason."""
+        return {
+            first + i: error for first, chunk in self._chunks() for i, error in chunk.errors.items()
+        }
+
+    def __getitem__(self, number: int) -> Noun:
+        """The result of a case, by number from 0, as its study gives it."""
+        if not isinstance(number, (int, np.integer)) or not -self.size <= number < self.size:
+            raise IndexError(f"case {number!r}: must be a whole number below {self.size}")
+        place = int(number) % self.size
+        first = place // self._chunk * self._chunk
+        for name in self._store.names():
+            if int(name.partition("-")[0]) == first:
+                return self._read(name).noun(place - first)
+        raise ParameterError(f"case {place}: is not finished; continue the campaign by the same call")
+
+    def values(self, table: str, column: str, reduce: str = "first") -> NDArray[Any]:
+        """One number for each case, in the shape of the sweep.
+
+        Parameters
+        ----------
+        table, column : str
+            A column of the results, as in `to_xarray` of one of them; its values must be real numbers, whole
+            numbers, verdicts or logical values.
+        reduce : str
+            What is done with several rows of a case: "first", "min", "max", "sum", "mean", or "count" for their
+            number. NaN is left out.
+
+        Returns
+        -------
+        ndarray
+            NaN for a case that is not finished, was refused, or has no rows.
+
+        Raises
+        ------
+        ParameterError
+            For a column that the study does not have.
+        """
+        checks.choice(reduce, "reduce", ("first", *REDUCTIONS, "mean", "count"))
+        known = [f"{one}.{name}" for one, name in declared(self.study)]
+        if f"{table}.{column}" not in known:
+            raise ParameterError(f"{table}.{column}: must be one of {', '.join(known)}")
+        item = declared(self.study)[table, column]
+        if item["kind"] in ("complex", "word") or item["each"]:
+            raise ParameterError(f"{table}.{column}: must be a column of single real numbers")
+        found = np.full(self.size, np.nan)
+        for first, chunk in self._chunks():
+            if column not in chunk.arrays.get(table, {}):
+                continue
+            cases = chunk.arrays[table]["case"] + first
+            values = chunk.arrays[table][column].astype(float)
+            there = ~np.isnan(values)
+            found_here, starts, counts = np.unique(cases[there], return_index=True, return_counts=True)
+            values = values[there]
+            if not len(values):
+                continue
+            if reduce == "first":
+                found[found_here] = values[starts]
+            elif reduce == "count":
+                found[found_here] = counts
+            elif reduce == "mean":
+                found[found_here] = np.add.reduceat(values, starts) / counts
+            else:
+                found[found_here] = REDUCTIONS[reduce].reduceat(values, starts)
+        return found.reshape(self.shape)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the sweep."""
+        return (self.size,) if self.sweep is None else self.sweep.shape
+
+    def to_xarray(self, table: str, column: str, reduce: str = "first") -> Any:
+        """`values` as an array of xarray, with the values of the keys along its dimensions."""
+        item = declared(self.study).get((table, column), {})
+        values = self.values(table, column, reduce)
+        about = {"long_name": item["meaning"], "units": item["unit"] or "1", "reduction": reduce}
+        if self.sweep is None:
+            return xarray().DataArray(values, dims=["case"], name=column, attrs=about)
+        if self.sweep.points is not None:
+            coords = {key: ("case", axis) for key, axis in zip(self.sweep.keys, self.sweep.axes, strict=True)}
+            return xarray().DataArray(values, coords, ["case"], name=column, attrs=about)
+        coords = {
+            key: axis if np.ndim(axis) == 1 else [str(value) for value in axis]
+            for key, axis in zip(self.sweep.keys, self.sweep.axes, strict=True)
+        }
+        return xarray().DataArray(values, coords, list(coords), name=column, attrs=about)

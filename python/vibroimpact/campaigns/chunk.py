@@ -1,0 +1,195 @@
+"""A chunk: some cases of a campaign, computed and packed into a few arrays."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core, door
+from ..case import case_of
+from ..errors import OutOfMemoryError, ParameterError, VibroimpactError
+from ..interrupt import new_counters
+from ..noun import RESULTS, Noun
+from ..tables import STORED, Column, Found, Result, Table, declared, declared_column, language
+
+__all__ = ["Chunk", "compute", "core_digest", "name_of"]
+
+#: Value of a place that a row does not have, because its list is shorter than the longest one of the chunk.
+FILL = {"real": np.nan, "complex": complex(np.nan, np.nan)}
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """The packed results of some cases.
+
+    Attributes
+    ----------
+    study : str
+        Which all cases share.
+    heads : list of dict
+        For each case its text, and what its result holds besides tables; `error` if it was refused.
+    arrays : dict
+        For each table the columns by their names, all rows of all cases; `case` is the case of each row, from 0
+        in the chunk, and `owner` the row of the parent within this case.
+    words : dict
+        The words of a column (table, name), in the order of their codes from 1.
+    """
+
+    study: str
+    heads: list[dict[str, Any]]
+    arrays: dict[str, dict[str, NDArray[Any]]]
+    words: dict[tuple[str, str], tuple[str, ...]]
+
+    @property
+    def errors(self) -> dict[int, str]:
+        """Why cases were refused, by their number in the chunk."""
+        return {i: head["error"] for i, head in enumerate(self.heads) if "error" in head}
+
+    def noun(self, number: int) -> Noun:
+        """The result of one case; its error is raised if it was refused."""
+        head = self.heads[number]
+        if "error" in head:
+            raise ParameterError(head["error"])
+        tables = {}
+        for name, about in head["tables"].items():
+            packed = self.arrays[name]
+            first, last = np.searchsorted(packed["case"], (number, number + 1)).tolist()
+            shape = tuple(about["dims"].values())
+            columns = {}
+            for key, inner in about["columns"].items():
+                item = declared(self.study)[name, key]
+                values = packed[key][first:last]
+                if item["each"]:
+                    values = values[:, :inner].reshape(*shape, inner)
+                else:
+                    values = values.reshape(shape)
+                columns[key] = declared_column(item, self.words.get((name, key), ()), values)
+            owners = packed["owner"][first:last].reshape(shape) if about["parent"] else None
+            tables[name] = Table(about["dims"], about["parent"], owners, Found(columns, name))
+        result = Result(
+            self.study, head["case"], head["cut"], head["empty"], tuple(head["remarks"]),
+            tuple((bool(fault), text) for fault, text in head["notes"]), head["row"], Found(tables, "tables"),
+        )  # fmt: skip
+        return RESULTS[self.study].of_result(result)
+
+
+def compute(
+    study: str, texts: Sequence[str], digest: str = "", threads: int = 1,
+    counters: NDArray[np.int32] | None = None,
+) -> Chunk:  # fmt: skip
+    """The results of some cases; `digest` is that of the core that the caller has.
+
+    Another thread stops it by the flag of the progress counters: KeyboardInterrupt.
+    """
+    counters = new_counters() if counters is None else counters
+    if digest and core_digest() != digest:
+        raise ParameterError(
+            "the core of a worker is not that of this process; install the same vibroimpact on both"
+        )
+    found: list[Result | str] = []
+    for text in texts:
+        counters[:2] = 0
+        try:
+            found.append(result_of(study, text, threads, counters))
+        except OutOfMemoryError:
+            raise
+        except VibroimpactError as error:
+            found.append(str(error))
+        if counters[2]:
+            raise KeyboardInterrupt
+    return packed(study, texts, found)
+
+
+def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) -> Result:
+    """The result of one case."""
+    if language()["results"][study]["in_python"]:
+        result: Result = RESULTS[study].computed(case_of(text), None)._result
+        return result
+    noun = door.run_text(RESULTS[study], text, threads, counters=counters)
+    result = noun._result
+    return result
+
+
+def packed(study: str, texts: Sequence[str], found: Sequence[Result | str]) -> Chunk:
+    """The results, or errors, of cases in one set of arrays."""
+    heads: list[dict[str, Any]] = []
+    rows: dict[str, dict[str, list[Any]]] = {}
+    words: dict[tuple[str, str], dict[str, int]] = {}
+    for number, (text, result) in enumerate(zip(texts, found, strict=True)):
+        if isinstance(result, str):
+            heads.append({"text": text, "error": result})
+            continue
+        tables = {}
+        for name, table in result.tables.items():
+            size = math.prod(table.dims.values())
+            inner = {}
+            into = rows.setdefault(name, {})
+            into.setdefault("case", []).append(np.full(size, number, "<i4"))
+            if table.owners is not None:
+                into.setdefault("owner", []).append(np.asarray(table.owners, "<i4").ravel())
+            for key, column in table.columns.items():
+                inner[key] = column.values.shape[-1] if column.each else 1
+                values = column.values.reshape(size, inner[key]) if size else np.empty((0, inner[key]))
+                if column.kind == "word":
+                    values = recoded(column, values, words.setdefault((name, key), {}))
+                into.setdefault(key, []).append((number, values))
+            tables[name] = {"dims": table.dims, "parent": table.parent, "columns": inner}
+        heads.append({
+            "text": text, "case": result.case, "cut": result.cut, "empty": result.empty,
+            "remarks": list(result.remarks), "notes": [list(note) for note in result.notes], "row": result.row,
+            "tables": tables,
+        })  # fmt: skip
+    arrays = {
+        name: {key: joined(study, name, key, parts, columns["case"]) for key, parts in columns.items()}
+        for name, columns in rows.items()
+    }  # fmt: skip
+    return Chunk(study, heads, arrays, {place: tuple(codes) for place, codes in words.items()})
+
+
+def recoded(column: Column, values: NDArray[Any], codes: dict[str, int]) -> NDArray[np.int32]:
+    """The codes of words in the list of the chunk, which grows."""
+    new = [0, *(codes.setdefault(word, len(codes) + 1) for word in column.words)]
+    return np.asarray(np.array(new, "<i4")[values.astype(int)])
+
+
+def joined(
+    study: str, table: str, key: str, parts: Sequence[Any], cases: Sequence[NDArray[Any]]
+) -> NDArray[Any]:
+    """All rows of a column; shorter lists, and rows of cases without this column, are filled."""
+    if key in ("case", "owner"):
+        return np.concatenate(parts)
+    item = declared(study)[table, key]
+    kind = STORED.get(item["kind"], "<i4")
+    width = max(values.shape[1] for _, values in parts)
+    sizes = [len(part) for part in cases]
+    numbers = [int(part[0]) if len(part) else -1 for part in cases]
+    given = {number: values for number, values in parts}
+    blocks = []
+    for number, size in zip(numbers, sizes, strict=True):
+        block = np.full((size, width), FILL.get(item["kind"], -1 if item["kind"] == "verdict" else 0), kind)
+        if number in given:
+            block[:, : given[number].shape[1]] = given[number]
+        blocks.append(block)
+    whole = np.concatenate(blocks)
+    return whole if item["each"] else whole[:, 0]
+
+
+@cache
+def core_digest() -> str:
+    """Identifies the compiled core, so that results of another version are never taken for those of this one."""
+    return hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
+
+
+def name_of(study: str, first: int, texts: Sequence[str]) -> str:
+    """The name of a chunk: the number of its first case, and a hash of the core and of its cases."""
+    body = json.dumps([core_digest(), study, *texts]).encode()
+    return f"{first:012d}-{hashlib.sha256(body).hexdigest()[:40]}"

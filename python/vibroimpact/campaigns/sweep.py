@@ -1,0 +1,355 @@
+"""The cases of a campaign: one case in which some keys take many values."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import checks, namelist
+from ..case import Case
+from ..errors import ParameterError, ParameterTypeError
+from ..libraries import scipy
+from ..spacing import spaced
+from ..tables import language
+
+__all__ = ["CaseList", "Sweep"]
+
+#: Ways to choose points in a box.
+METHODS = ("sobol", "latin_hypercube")
+#: Largest number of cases.
+MOST = 10**12
+
+
+class Sweep:
+    """Cases that differ in the values of some keys: a grid of these, or points in a box.
+
+    Parameters
+    ----------
+    case : str or Case
+        A complete case as a namelist, as `to_namelist` of each result gives it; its keys have the values that
+        are not swept.
+    values : mapping
+        For each key its values: numbers, texts, or tuples for a key with several values. A key has the name
+        of the namelist, such as "xi", or with its group where two groups have it: "system.r".
+        With `samples` for each key its lowest and largest value.
+    samples : int, optional
+        Number of points in the box between these; without it the cases are all combinations of the values,
+        in the order of a C array.
+    method : str
+        How the points are chosen: "sobol" (scrambled, for which powers of 2 are best) or "latin_hypercube".
+    seed : int
+        Of the points; the same seed gives the same ones.
+    geometric : sequence of str
+        Keys whose logarithm is spread evenly.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        For a key that the case does not have, or values that it cannot take.
+    MissingExtraError
+        Points in a box need scipy.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> case = vi.equispaced(osc, r=1.0, clearance=20.0)[0].to_namelist()
+    >>> sweep = vi.Sweep(case, {"r": [0.9, 1.0], "clearance": [10.0, 20.0, 30.0]})
+    >>> len(sweep), sweep.shape, sweep.point(4)
+    (6, (2, 3), {'system.r': 1.0, 'motion.clearance': 20.0})
+    """
+
+    def __init__(
+        self, case: str | Case, values: Mapping[str, Sequence[Any]], *, samples: int | None = None,
+        method: str = "sobol", seed: int = 0, geometric: Sequence[str] = (),
+    ) -> None:  # fmt: skip
+        text = case.text if isinstance(case, Case) else case
+        if not isinstance(text, str):
+            raise ParameterTypeError(f"case = {text!r}: must be a namelist as a text, or a Case")
+        self.template = text.strip("\n") + "\n"
+        groups = _groups(self.template)
+        if not isinstance(values, Mapping) or not values:
+            raise ParameterError(f"values = {values!r}: must be a mapping with at least one key")
+        self.keys = tuple(_full_name(key, groups) for key in values)
+        for key in self.keys:
+            if self.keys.count(key) > 1:
+                raise ParameterError(f"values: {key} is given twice; must be given once")
+        names = dict(zip(values, self.keys, strict=True))
+        given = {full: _listed(values[key], full) for key, full in names.items()}
+        #: Plain values that give the same sweep.
+        self.record: dict[str, Any] = {"template": self.template, "values": given}
+        self._parts = _split(self.template, self.keys)
+        #: Sizes of the grid of the cases: of each key, or of all.
+        self.shape: tuple[int, ...]
+        if samples is None:
+            if geometric:
+                raise ParameterError("geometric: needs samples; the values of a grid are given")
+            self.axes = tuple(given.values())
+            self.shape = tuple(map(len, self.axes))
+            self.points: NDArray[np.float64] | None = None
+            if math.prod(self.shape) > MOST:
+                raise ParameterError(
+                    f"values: give {math.prod(self.shape)} cases; must be at most {MOST}"
+                )
+        else:
+            logs = {_full_name(key, groups) for key in geometric}
+            if logs - set(self.keys):
+                raise ParameterError(f"geometric = {list(geometric)!r}: must be keys of values")
+            boxes = [_box(ends, key, key in logs) for key, ends in given.items()]
+            self.points = _points(boxes, [key in logs for key in self.keys], samples, method, seed)
+            self.axes = tuple(column.tolist() for column in self.points.T)
+            self.shape = (len(self.points),)
+            self.record |= {
+                "samples": samples, "method": method, "seed": seed, "geometric": sorted(logs),
+                "points": hashlib.sha256(self.points.tobytes()).hexdigest(),
+            }  # fmt: skip
+
+    @classmethod
+    def of_case(cls, case: Case) -> Sweep:
+        """The sweep of a case with a &sweep.
+
+        Raises
+        ------
+        ParameterError
+            If it has none, or its lists do not fit together.
+        """
+        parts = dict(namelist.parts_of(case.text))
+        if "sweep" not in parts:
+            raise ParameterError(f"{case.name}: has no &sweep; must have one after &{case.kind}")
+        text = re.sub(r"(?ms)^&(sweep|output)$.*?^/$\n?", "", case.text)
+        try:
+            return _of_keys(cls, text, parts["sweep"])
+        except ParameterError as error:
+            raise ParameterError(f"{case.name}: &sweep {error}") from None
+
+    @classmethod
+    def of_record(cls, record: Mapping[str, Any]) -> Sweep:
+        """The sweep with this record."""
+        options = {key: record[key] for key in ("samples", "method", "seed", "geometric") if key in record}
+        found = cls(record["template"], record["values"], **options)
+        if found.record != record:
+            raise ParameterError(
+                "the points of the sweep are not those of the store: another release of scipy made them"
+            )
+        return found
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    def __repr__(self) -> str:
+        return f"<Sweep of {len(self)} cases over {', '.join(self.keys)}>"
+
+    def point(self, number: int) -> dict[str, Any]:
+        """The values of the keys in a case, by number from 0."""
+        if self.points is not None:
+            places: Sequence[Any] = [number] * len(self.keys)
+        else:
+            places = [int(i) for i in np.unravel_index(number, self.shape)]
+        return {
+            key: axis[i] for key, axis, i in zip(self.keys, self.axes, places, strict=True)
+        }  # fmt: skip
+
+    def text(self, number: int) -> str:
+        """A case as a namelist, by number from 0."""
+        values = self.point(number)
+        return "".join(
+            part if isinstance(part, str) else f"  {part[1]} = {namelist._value(values['.'.join(part)])}\n"
+            for part in self._parts
+        )
+
+
+
+def _of_keys(kind: type[Sweep], text: str, given: Mapping[str, Any]) -> Sweep:
+    """The sweep that the keys of a &sweep define."""
+    lists = {
+        key: value if isinstance(value, list) else [value] for key, value in given.items()
+    }  # fmt: skip
+    keys, n = lists["keys"], len(lists["keys"])
+
+    def each(key: str, default: Any = None) -> list[Any]:
+        """A list with a value for each key."""
+        found = lists.get(key, [default] * n)
+        if len(found) == 1:
+            found = found * n
+        if len(found) != n:
+            raise ParameterError(f"{key}: has {len(found)} values; must have one for each of {n} keys")
+        return found
+
+    if ("values" in lists) + ("words" in lists) + ("low" in lists) != 1:
+        raise ParameterError("values: must be given, or words, or low and high")
+    if "low" not in lists:
+        items = lists.get("values") or lists["words"]
+        counts = each("counts", len(items) if n == 1 else None)
+        if None in counts or sum(counts) != len(items):
+            raise ParameterError(
+                f"counts = {lists.get('counts')}: must be the number of values of each key; there are "
+                f"{len(items)} values"
+            )
+        ends = np.cumsum([0, *counts]).tolist()
+        return kind(text, {key: items[a:b] for key, a, b in zip(keys, ends, ends[1:], strict=True)})
+    if "high" not in lists:
+        raise ParameterError("high: must be given with low")
+    low, high, spacing = each("low"), each("high"), each("spacing", "linear")
+    boxes = dict(zip(keys, zip(low, high, strict=True), strict=True))
+    geometric = [key for key, word in zip(keys, spacing, strict=True) if word == "geometric"]
+    if "samples" in lists:
+        return kind(
+            text, boxes, samples=given["samples"], method=given.get("method", "sobol"),
+            seed=given.get("seed", 0), geometric=geometric,
+        )  # fmt: skip
+    if "counts" not in lists:
+        raise ParameterError("counts: must be given with low and high, or samples")
+    values = {}
+    for key, (a, b), count in zip(keys, boxes.values(), each("counts"), strict=True):
+        _box([a, b], key, key in geometric)
+        values[key] = spaced(a, b, count, "geometric" if key in geometric else "linear").tolist()
+    return kind(text, values)
+
+
+class CaseList:
+    """Cases that are given one by one."""
+
+    keys: tuple[str, ...] = ()
+
+    def __init__(self, cases: Iterable[str | Case]) -> None:
+        self.cases = [case.text if isinstance(case, Case) else case for case in cases]
+        for i, text in enumerate(self.cases):
+            if not isinstance(text, str):
+                raise ParameterTypeError(f"cases[{i}] = {text!r}: must be a namelist as a text, or a Case")
+            _groups(text, f"cases[{i}]")
+        if not self.cases:
+            raise ParameterError("cases: is empty; must hold at least one case")
+        self.shape = (len(self.cases),)
+        digest = hashlib.sha256("\0".join(self.cases).encode()).hexdigest()
+        self.record: dict[str, Any] = {"cases": len(self.cases), "digest": digest}
+
+    def __len__(self) -> int:
+        return len(self.cases)
+
+    def text(self, number: int) -> str:
+        """A case, by number from 0."""
+        return self.cases[number]
+
+
+def _groups(text: str, name: str = "case") -> list[str]:
+    """The groups of a case; an error unless it is written with one key a line, as results give it."""
+    groups = re.findall(r"(?m)^&(\w+)$", text)
+    if len(groups) < 2 or len(namelist.parts_of(text)) != len(groups):
+        raise ParameterError(
+            f"{name} = {text[:60]!r}: must be a complete case with one `key = value` a line, as `to_namelist` of a "
+            "result or `read_namelist` gives it"
+        )
+    return groups
+
+
+def _known(group: str, groups: Sequence[str]) -> list[str]:
+    """The keys that a group of a case may have."""
+    about = language()
+    studies = [
+        name for name, item in about["results"].items()
+        if (item["group"], item["of_structure"]) == (group, "structure" in groups)
+    ]  # fmt: skip
+    return [str(key["name"]) for key in about["groups"][(studies or [group])[0]]]
+
+
+def _full_name(key: Any, groups: Sequence[str]) -> str:
+    """The name of a key with its group."""
+    if not isinstance(key, str):
+        raise ParameterTypeError(f"values: the key {key!r} must be a text such as 'xi' or 'system.xi'")
+    group, _, name = key.rpartition(".")
+    asked = [one for one in dict.fromkeys(groups) if one != "output" and one in (group or one)]
+    found = [one for one in asked if name in _known(one, groups)]
+    if not found:
+        known = ", ".join(f"{one}.{item}" for one in asked or groups[:-1] for item in _known(one, groups))
+        raise ParameterError(f"values: {key!r} is not a key of the case; must be one of {known}")
+    if len(found) > 1:
+        choice = " or ".join(f"{one}.{name}" for one in found)
+        raise ParameterError(f"values: {key!r} is a key of several groups; must be {choice}")
+    if groups.count(found[0]) > 1:
+        raise ParameterError(f"values: {key!r}: the case has several &{found[0]}; must be another key")
+    return f"{found[0]}.{name}"
+
+
+def _split(template: str, keys: Sequence[str]) -> list[str | tuple[str, str]]:
+    """The template as texts, and (group, key) in place of the lines that change."""
+    parts: list[str | tuple[str, str]] = []
+    group, fixed, left = "", "", list(keys)
+    for line in template.splitlines(keepends=True):
+        word = line.strip()
+        if line[:1] == "&":
+            group = word[1:]
+        full = f"{group}.{word.partition(' = ')[0]}"
+        ending = [key for key in left if key.startswith(f"{group}.")] if word == "/" else []
+        if full in left:
+            ending = [full]
+        for key in ending:
+            left.remove(key)
+            parts += [fixed, (group, key.partition(".")[2])]
+            fixed = ""
+        if full not in keys:
+            fixed += line
+    return [*parts, fixed]
+
+
+def _plain(value: Any, key: str) -> Any:
+    """A value that a namelist can hold."""
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(item, key) for item in np.asarray(value, dtype=object).ravel().tolist()]
+    if isinstance(value, (bool, np.bool_)) or value is None:
+        raise ParameterTypeError(f"values[{key!r}]: {value!r} must be a number or a text")
+    if isinstance(value, (str, int)):
+        return value
+    if isinstance(value, np.integer):
+        return int(value)
+    return checks.to_float(value, f"values[{key!r}]", "numbers or texts")
+
+
+def _listed(values: Any, key: str) -> list[Any]:
+    """The values of a key, in order."""
+    if isinstance(values, str) or not isinstance(values, (Sequence, np.ndarray)):
+        raise ParameterTypeError(f"values[{key!r}] = {values!r}: must be a sequence of values")
+    found = [_plain(value, key) for value in values]
+    if not found:
+        raise ParameterError(f"values[{key!r}]: is empty; must hold at least one value")
+    if len({repr(value) for value in found}) < len(found):
+        raise ParameterError(f"values[{key!r}]: holds a value twice; must hold each value once")
+    return found
+
+
+def _box(ends: list[Any], key: str, geometric: bool) -> tuple[float, float]:
+    """The lowest and the largest value of a key."""
+    if len(ends) != 2 or not all(isinstance(end, (int, float)) for end in ends):
+        raise ParameterError(f"values[{key!r}] = {ends!r}: must be two numbers with samples")
+    low, high = map(float, ends)
+    if not low < high or (geometric and low <= 0):
+        wanted = "0 < low < high" if geometric else "low < high"
+        raise ParameterError(f"values[{key!r}] = {ends!r}: must be two numbers with {wanted}")
+    return low, high
+
+
+def _points(
+    boxes: Sequence[tuple[float, float]], logs: Sequence[bool], samples: int, method: str, seed: int
+) -> NDArray[np.float64]:
+    """Points (samples, keys) in the box."""
+    samples = checks.integer(samples, "samples", 1, 2**30)
+    seed = checks.integer(seed, "seed", 0, 2**63 - 1)
+    if method not in METHODS:
+        raise ParameterError(f"method = {method!r}: must be {' or '.join(map(repr, METHODS))}")
+    qmc = scipy("stats.qmc", "samples", "campaign")
+    generator = np.random.default_rng(seed)
+    if method == "sobol":
+        size = 1 << max(0, samples - 1).bit_length()
+        unit = qmc.Sobol(len(boxes), seed=generator).random(size)[:samples]
+    else:
+        unit = qmc.LatinHypercube(len(boxes), seed=generator).random(samples)
+    columns = [
+        low * (high / low) ** share if log else low + (high - low) * share
+        for (low, high), log, share in zip(boxes, logs, unit.T, strict=True)
+    ]  # fmt: skip
+    return np.stack(columns, axis=1)

@@ -1,0 +1,71 @@
+"""`vibroimpact campaign`: all cases of a sweep, on threads or on a cluster, into a store."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..campaigns.campaign import Campaign
+from ..campaigns.run import campaign
+from ..campaigns.sweep import Sweep
+from ..case import read_namelist
+from ..errors import ParameterError, StudyInterrupted
+from ..progress import Progress
+
+HELP = "compute all cases of a sweep into a store"
+DESCRIPTION = """Compute all cases of the &sweep of a namelist file, and keep the results in a store (Zarr). The
+same command continues a campaign that was interrupted or killed; what the store has is not
+computed again. A case that is refused or fails is written to STORE/failures as a namelist.
+With --cluster the cases run on a cluster of dask. It needs the extra `campaign`:
+pip install 'vibroimpact[campaign]'."""
+EXAMPLE = (
+    "vibroimpact init equispaced && echo \"&sweep keys = 'xi', values = .005, .01 /\" >> equispaced.nml && "
+    "vibroimpact campaign equispaced.nml --store store"
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The file, the store and the cluster."""
+    parser.add_argument("file", metavar="FILE", help="a namelist file with one case and its &sweep")
+    parser.add_argument(
+        "--store", required=True, metavar="DIR",
+        help="folder of the results: a new one, or that of this campaign",
+    )  # fmt: skip
+    parser.add_argument(
+        "--cluster", metavar="WHERE",
+        help="local (one process for each processor), or the address of a scheduler of dask, as tcp://node1:8786",
+    )  # fmt: skip
+    parser.add_argument(
+        "--chunk", type=int, metavar="N",
+        help="cases that are computed and written together (default: so that there are up to 100 chunks)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--threads", type=int, metavar="N", help="threads without a cluster (default: all processors)"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute what the store lacks."""
+    cases = read_namelist(options.file)
+    if len(cases) != 1:
+        raise ParameterError(f"{options.file}: has {len(cases)} cases; must have one, with its &sweep")
+    sweep = Sweep.of_case(cases[0])
+    with Progress(cases[0].name) as bar:
+        try:
+            found = campaign(
+                sweep, options.store, options.cluster, chunk=options.chunk, threads=options.threads,
+                progress=bar.show,
+            )  # fmt: skip
+        except StudyInterrupted as stop:
+            describe(stop.result, cases[0].name)
+            raise KeyboardInterrupt from None
+    options.record.files.append(options.store)
+    return describe(found, cases[0].name)
+
+
+def describe(found: Campaign, name: str) -> int:
+    """Print how far it is; the exit status."""
+    done, refused = int(found.finished.sum()), len(found.refused)
+    print(f"{name}: {done} of {found.size} cases of {found.study} finished")
+    if refused:
+        print(f"{name}: {refused} refused; {found.failures} holds them, with the reasons")
+    return 1 if refused or done < found.size else 0

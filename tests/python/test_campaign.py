@@ -1,0 +1,433 @@
+"""Campaigns: stores are those of single calls, whatever computed them and however often they were stopped."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibroimpact as vi
+from vibroimpact import door
+from vibroimpact.campaigns.chunk import compute
+from vibroimpact.campaigns.store import Store
+from vibroimpact.noun import RESULTS
+
+pytest.importorskip("zarr")
+
+OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+SWEEP = """&system
+  xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1
+/
+&motion
+  kind = 'equispaced', clearance = 20
+/
+&sweep
+  keys = 'r', 'clearance', low = 0.9, 2, high = 1.1, 200, counts = 8, 12, spacing = 'linear', 'geometric'
+/
+"""
+
+
+def equispaced_case():
+    """A case with one or two motions."""
+    return vi.equispaced(OSC, r=1.0, clearance=20.0)[0].to_namelist()
+
+
+def small_sweep():
+    """Cases of which some have no motion."""
+    return vi.Sweep(equispaced_case(), {"r": [0.9, 1.0, 1.1], "clearance": [5.0, 20.0, 80.0, 500.0]})
+
+
+def files_of(folder):
+    """All files of a store with their bytes."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*")) if path.is_file()
+    }  # fmt: skip
+
+
+def command(*words, **options):
+    """The program in its own process."""
+    return subprocess.Popen(
+        [Path(sys.executable).parent / "vibroimpact", "campaign", *map(str, words)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, **options,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def sweep_file(tmp_path):
+    """A namelist with a sweep of 96 cases."""
+    path = tmp_path / "sweep.nml"
+    path.write_text(SWEEP)
+    return path
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """The store of that file, computed in one go."""
+    folder = tmp_path_factory.mktemp("undisturbed")
+    (folder / "sweep.nml").write_text(SWEEP)
+    process = command(folder / "sweep.nml", "--store", folder / "store")
+    assert process.communicate(timeout=300)[0] == "sweep: 96 of 96 cases of motion finished\n"
+    assert process.returncode == 0
+    return folder / "store"
+
+
+# -- the sweep
+
+
+def test_cases_of_a_grid():
+    """Each case is the template with its values, in the order of a C array."""
+    sweep = small_sweep()
+    assert sweep.shape == (3, 4)
+    for i in range(len(sweep)):
+        point = sweep.point(i)
+        row, column = np.unravel_index(i, sweep.shape)
+        assert point == {
+            "system.r": [0.9, 1.0, 1.1][row], "motion.clearance": [5.0, 20.0, 80.0, 500.0][column],
+        }  # fmt: skip
+        (case,) = [vi.case.case_of(sweep.text(i))]
+        assert (case.r, case.keys["clearance"]) == (point["system.r"], point["motion.clearance"])
+
+
+def test_a_key_that_the_template_lacks_is_added():
+    """An optional key of a group may be swept."""
+    sweep = vi.Sweep(equispaced_case(), {"acceptance": [0.01, 0.02]})
+    assert sweep.text(1).count("acceptance = 0.02\n/") == 1
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin_hypercube"])
+def test_points_fill_the_box(method):
+    """Each of 64 equal parts of each side has one point; the logarithm of a geometric key is spread evenly."""
+    sweep = vi.Sweep(
+        equispaced_case(), {"r": (0.9, 1.1), "clearance": (2, 200)}, samples=64, method=method, seed=3,
+        geometric=["clearance"],
+    )  # fmt: skip
+    unit = np.stack([(sweep.points[:, 0] - 0.9) / 0.2, np.log(sweep.points[:, 1] / 2) / np.log(100)])
+    for side in unit:
+        assert sorted(np.floor(side * 64).astype(int)) == list(range(64))
+    again = vi.Sweep.of_record(json.loads(json.dumps(sweep.record)))
+    np.testing.assert_array_equal(again.points, sweep.points)
+
+
+@pytest.mark.parametrize(
+    ("values", "options", "message"),
+    [
+        ({"xii": [1.0]}, {}, "'xii' is not a key of the case; must be one of system.xi, "),
+        ({}, {}, "must be a mapping with at least one key"),
+        ({"xi": []}, {}, "is empty; must hold at least one value"),
+        ({"xi": [0.1, 0.1]}, {}, "must hold each value once"),
+        ({"xi": [0.1], "system.xi": [0.2]}, {}, "system.xi is given twice"),
+        ({"xi": (0.1, 0.2, 0.3)}, {"samples": 4}, "must be two numbers"),
+        ({"xi": (0.2, 0.1)}, {"samples": 4}, "must be two numbers with low < high"),
+        ({"xi": (0.0, 0.1)}, {"samples": 4, "geometric": ["xi"]}, "0 < low < high"),
+        ({"xi": (0.1, 0.2)}, {"samples": 4, "method": "halton"}, "'sobol' or 'latin_hypercube'"),
+        ({"xi": (0.1, 0.2)}, {"samples": 0}, "samples = 0"),
+        ({"xi": [0.1]}, {"geometric": ["xi"]}, "geometric: needs samples"),
+    ],
+)
+def test_bad_sweeps(values, options, message):
+    """One error names the key and what is allowed."""
+    with pytest.raises(vi.ParameterError) as caught:
+        vi.Sweep(equispaced_case(), values, **options)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("value", [True, None, 1j, object()])
+def test_values_of_a_wrong_type(value):
+    """Only numbers and texts can stand in a namelist."""
+    with pytest.raises(vi.ParameterTypeError, match="values"):
+        vi.Sweep(equispaced_case(), {"xi": [value]})
+
+
+@pytest.mark.parametrize("case", ["", "&system\n/\n", "&system xi = 1 /", "nonsense"])
+def test_a_template_that_is_no_case(case):
+    """The template must be complete and canonical."""
+    with pytest.raises(vi.ParameterError, match="must be a complete case"):
+        vi.Sweep(case, {"xi": [0.1]})
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("keys = 'xi'", "values: must be given, or words, or low and high"),
+        ("keys = 'xi', low = 0.1", "high: must be given with low"),
+        ("keys = 'xi', low = 0.1, high = 0.2", "counts: must be given"),
+        ("keys = 'xi', 'mu', values = 0.1, 0.2, counts = 1, 2", "counts = [1, 2]: must be the number"),
+        ("keys = 'xi', 'mu', low = 1, 2, 3, high = 4", "low: has 3 values"),
+        ("keys = 'xi', high = 4", "high"),
+        ("keys = 'xi', values = 1, samples = 3", "samples"),
+    ],
+)
+def test_bad_groups(tmp_path, line, message):
+    """Lists of a &sweep that do not fit together."""
+    path = tmp_path / "bad.nml"
+    path.write_text(SWEEP.split("&sweep")[0] + f"&sweep\n  {line}\n/\n")
+    process = command(path, "--store", tmp_path / "store")
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert message in errors
+    assert not (tmp_path / "store").exists()
+
+
+def test_a_sweep_is_left_to_the_command(sweep_file):
+    """The compiled program says what runs it, and writes nothing."""
+    folder = sweep_file.parent / "results"
+    log = vi.run_namelists([sweep_file], folder)
+    assert log.status == 1
+    assert "vibroimpact campaign" in log.lines[0][1]
+    assert not list(folder.glob("*.csv"))
+
+
+# -- results
+
+
+INPUTS = Path(__file__).resolve().parents[2] / "inputs"
+
+
+def texts_of(study):
+    """Cases of a study with one row, with many tables, and of a structure."""
+    if study == "motion":
+        return [small_sweep().text(i) for i in range(12)]
+    if study == "zone":
+        zone = vi.zone(OSC, "RL", (0.8, 1.2), (2.0, 200.0), symmetric=True)
+        return [zone.to_namelist()]
+    return [case.text for case in vi.read_namelist(INPUTS / f"{study}.nml")]
+
+
+@pytest.mark.parametrize("study", ["motion", "find", "zone", "structure_wall", "decay", "lyapunov"])
+def test_results_are_those_of_single_calls(tmp_path, study):
+    """Every table, with its bits, remarks and notes."""
+    texts = texts_of(study)
+    vi.campaign(texts, tmp_path / "store", chunk=2)
+    found = vi.Campaign(tmp_path / "store")
+    assert found.finished.all()
+    for i, text in enumerate(texts):
+        direct = door.run_text(RESULTS[found.study], text)
+        assert found[i].to_dict() == direct.to_dict()
+
+
+def test_values(tmp_path):
+    """Reductions over the rows of each case are those of the single results; NaN where there is no motion."""
+    sweep = small_sweep()
+    found = vi.campaign(sweep, tmp_path / "store", chunk=5)
+    for reduce, function in (("min", min), ("max", max), ("count", len), ("first", lambda rows: rows[0])):
+        values = found.values("motions", "attenuation", reduce)
+        assert values.shape == sweep.shape
+        for i, value in enumerate(values.ravel()):
+            rows = [motion.attenuation for motion in found[i].parts()]
+            rows = [row for row in rows if row == row]
+            assert value == function(rows) if rows else np.isnan(value)
+    assert np.isnan(found.values("motions", "attenuation")).any()
+    array = found.to_xarray("motions", "attenuation", "min")
+    assert array.dims == ("system.r", "motion.clearance")
+    assert float(array.sel({"system.r": 1.0, "motion.clearance": 20.0})) == found.values(
+        "motions", "attenuation", "min"
+    )[1, 1]
+    with pytest.raises(vi.ParameterError, match="must be one of motions"):
+        found.values("motions", "nothing")
+    with pytest.raises(vi.ParameterError, match="single real numbers"):
+        found.values("motions", "multipliers")
+
+
+def test_refused_cases_are_kept(tmp_path):
+    """A case that the study refuses becomes a namelist that gives the same message."""
+    sweep = vi.Sweep(equispaced_case(), {"xi": [0.0, 0.01], "r": [0.9, 1.0]})
+    found = vi.campaign(sweep, tmp_path / "store")
+    assert list(found.refused) == [1]
+    assert "resonance without damping" in found.refused[1]
+    with pytest.raises(vi.ParameterError, match="resonance without damping"):
+        found[1]
+    (path,) = found.failures.iterdir()
+    with pytest.raises(vi.ParameterError, match="resonance without damping"):
+        vi.read_namelist(path)
+
+
+def test_zarr_reads_it(tmp_path):
+    """The store is a Zarr hierarchy, which xarray opens, with the same values."""
+    xarray = pytest.importorskip("xarray")
+    found = vi.campaign(small_sweep(), tmp_path / "store", chunk=12)
+    tree = xarray.open_datatree(tmp_path / "store" / "results.zarr", engine="zarr", consolidated=False)
+    (name,) = tree.children
+    rows = tree[name]["motions"].to_dataset()
+    expected = [motion.attenuation for i in range(12) for motion in found[i].parts()]
+    values = rows["attenuation"].values
+    np.testing.assert_array_equal(values[~np.isnan(values)], expected)
+    assert sorted(set(rows["case"].values)) == list(range(12))
+
+
+# -- whatever computes it
+
+
+def test_stores_do_not_depend_on_threads(tmp_path, undisturbed):
+    """The same files, byte by byte, and nothing is computed twice."""
+    (case,) = vi.read_namelist(undisturbed.parent / "sweep.nml")
+    sweep = vi.Sweep.of_case(case)
+    for threads in (1, 3):
+        vi.campaign(sweep, tmp_path / str(threads), threads=threads)
+        assert files_of(tmp_path / str(threads)) == files_of(undisturbed)
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "1").rglob("c/*")}
+    vi.campaign(sweep, tmp_path / "1")
+    assert before == {path: path.stat().st_mtime_ns for path in (tmp_path / "1").rglob("c/*")}
+
+
+@pytest.mark.slow
+def test_stores_do_not_depend_on_the_cluster(tmp_path, sweep_file, undisturbed):
+    """Processes on a cluster give the same files."""
+    pytest.importorskip("distributed")
+    process = command(sweep_file, "--store", tmp_path / "store", "--cluster", "local")
+    process.communicate(timeout=300)
+    assert process.returncode == 0
+    assert files_of(tmp_path / "store") == files_of(undisturbed)
+
+
+@pytest.mark.slow
+def test_a_killed_worker(tmp_path):
+    """A worker that is killed: its cases are computed by another one, and the store is the undisturbed one."""
+    distributed = pytest.importorskip("distributed")
+    sweep = vi.Sweep(
+        equispaced_case(), {"r": np.linspace(0.9, 1.1, 40), "clearance": np.geomspace(2, 200, 25)}
+    )
+    vi.campaign(sweep, tmp_path / "whole", chunk=25)
+    killed = []
+    with (
+        distributed.LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+
+        def kill(share, note):
+            """Kill one worker at a third of the work."""
+            if share > 0.3 and not killed:
+                killed.append(next(iter(client.run(os.getpid).values())))
+                os.kill(killed[0], signal.SIGKILL)
+
+        vi.campaign(sweep, tmp_path / "store", client, chunk=25, progress=kill)
+    assert killed
+    assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_a_stopped_client(tmp_path, sweep_file, undisturbed, number):
+    """Stopped at random instants, and started again: the same files in the end."""
+    random = np.random.default_rng(int(number))
+    store = tmp_path / "store"
+    for wanted in (1, 5, 9, 15):
+        process = command(sweep_file, "--store", store)
+        while len(list(store.glob("sums/*.json"))) < wanted and process.poll() is None:
+            time.sleep(0.005)
+        time.sleep(float(random.uniform(0, 0.3)))
+        os.kill(process.pid, number)
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode != 0
+        assert "Traceback" not in errors
+    process = command(sweep_file, "--store", store)
+    process.communicate(timeout=300)
+    assert process.returncode == 0
+    assert files_of(store) == files_of(undisturbed)
+
+
+def test_damage_is_seen(tmp_path):
+    """A byte that changed, or a file that is lost: the chunk is computed again, and reading it is an error."""
+    sweep = small_sweep()
+    vi.campaign(sweep, tmp_path / "whole", chunk=3)
+    for damage in ("byte", "file", "sums"):
+        vi.campaign(sweep, tmp_path / "store", chunk=3)
+        (array,) = sorted((tmp_path / "store" / "results.zarr").glob("*6-*/motions/attenuation/c/0"))
+        if damage == "byte":
+            content = bytearray(array.read_bytes())
+            content[len(content) // 2] ^= 1
+            array.write_bytes(content)
+        elif damage == "file":
+            array.unlink()
+        else:
+            (path,) = (tmp_path / "store" / "sums").glob("*6-*")
+            path.write_text("{")
+        with pytest.raises(vi.ParameterError, match="is damaged; run the campaign again"):
+            vi.Campaign(tmp_path / "store")[6]
+        vi.campaign(sweep, tmp_path / "store", chunk=3)
+        assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
+
+
+def test_two_writers(tmp_path):
+    """The second one is refused, and says who writes."""
+    sweep = small_sweep()
+    plan = Store(tmp_path / "store")
+    vi.campaign(sweep, tmp_path / "store")
+    record = plan.plan()
+    with plan.writing(record), pytest.raises(vi.ParameterError, match=f"process {os.getpid()} on .* writes to it"):
+        vi.campaign(sweep, tmp_path / "store")
+    vi.campaign(sweep, tmp_path / "store")
+
+
+def test_another_campaign_is_refused(tmp_path):
+    """A store holds one campaign of one build; a folder with other files is left alone."""
+    vi.campaign(small_sweep(), tmp_path / "store")
+    other = vi.Sweep(equispaced_case(), {"r": [0.9, 1.0]})
+    with pytest.raises(vi.ParameterError, match="holds another campaign"):
+        vi.campaign(other, tmp_path / "store")
+    plan = tmp_path / "store" / "campaign.json"
+    plan.write_text(json.dumps(json.loads(plan.read_text()) | {"core": "another"}))
+    with pytest.raises(vi.ParameterError, match="another build of vibroimpact"):
+        vi.campaign(small_sweep(), tmp_path / "store")
+    plan.write_text("{")
+    with pytest.raises(vi.ParameterError, match="is damaged"):
+        vi.Campaign(tmp_path / "store")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("x")
+    with pytest.raises(vi.ParameterError, match="it holds 'thesis.txt'"):
+        vi.campaign(small_sweep(), tmp_path / "mine")
+    with pytest.raises(vi.ParameterError, match="must be the store of a campaign"):
+        vi.Campaign(tmp_path / "mine")
+    with pytest.raises(vi.ParameterError, match="it is a file"):
+        vi.campaign(small_sweep(), tmp_path / "mine" / "thesis.txt")
+
+
+def test_another_core_is_refused():
+    """A worker with another build of the core computes nothing."""
+    with pytest.raises(vi.ParameterError, match="install the same vibroimpact on both"):
+        compute("motion", [equispaced_case()], digest="another")
+
+
+@pytest.mark.parametrize(
+    ("cases", "options", "error", "message"),
+    [
+        ([], {}, vi.ParameterError, "cases: is empty"),
+        ("&system", {}, vi.ParameterTypeError, "must be a Sweep, or an iterable"),
+        ([3], {}, vi.ParameterTypeError, r"cases\[0\] = 3"),
+        (["x"], {}, vi.ParameterError, r"cases\[0\] = 'x': must be a complete case"),
+        (None, {"chunk": 0}, vi.ParameterError, "chunk = 0"),
+        (None, {"threads": 0}, vi.ParameterError, "threads = 0"),
+        (None, {"client": "local", "threads": 2}, vi.ParameterError, "threads: must be left out"),
+        (None, {"client": 3}, vi.ParameterTypeError, "client = 3"),
+        (None, {"progress": 3}, vi.ParameterTypeError, "progress = 3"),
+    ],
+)
+def test_bad_campaigns(tmp_path, cases, options, error, message):
+    """Before anything is computed."""
+    cases = small_sweep() if cases is None else cases
+    with pytest.raises(error, match=message):
+        vi.campaign(cases, tmp_path / "store", **options)
+
+
+def test_progress_and_an_exception_of_it(tmp_path):
+    """The share grows to 1; what an exception interrupts is continued."""
+    shares = []
+    vi.campaign(small_sweep(), tmp_path / "whole", chunk=2, progress=lambda share, note: shares.append(share))
+    assert shares == sorted(shares)
+    assert shares[-1] == 1
+
+    def fail(share, note):
+        """Raise at half of the work."""
+        if share > 0.4:
+            raise RuntimeError("stop")
+
+    with pytest.raises(RuntimeError, match="stop"):
+        vi.campaign(small_sweep(), tmp_path / "store", chunk=2, threads=1, progress=fail)
+    assert not vi.Campaign(tmp_path / "store").finished.all()
+    vi.campaign(small_sweep(), tmp_path / "store", chunk=2)
+    assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
