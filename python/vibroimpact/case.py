@@ -78,12 +78,7 @@ class Case(NamedTuple):
     @property
     def study(self) -> str:
         """Name of the study."""
-        group = [name for name in groups_of(self.text) if name not in ("sweep", "output")][-1]
-        system = self.structure is not None
-        return next(
-            str(name) for name, about in language()["results"].items()
-            if (about["group"], about["of_structure"]) == (group, system)
-        )  # fmt: skip
+        return study_of(self.text)
 
     @property
     def in_python(self) -> bool:
@@ -119,6 +114,16 @@ class Case(NamedTuple):
         found = door.run_text(MotionSet, system + motion + output)
         found.require()
         return found.parts()
+
+
+def study_of(text: str) -> str:
+    """The name of the study of a case."""
+    groups = groups_of(text)
+    *_, last = (name for name in groups if name not in ("sweep", "output"))
+    return next(
+        str(name) for name, about in language()["results"].items()
+        if (about["group"], about["of_structure"]) == (last, groups[0] == "structure")
+    )  # fmt: skip
 
 
 def groups_of(text: str) -> list[str]:

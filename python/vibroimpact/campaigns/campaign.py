@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -123,7 +123,9 @@ class Campaign:
                 return self._read(name).noun(place - first)
         raise ParameterError(f"case {place}: is not finished; continue the campaign by the same call")
 
-    def values(self, table: str, column: str, reduce: str = "first") -> NDArray[Any]:
+    def values(
+        self, table: str, column: str, reduce: str = "first", where: Mapping[str, Any] | None = None
+    ) -> NDArray[Any]:
         """One number for each case, in the shape of the sweep.
 
         Parameters
@@ -134,6 +136,8 @@ class Campaign:
         reduce : str
             What is done with several rows of a case: "first", "min", "max", "sum", "mean", or "count" for their
             number. NaN is left out.
+        where : mapping, optional
+            Columns of the same table with the value that rows must have: {"stable": True}.
 
         Returns
         -------
@@ -149,6 +153,9 @@ class Campaign:
         known = [f"{one}.{name}" for one, name in declared(self.study)]
         if f"{table}.{column}" not in known:
             raise ParameterError(f"{table}.{column}: must be one of {', '.join(known)}")
+        for name in where or {}:
+            if f"{table}.{name}" not in known:
+                raise ParameterError(f"where: {table}.{name}: must be one of {', '.join(known)}")
         item = declared(self.study)[table, column]
         if item["kind"] in ("complex", "word") or item["each"]:
             raise ParameterError(f"{table}.{column}: must be a column of single real numbers")
@@ -159,6 +166,8 @@ class Campaign:
             cases = chunk.arrays[table]["case"] + first
             values = chunk.arrays[table][column].astype(float)
             there = ~np.isnan(values)
+            for name, wanted in (where or {}).items():
+                there &= chunk.arrays[table][name] == wanted
             found_here, starts, counts = np.unique(cases[there], return_index=True, return_counts=True)
             values = values[there]
             if not len(values):
@@ -178,10 +187,12 @@ class Campaign:
         """The shape of the sweep."""
         return (self.size,) if self.sweep is None else self.sweep.shape
 
-    def to_xarray(self, table: str, column: str, reduce: str = "first") -> Any:
+    def to_xarray(
+        self, table: str, column: str, reduce: str = "first", where: Mapping[str, Any] | None = None
+    ) -> Any:
         """`values` as an array of xarray, with the values of the keys along its dimensions."""
-        item = declared(self.study).get((table, column), {})
-        values = self.values(table, column, reduce)
+        values = self.values(table, column, reduce, where)
+        item = declared(self.study)[table, column]
         about = {"long_name": item["meaning"], "units": item["unit"] or "1", "reduction": reduce}
         if self.sweep is None:
             return xarray().DataArray(values, dims=["case"], name=column, attrs=about)

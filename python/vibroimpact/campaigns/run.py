@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import checks
-from ..case import Case, case_of
+from ..case import Case, study_of
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError, StudyInterrupted
 from ..interrupt import new_counters
 from .campaign import Campaign
@@ -112,7 +112,7 @@ def campaign(
     <Campaign of motion: 6 of 6 cases finished, 0 refused>
     """
     plan = cases if isinstance(cases, Sweep) else CaseList(_iterable(cases))
-    study = case_of(plan.text(0)).study
+    study = study_of(plan.text(0))
     number = len(plan)
     if chunk is None:
         chunk = min(LARGEST, max(SMALLEST, -(-number // CHUNKS)))
