@@ -16,9 +16,7 @@ import numpy as np
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.01, mu=0.05, restitution=0.75)
-case = vi.response(
-    osc, [0.98, 1.0, 1.02], clearance=20, states=6, settling=200
-).to_namelist()
+case = vi.response(osc, [0.98, 1.0, 1.02], clearance=20, states=6, settling=200).to_namelist()
 sweep = vi.Sweep(
     case,
     {
@@ -42,7 +40,13 @@ figure, axes = plt.subplots(1, 2, figsize=(7.2, 3.2), sharey=True, layout="const
 for ax, xi in zip(axes, sweep.axes[0], strict=True):
     part = least.sel({"system.xi": xi})
     image = ax.pcolormesh(
-        part["system.restitution"], part["system.mu"], part, vmin=0, vmax=1, cmap="cividis", shading="nearest"
+        part["system.restitution"],
+        part["system.mu"],
+        part,
+        vmin=0,
+        vmax=1,
+        cmap="cividis",
+        shading="nearest",
     )
     ax.set(title=f"ξ = {xi:g}", xlabel="restitution  R", yscale="log")
 axes[0].set_ylabel("mass ratio  μ = m/M")

@@ -59,7 +59,26 @@ class _EndOfTrajectory(Protocol):
         solve: int,
         capacity: int,
         m: int = ...,
-    ) -> tuple[int, int, _Integer, _Integer, float, int, int, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer, int, _Real, _Integer, int]: ...
+    ) -> tuple[
+        int,
+        int,
+        _Integer,
+        _Integer,
+        float,
+        int,
+        int,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        int,
+        _Real,
+        _Integer,
+        int,
+    ]: ...
 
 @type_check_only
 class _Equispaced(Protocol):
@@ -157,7 +176,22 @@ class _FindMotion(Protocol):
         capacity: int,
         n: int = ...,
         m: int = ...,
-    ) -> tuple[int, int, int, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer, int, _Real, _Integer, int]: ...
+    ) -> tuple[
+        int,
+        int,
+        int,
+        _Integer,
+        _Real,
+        _Real,
+        _Real,
+        _Real,
+        _Complex,
+        _Integer,
+        int,
+        _Real,
+        _Integer,
+        int,
+    ]: ...
 
 @type_check_only
 class _FreeResult(Protocol):
@@ -645,7 +679,9 @@ class _SwitchBranch(Protocol):
         parameter: int,
         tied: int,
         n: int = ...,
-    ) -> tuple[int, _Integer, _Integer, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer]: ...
+    ) -> tuple[
+        int, _Integer, _Integer, _Integer, _Real, _Real, _Real, _Real, _Complex, _Integer
+    ]: ...
 
 @type_check_only
 class _TrajectoryGradient(Protocol):

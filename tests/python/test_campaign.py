@@ -39,7 +39,9 @@ def equispaced_case():
 
 def small_sweep():
     """Cases of which some have no motion."""
-    return vi.Sweep(equispaced_case(), {"r": [0.9, 1.0, 1.1], "clearance": [5.0, 20.0, 80.0, 500.0]})
+    return vi.Sweep(
+        equispaced_case(), {"r": [0.9, 1.0, 1.1], "clearance": [5.0, 20.0, 80.0, 500.0]}
+    )
 
 
 def files_of(folder):
@@ -107,7 +109,9 @@ def test_points_fill_the_box(method):
         equispaced_case(), {"r": (0.9, 1.1), "clearance": (2, 200)}, samples=64, method=method, seed=3,
         geometric=["clearance"],
     )  # fmt: skip
-    unit = np.stack([(sweep.points[:, 0] - 0.9) / 0.2, np.log(sweep.points[:, 1] / 2) / np.log(100)])
+    unit = np.stack(
+        [(sweep.points[:, 0] - 0.9) / 0.2, np.log(sweep.points[:, 1] / 2) / np.log(100)]
+    )
     for side in unit:
         assert sorted(np.floor(side * 64).astype(int)) == list(range(64))
     again = vi.Sweep.of_record(json.loads(json.dumps(sweep.record)))
@@ -157,7 +161,10 @@ def test_a_template_that_is_no_case(case):
         ("keys = 'xi'", "values: must be given, or words, or low and high"),
         ("keys = 'xi', low = 0.1", "high: must be given with low"),
         ("keys = 'xi', low = 0.1, high = 0.2", "counts: must be given"),
-        ("keys = 'xi', 'mu', values = 0.1, 0.2, counts = 1, 2", "counts = [1, 2]: must be the number"),
+        (
+            "keys = 'xi', 'mu', values = 0.1, 0.2, counts = 1, 2",
+            "counts = [1, 2]: must be the number",
+        ),
         ("keys = 'xi', 'mu', low = 1, 2, 3, high = 4", "low: has 3 values"),
         ("keys = 'xi', high = 4", "high"),
         ("keys = 'xi', values = 1, samples = 3", "samples"),
@@ -215,7 +222,12 @@ def test_values(tmp_path):
     """Reductions over the rows of each case are those of the single results; NaN where there is no motion."""
     sweep = small_sweep()
     found = vi.campaign(sweep, tmp_path / "store", chunk=5)
-    for reduce, function in (("min", min), ("max", max), ("count", len), ("first", lambda rows: rows[0])):
+    for reduce, function in (
+        ("min", min),
+        ("max", max),
+        ("count", len),
+        ("first", lambda rows: rows[0]),
+    ):
         values = found.values("motions", "attenuation", reduce)
         assert values.shape == sweep.shape
         for i, value in enumerate(values.ravel()):
@@ -225,9 +237,10 @@ def test_values(tmp_path):
     assert np.isnan(found.values("motions", "attenuation")).any()
     array = found.to_xarray("motions", "attenuation", "min")
     assert array.dims == ("system.r", "motion.clearance")
-    assert float(array.sel({"system.r": 1.0, "motion.clearance": 20.0})) == found.values(
-        "motions", "attenuation", "min"
-    )[1, 1]
+    assert (
+        float(array.sel({"system.r": 1.0, "motion.clearance": 20.0}))
+        == found.values("motions", "attenuation", "min")[1, 1]
+    )
     with pytest.raises(vi.ParameterError, match="must be one of motions"):
         found.values("motions", "nothing")
     with pytest.raises(vi.ParameterError, match="single real numbers"):
@@ -251,7 +264,9 @@ def test_zarr_reads_it(tmp_path):
     """The store is a Zarr hierarchy, which xarray opens, with the same values."""
     xarray = pytest.importorskip("xarray")
     found = vi.campaign(small_sweep(), tmp_path / "store", chunk=12)
-    tree = xarray.open_datatree(tmp_path / "store" / "results.zarr", engine="zarr", consolidated=False)
+    tree = xarray.open_datatree(
+        tmp_path / "store" / "results.zarr", engine="zarr", consolidated=False
+    )
     (name,) = tree.children
     rows = tree[name]["motions"].to_dataset()
     expected = [motion.attenuation for i in range(12) for motion in found[i].parts()]
@@ -295,7 +310,9 @@ def test_a_killed_worker(tmp_path):
     vi.campaign(sweep, tmp_path / "whole", chunk=25)
     killed = []
     with (
-        distributed.LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster,
+        distributed.LocalCluster(
+            2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+        ) as cluster,
         distributed.Client(cluster) as client,
     ):
 
@@ -337,7 +354,9 @@ def test_damage_is_seen(tmp_path):
     vi.campaign(sweep, tmp_path / "whole", chunk=3)
     for damage in ("byte", "file", "sums"):
         vi.campaign(sweep, tmp_path / "store", chunk=3)
-        (array,) = sorted((tmp_path / "store" / "results.zarr").glob("*6-*/motions/attenuation/c/0"))
+        (array,) = sorted(
+            (tmp_path / "store" / "results.zarr").glob("*6-*/motions/attenuation/c/0")
+        )
         if damage == "byte":
             content = bytearray(array.read_bytes())
             content[len(content) // 2] ^= 1
@@ -359,7 +378,10 @@ def test_two_writers(tmp_path):
     plan = Store(tmp_path / "store")
     vi.campaign(sweep, tmp_path / "store")
     record = plan.plan()
-    with plan.writing(record), pytest.raises(vi.ParameterError, match=f"process {os.getpid()} on .* writes to it"):
+    with (
+        plan.writing(record),
+        pytest.raises(vi.ParameterError, match=f"process {os.getpid()} on .* writes to it"),
+    ):
         vi.campaign(sweep, tmp_path / "store")
     vi.campaign(sweep, tmp_path / "store")
 
@@ -417,7 +439,12 @@ def test_bad_campaigns(tmp_path, cases, options, error, message):
 def test_progress_and_an_exception_of_it(tmp_path):
     """The share grows to 1; what an exception interrupts is continued."""
     shares = []
-    vi.campaign(small_sweep(), tmp_path / "whole", chunk=2, progress=lambda share, note: shares.append(share))
+    vi.campaign(
+        small_sweep(),
+        tmp_path / "whole",
+        chunk=2,
+        progress=lambda share, note: shares.append(share),
+    )
     assert shares == sorted(shares)
     assert shares[-1] == 1
 

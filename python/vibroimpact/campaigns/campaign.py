@@ -84,9 +84,7 @@ class Campaign:
 
     def __repr__(self) -> str:
         done = self.finished
-        return (
-            f"<Campaign of {self.study}: {done.sum()} of {self.size} cases finished, {len(self.refused)} refused>"
-        )
+        return f"<Campaign of {self.study}: {done.sum()} of {self.size} cases finished, {len(self.refused)} refused>"
 
     def __len__(self) -> int:
         return self.size
@@ -121,7 +119,9 @@ class Campaign:
         for name in self._store.names():
             if int(name.partition("-")[0]) == first:
                 return self._read(name).noun(place - first)
-        raise ParameterError(f"case {place}: is not finished; continue the campaign by the same call")
+        raise ParameterError(
+            f"case {place}: is not finished; continue the campaign by the same call"
+        )
 
     def values(
         self, table: str, column: str, reduce: str = "first", where: Mapping[str, Any] | None = None
@@ -168,7 +168,9 @@ class Campaign:
             there = ~np.isnan(values)
             for name, wanted in (where or {}).items():
                 there &= chunk.arrays[table][name] == wanted
-            found_here, starts, counts = np.unique(cases[there], return_index=True, return_counts=True)
+            found_here, starts, counts = np.unique(
+                cases[there], return_index=True, return_counts=True
+            )
             values = values[there]
             if not len(values):
                 continue
@@ -196,11 +198,11 @@ class Campaign:
         about = {"long_name": item["meaning"], "units": item["unit"] or "1", "reduction": reduce}
         if self.sweep is None:
             return xarray().DataArray(values, dims=["case"], name=column, attrs=about)
+        axes = dict(zip(self.sweep.keys, self.sweep.axes, strict=True))
         if self.sweep.points is not None:
-            coords = {key: ("case", axis) for key, axis in zip(self.sweep.keys, self.sweep.axes, strict=True)}
-            return xarray().DataArray(values, coords, ["case"], name=column, attrs=about)
-        coords = {
-            key: axis if np.ndim(axis) == 1 else [str(value) for value in axis]
-            for key, axis in zip(self.sweep.keys, self.sweep.axes, strict=True)
+            points = {key: ("case", axis) for key, axis in axes.items()}
+            return xarray().DataArray(values, points, ["case"], name=column, attrs=about)
+        ends = {
+            key: axis if np.ndim(axis) == 1 else list(map(str, axis)) for key, axis in axes.items()
         }
-        return xarray().DataArray(values, coords, list(coords), name=column, attrs=about)
+        return xarray().DataArray(values, ends, list(ends), name=column, attrs=about)

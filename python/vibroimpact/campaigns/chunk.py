@@ -138,7 +138,9 @@ def packed(study: str, texts: Sequence[str], found: Sequence[Result | str]) -> C
                 into.setdefault("owner", []).append(np.asarray(table.owners, "<i4").ravel())
             for key, column in table.columns.items():
                 inner[key] = column.values.shape[-1] if column.each else 1
-                values = column.values.reshape(size, inner[key]) if size else np.empty((0, inner[key]))
+                values = (
+                    column.values.reshape(size, inner[key]) if size else np.empty((0, inner[key]))
+                )
                 if column.kind == "word":
                     values = recoded(column, values, words.setdefault((name, key), {}))
                 into.setdefault(key, []).append((number, values))
@@ -175,7 +177,9 @@ def joined(
     given = {number: values for number, values in parts}
     blocks = []
     for number, size in zip(numbers, sizes, strict=True):
-        block = np.full((size, width), FILL.get(item["kind"], -1 if item["kind"] == "verdict" else 0), kind)
+        block = np.full(
+            (size, width), FILL.get(item["kind"], -1 if item["kind"] == "verdict" else 0), kind
+        )
         if number in given:
             block[:, : given[number].shape[1]] = given[number]
         blocks.append(block)

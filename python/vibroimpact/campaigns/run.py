@@ -212,7 +212,7 @@ class Threads:
     def __init__(self, number: int) -> None:
         self.number = number
         self.pool = ThreadPoolExecutor(number)
-        self.counters: list[NDArray[np.int32]] = []
+        self.running: dict[Future[Chunk], NDArray[np.int32]] = {}
 
     def capacity(self) -> int:
         """How many tasks they should have at a time."""
@@ -221,17 +221,20 @@ class Threads:
     def submit(self, study: str, task: Task) -> Future[Chunk]:
         """Start a task."""
         counters = new_counters()
-        self.counters.append(counters)
-        return self.pool.submit(compute, study, task.texts, core_digest(), 1, counters)
+        future = self.pool.submit(compute, study, task.texts, core_digest(), 1, counters)
+        self.running[future] = counters
+        return future
 
     def wait(self, futures: list[Any]) -> list[Any]:
         """Those that have ended, after a short time."""
         done, _ = wait_for(futures, INTERVAL, FIRST_COMPLETED)
+        for future in done:
+            del self.running[future]
         return [future for future in futures if future in done]
 
     def stop(self) -> None:
         """Give up all tasks."""
-        for counters in self.counters:
+        for counters in self.running.values():
             counters[2] = 1
         self.pool.shutdown(cancel_futures=True)
 
@@ -241,14 +244,18 @@ class Cluster:
 
     def __init__(self, client: Any) -> None:
         self.client = client
+        self.running: set[Any] = set()
 
     def capacity(self) -> int:
         """How many tasks they should have at a time."""
-        return max(1, AHEAD * sum(self.client.nthreads().values()))
+        threads: int = sum(self.client.nthreads().values())
+        return AHEAD * max(1, threads)
 
     def submit(self, study: str, task: Task) -> Any:
         """Start a task."""
-        return self.client.submit(compute, study, task.texts, core_digest(), pure=False)
+        future = self.client.submit(compute, study, task.texts, core_digest(), pure=False)
+        self.running.add(future)
+        return future
 
     def wait(self, futures: list[Any]) -> list[Any]:
         """Those that have ended, after a short time."""
@@ -257,23 +264,31 @@ class Cluster:
 
         with contextlib.suppress(Late):
             wait(futures, timeout=INTERVAL, return_when="FIRST_COMPLETED")
-        return [future for future in futures if future.done()]
+        done = [future for future in futures if future.done()]
+        self.running.difference_update(done)
+        return done
 
     def stop(self) -> None:
         """Give up all tasks."""
+        with contextlib.suppress(Exception):  # the scheduler may be gone
+            self.client.cancel(list(self.running))
 
 
 @contextlib.contextmanager
 def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
     """Threads, or the cluster of a client."""
     if client is None:
-        number = checks.integer(os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024)
+        number = checks.integer(
+            os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+        )
         pool = Threads(number)
         with pool.pool:
             yield pool
         return
     if threads is not None:
-        raise ParameterError("threads: must be left out with a client, whose workers have their own")
+        raise ParameterError(
+            "threads: must be left out with a client, whose workers have their own"
+        )
     try:
         import distributed
     except ImportError:
@@ -284,7 +299,9 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         yield Cluster(client)
         return
     if not isinstance(client, str):
-        raise ParameterTypeError(f"client = {client!r}: must be a distributed.Client, an address or 'local'")
+        raise ParameterTypeError(
+            f"client = {client!r}: must be a distributed.Client, an address or 'local'"
+        )
     with contextlib.ExitStack() as stack:
         if client == "local":
             address: Any = stack.enter_context(
@@ -296,5 +313,7 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         try:
             here = stack.enter_context(distributed.Client(address, timeout=10))
         except (OSError, ValueError) as error:
-            raise ParameterError(f"client = {client!r}: no scheduler answers there; {error}") from None
+            raise ParameterError(
+                f"client = {client!r}: no scheduler answers there; {error}"
+            ) from None
         yield Cluster(here)

@@ -161,7 +161,12 @@ def write_arrays(folder: Path, chunk: Chunk) -> None:
         "study": chunk.study, "heads": chunk.heads,
         "words": [[*place, list(words)] for place, words in sorted(chunk.words.items())],
     })  # fmt: skip
-    group.create_array(HEADS, data=np.frombuffer(heads.encode(), "u1"), compressors=[codec], dimension_names=["byte"])
+    group.create_array(
+        HEADS,
+        data=np.frombuffer(heads.encode(), "u1"),
+        compressors=[codec],
+        dimension_names=["byte"],
+    )
     for name, columns in chunk.arrays.items():
         table = group.create_group(name)
         for key, values in columns.items():
@@ -179,7 +184,9 @@ def checksums(folder: Path) -> dict[str, str]:
     found = {}
     for path in sorted(folder.rglob("*")):
         if path.is_file():
-            found[path.relative_to(folder).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+            found[path.relative_to(folder).as_posix()] = hashlib.sha256(
+                path.read_bytes()
+            ).hexdigest()
     return found
 
 

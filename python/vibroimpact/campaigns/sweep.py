@@ -131,7 +131,9 @@ class Sweep:
     @classmethod
     def of_record(cls, record: Mapping[str, Any]) -> Sweep:
         """The sweep with this record."""
-        options = {key: record[key] for key in ("samples", "method", "seed", "geometric") if key in record}
+        options = {
+            key: record[key] for key in ("samples", "method", "seed", "geometric") if key in record
+        }
         found = cls(record["template"], record["values"], **options)
         if found.record != record:
             raise ParameterError(
@@ -159,10 +161,11 @@ class Sweep:
         """A case as a namelist, by number from 0."""
         values = self.point(number)
         return "".join(
-            part if isinstance(part, str) else f"  {part[1]} = {namelist._value(values['.'.join(part)])}\n"
+            part
+            if isinstance(part, str)
+            else f"  {part[1]} = {namelist._value(values['.'.join(part)])}\n"
             for part in self._parts
         )
-
 
 
 def _of_keys(kind: type[Sweep], text: str, given: Mapping[str, Any]) -> Sweep:
@@ -178,7 +181,9 @@ def _of_keys(kind: type[Sweep], text: str, given: Mapping[str, Any]) -> Sweep:
         if len(found) == 1:
             found = found * n
         if len(found) != n:
-            raise ParameterError(f"{key}: has {len(found)} values; must have one for each of {n} keys")
+            raise ParameterError(
+                f"{key}: has {len(found)} values; must have one for each of {n} keys"
+            )
         return found
 
     if ("values" in lists) + ("words" in lists) + ("low" in lists) != 1:
@@ -221,7 +226,9 @@ class CaseList:
         self.cases = [case.text if isinstance(case, Case) else case for case in cases]
         for i, text in enumerate(self.cases):
             if not isinstance(text, str):
-                raise ParameterTypeError(f"cases[{i}] = {text!r}: must be a namelist as a text, or a Case")
+                raise ParameterTypeError(
+                    f"cases[{i}] = {text!r}: must be a namelist as a text, or a Case"
+                )
             _groups(text, f"cases[{i}]")
         if not self.cases:
             raise ParameterError("cases: is empty; must hold at least one case")
@@ -261,18 +268,24 @@ def _known(group: str, groups: Sequence[str]) -> list[str]:
 def _full_name(key: Any, groups: Sequence[str]) -> str:
     """The name of a key with its group."""
     if not isinstance(key, str):
-        raise ParameterTypeError(f"values: the key {key!r} must be a text such as 'xi' or 'system.xi'")
+        raise ParameterTypeError(
+            f"values: the key {key!r} must be a text such as 'xi' or 'system.xi'"
+        )
     group, _, name = key.rpartition(".")
     asked = [one for one in dict.fromkeys(groups) if one != "output" and one in (group or one)]
     found = [one for one in asked if name in _known(one, groups)]
     if not found:
-        known = ", ".join(f"{one}.{item}" for one in asked or groups[:-1] for item in _known(one, groups))
+        known = ", ".join(
+            f"{one}.{item}" for one in asked or groups[:-1] for item in _known(one, groups)
+        )
         raise ParameterError(f"values: {key!r} is not a key of the case; must be one of {known}")
     if len(found) > 1:
         choice = " or ".join(f"{one}.{name}" for one in found)
         raise ParameterError(f"values: {key!r} is a key of several groups; must be {choice}")
     if groups.count(found[0]) > 1:
-        raise ParameterError(f"values: {key!r}: the case has several &{found[0]}; must be another key")
+        raise ParameterError(
+            f"values: {key!r}: the case has several &{found[0]}; must be another key"
+        )
     return f"{found[0]}.{name}"
 
 

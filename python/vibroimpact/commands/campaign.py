@@ -39,7 +39,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="cases that are computed and written together (default: so that there are up to 100 chunks)",
     )  # fmt: skip
     parser.add_argument(
-        "--threads", type=int, metavar="N", help="threads without a cluster (default: all processors)"
+        "--threads",
+        type=int,
+        metavar="N",
+        help="threads without a cluster (default: all processors)",
     )
 
 
@@ -47,7 +50,9 @@ def run(options: argparse.Namespace) -> int:
     """Compute what the store lacks."""
     cases = read_namelist(options.file)
     if len(cases) != 1:
-        raise ParameterError(f"{options.file}: has {len(cases)} cases; must have one, with its &sweep")
+        raise ParameterError(
+            f"{options.file}: has {len(cases)} cases; must have one, with its &sweep"
+        )
     sweep = Sweep.of_case(cases[0])
     with Progress(cases[0].name) as bar:
         try:
