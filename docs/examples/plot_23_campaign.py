@@ -2,9 +2,9 @@ r"""
 A campaign over four parameters
 ===============================
 
-max\|X\|/A of an impact damper near resonance, for 2 damping ratios, 5 mass ratios, 5 coefficients of restitution and 10
-clearances: 500 responses. Several attractors can coexist; the worst one counts. The map shows the least value that a
-choice of the clearance (the whole travel of the free mass) can give.
+max\|X\|/A of an impact damper near resonance, for 2 damping ratios, 5 mass ratios, 5 coefficients of restitution
+and 10 clearances: 500 responses. Several attractors can coexist; the worst one counts. The map shows the least value
+that a choice of the clearance (the whole travel of the free mass) can give.
 """
 
 import pathlib
@@ -12,7 +12,6 @@ import tempfile
 
 import matplotlib.pyplot as plt
 import numpy as np
-
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.01, mu=0.05, restitution=0.75)
@@ -31,7 +30,8 @@ found = vi.campaign(sweep, store)
 print(found)
 
 # %%
-# The same call continues a campaign that was interrupted, or killed. The values of all cases form a labelled array:
+# The same call continues a campaign that was interrupted, or killed. The values of all cases form a labelled
+# array:
 
 worst = found.to_xarray("points", "highest", "max")
 least = worst.min("response.clearance")

@@ -17,10 +17,18 @@ OF_STRUCTURES = {"motion": ("periodic", "exact"), "bifurcation": ("bifurcation_d
 #: What has no group.
 IN_PYTHON = {
     "give the probability that motions are stable where parameters are uncertain": ("uncertainty",),
-    "compute how far the boundaries of a zone move where parameters are uncertain": ("boundary_bands",),
+    "compute how far the boundaries of a zone move where parameters are uncertain": (
+        "boundary_bands",
+    ),
     "estimate the probability that a system keeps limits": ("limit_probability",),
-    "compute the exact derivatives of a motion or a simulation": ("Motion.gradient", "Trajectory.gradient"),
-    "compute accelerations, forces, harmonics and energies": ("Motion.quantities", "Trajectory.quantities"),
+    "compute the exact derivatives of a motion or a simulation": (
+        "Motion.gradient",
+        "Trajectory.gradient",
+    ),
+    "compute accelerations, forces, harmonics and energies": (
+        "Motion.quantities",
+        "Trajectory.quantities",
+    ),
 }
 
 

@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 IN_PYTHON = ("design", "identify")
 INPUTS = sorted(
     path for path in (ROOT / "inputs").glob("*.nml")
-    if not any(f"&{group}\n" in path.read_text(encoding="utf-8") for group in IN_PYTHON)
+    if not any(f"&{group}\n" in path.read_text(encoding="utf-8") for group in (*IN_PYTHON, "sweep"))
 )  # fmt: skip
 OTHER_BUILD = bool(os.environ.get("VIBROIMPACT_BATCH"))
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import vibroimpact as vi
 from vibroimpact import door
 from vibroimpact.campaigns.chunk import compute
 from vibroimpact.campaigns.store import Store
+from vibroimpact.commands.campaign import EXAMPLE
 from vibroimpact.noun import RESULTS
 
 pytest.importorskip("zarr")
@@ -188,6 +188,13 @@ def test_a_sweep_is_left_to_the_command(sweep_file):
     assert log.status == 1
     assert "vibroimpact campaign" in log.lines[0][1]
     assert not list(folder.glob("*.csv"))
+
+
+def test_example_of_the_command(tmp_path):
+    """The example in the help runs as printed."""
+    path = {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    subprocess.run(EXAMPLE, shell=True, check=True, cwd=tmp_path, env=os.environ | path)
+    assert vi.Campaign(tmp_path / "store").finished.all()
 
 
 # -- results
@@ -401,7 +408,7 @@ def test_another_campaign_is_refused(tmp_path):
         vi.Campaign(tmp_path / "store")
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("x")
-    with pytest.raises(vi.ParameterError, match="it holds 'thesis.txt'"):
+    with pytest.raises(vi.ParameterError, match=r"it holds 'thesis\.txt'"):
         vi.campaign(small_sweep(), tmp_path / "mine")
     with pytest.raises(vi.ParameterError, match="must be the store of a campaign"):
         vi.Campaign(tmp_path / "mine")

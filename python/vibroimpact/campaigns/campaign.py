@@ -84,7 +84,10 @@ class Campaign:
 
     def __repr__(self) -> str:
         done = self.finished
-        return f"<Campaign of {self.study}: {done.sum()} of {self.size} cases finished, {len(self.refused)} refused>"
+        return (
+            f"<Campaign of {self.study}: {done.sum()} of {self.size} cases finished, "
+            f"{len(self.refused)} refused>"
+        )
 
     def __len__(self) -> int:
         return self.size

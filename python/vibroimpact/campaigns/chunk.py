@@ -68,10 +68,11 @@ class Chunk:
             for key, inner in about["columns"].items():
                 item = declared(self.study)[name, key]
                 values = packed[key][first:last]
-                if item["each"]:
-                    values = values[:, :inner].reshape(*shape, inner)
-                else:
-                    values = values.reshape(shape)
+                values = (
+                    values[:, :inner].reshape(*shape, inner)
+                    if item["each"]
+                    else values.reshape(shape)
+                )
                 columns[key] = declared_column(item, self.words.get((name, key), ()), values)
             owners = packed["owner"][first:last].reshape(shape) if about["parent"] else None
             tables[name] = Table(about["dims"], about["parent"], owners, Found(columns, name))
@@ -174,7 +175,7 @@ def joined(
     width = max(values.shape[1] for _, values in parts)
     sizes = [len(part) for part in cases]
     numbers = [int(part[0]) if len(part) else -1 for part in cases]
-    given = {number: values for number, values in parts}
+    given = dict(parts)
     blocks = []
     for number, size in zip(numbers, sizes, strict=True):
         block = np.full(

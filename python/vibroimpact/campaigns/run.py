@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
@@ -65,8 +64,8 @@ def campaign(
 ) -> Campaign:  # fmt: skip
     """Compute many cases of one study, and keep their results in a store.
 
-    What the store already has is not computed again, so that a campaign that was interrupted or killed is continued
-    by the same call. The store is the same to the last bit, whatever computed it.
+    What the store has is not computed again: the same call continues a campaign that was interrupted or killed.
+    The store is the same to the last bit, whatever computed it.
 
     Parameters
     ----------
@@ -121,7 +120,8 @@ def campaign(
         raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
     place = Store(store)
     record = {
-        "study": study, "size": number, "chunk": size, "core": core_digest(), "vibroimpact": version("vibroimpact"),
+        "study": study, "size": number, "chunk": size, "core": core_digest(),
+        "vibroimpact": version("vibroimpact"),
         **plan.record,
     }  # fmt: skip
     with place.writing(record), _workers(client, threads) as workers:
@@ -145,7 +145,6 @@ def _run(
     """Compute what the store lacks; whether Ctrl-C stopped it."""
     number = len(plan)
     done = 0
-    tasks: deque[Task] = deque()
     running: dict[Any, Task] = {}
 
     def missing() -> Iterator[Task | int]:

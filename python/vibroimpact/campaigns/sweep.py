@@ -249,8 +249,8 @@ def _groups(text: str, name: str = "case") -> list[str]:
     groups = re.findall(r"(?m)^&(\w+)$", text)
     if len(groups) < 2 or len(namelist.parts_of(text)) != len(groups):
         raise ParameterError(
-            f"{name} = {text[:60]!r}: must be a complete case with one `key = value` a line, as `to_namelist` of a "
-            "result or `read_namelist` gives it"
+            f"{name} = {text[:60]!r}: must be a complete case with one `key = value` a line, as `to_namelist` of "
+            "a result or `read_namelist` gives it"
         )
     return groups
 

@@ -18,8 +18,8 @@ computed again. A case that is refused or fails is written to STORE/failures as 
 With --cluster the cases run on a cluster of dask. It needs the extra `campaign`:
 pip install 'vibroimpact[campaign]'."""
 EXAMPLE = (
-    "vibroimpact init equispaced && echo \"&sweep keys = 'xi', values = .005, .01 /\" >> equispaced.nml && "
-    "vibroimpact campaign equispaced.nml --store store"
+    "echo \"&system xi = .01, mu = .05, restitution = .75, r = 1 / &motion kind = 'equispaced', clearance = 20 / "
+    "&sweep keys = 'r', values = .9, 1 /\" > sweep.nml && vibroimpact campaign sweep.nml --store store"
 )
 
 

@@ -464,7 +464,7 @@ def identify(
     law : {"constant", "power", "powers"}
         How the coefficients of restitution depend on the approach speed v: R1 and R2 are constants, or those at
         the speed v0 of R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, or with exponent1 on the right wall and
-        exponent2 on the left one. Impacts of different speeds determine an exponent: in records at different loads,
+        exponent2 on the left one. Impacts of different speeds determine an exponent: records at different loads,
         or in one period. This is a `PowerLaw` far above its knee, which is not fitted.
     law_speed : float, optional
         v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
