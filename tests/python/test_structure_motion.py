@@ -275,6 +275,74 @@ def check_laws(count, seed):
             np.testing.assert_allclose(linear.states, motion.states, rtol=0, atol=1e-8 * largest)
 
 
+@pytest.mark.slow
+def test_the_determinant_of_thousands_of_random_structures():
+    """det[P] is exp(-tr(M^-1 C) T) times R (R + R'v) of every impact, and 0 with a rest.
+
+    Structures have up to 8 coordinates and six gaps, some with R(v). An error of P counts by the product
+    of the lengths of its columns, so the law is known to 1e-11 where that product times 1e-14 is less.
+    """
+    rng = np.random.default_rng(3)
+    precise = rests = 0
+    for _ in range(9000):
+        structure, load = structure_of_six_gaps(rng)
+        try:
+            motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=100))
+        except SingularError:
+            continue
+        scale = np.prod(np.linalg.norm(motion.matrix, axis=0))
+        if len(motion.rests):
+            rests += 1
+            assert motion.law == 0
+            assert abs(motion.determinant) <= 1e-14 * scale
+            continue
+        law = np.exp(-np.trace(np.linalg.solve(structure.mass, structure.damping)) * motion.period)
+        for i, v in zip(motion.gaps, motion.speeds, strict=True):
+            law *= squared(structure.gaps[i].restitution, v)
+        assert motion.law == pytest.approx(law, rel=1e-11)
+        assert abs(motion.determinant - law) <= 1e-11 * law + 1e-14 * scale
+        precise += abs(motion.determinant / law - 1) < 1e-11
+    assert precise > 700
+    assert precise + rests > 2000
+
+
+def squared(restitution, v):
+    """R (R + R'v), which is R^2 if R is constant."""
+    if not isinstance(restitution, vi.PowerLaw):
+        return restitution**2
+    # R = R0 (1 + w)^(-p/k) with w = (v/v0)^k: R'v = -p R w/(1 + w)
+    w = (v / restitution.speed) ** restitution.sharpness
+    r = restitution.R0 * (1 + w) ** (-restitution.exponent / restitution.sharpness)
+    return r * r * (1 - restitution.exponent * w / (1 + w))
+
+
+def structure_of_six_gaps(rng):
+    """A host of up to five modes with up to three free masses, each between two walls of their own R or R(v)."""
+    hosts, masses = int(rng.integers(1, 6)), int(rng.integers(1, 4))
+    n = hosts + masses
+    mass, damping, stiffness = np.zeros((3, n, n))
+    a, b, c = rng.normal(size=(3, hosts, hosts))
+    mass[:hosts, :hosts] = np.eye(hosts) + 0.2 * a @ a.T / hosts
+    stiffness[:hosts, :hosts] = 0.5 * np.eye(hosts) + b @ b.T
+    damping[:hosts, :hosts] = 0.05 * (np.eye(hosts) + c @ c.T)
+    gaps = []
+    for i in range(hosts, n):
+        mass[i, i] = rng.uniform(0.05, 0.4)
+        damping[i, i] = rng.choice([0, rng.uniform(0.001, 0.2)])
+        direction = np.zeros(n)
+        direction[i], direction[rng.integers(hosts)] = 1, -1
+        for side in (1, -1):
+            r = rng.uniform(0.2, 0.8)
+            if rng.random() < 0.4:
+                r = vi.PowerLaw(r, rng.uniform(0.2, 1), rng.uniform(0.1, 0.4))
+            gaps.append(vi.Gap(side * direction, rng.uniform(0.1, 0.6), r))
+    sine, cosine = np.zeros((2, 2, n))
+    sine[0, :hosts] = rng.normal(size=hosts)
+    cosine[1, :hosts] = 0.3 * rng.normal(size=hosts)
+    load = vi.Load(rng.uniform(0.4, 2.0), sine=sine, cosine=cosine)
+    return vi.Structure(mass, damping, stiffness, gaps), load
+
+
 def test_eliminated_and_full_problem_agree_to_rounding():
     differences = []
     for motion, _ in samples(10, 3):
