@@ -181,6 +181,47 @@ def test_bad_groups(tmp_path, line, message):
     assert not (tmp_path / "store").exists()
 
 
+@pytest.mark.parametrize(
+    ("line", "values"),
+    [
+        ("keys = 'xi', 'r', values = 0.1, 0.2, 0.9, 1, 1.1, counts = 2, 3",
+         {"xi": [0.1, 0.2], "r": [0.9, 1.0, 1.1]}),
+        ("keys = 'xi', values = 0.1, 0.2", {"xi": [0.1, 0.2]}),
+        ("keys = 'precision', words = 'single', 'double'", {"precision": ["single", "double"]}),
+        ("keys = 'r', low = 0.9, high = 1.1, counts = 3", {"r": vi.spaced(0.9, 1.1, 3)}),
+        ("keys = 'xi', low = 0.001, high = 0.1, counts = 3, spacing = 'geometric'",
+         {"xi": vi.spaced(0.001, 0.1, 3, "geometric")}),
+    ],
+)  # fmt: skip
+def test_groups_are_sweeps(tmp_path, line, values):
+    """A &sweep gives the cases of the same sweep in Python."""
+    path = tmp_path / "sweep.nml"
+    path.write_text(SWEEP.split("&sweep")[0] + f"&sweep\n  {line}\n/\n")
+    (case,) = vi.read_namelist(path)
+    found = vi.Sweep.of_case(case)
+    expected = vi.Sweep(found.template, values)
+    assert len(found) == len(expected)
+    assert [found.text(i) for i in range(len(found))] == [
+        expected.text(i) for i in range(len(found))
+    ]
+
+
+def test_a_box_of_a_group(tmp_path):
+    """Points of a &sweep are those of the same box in Python."""
+    path = tmp_path / "sweep.nml"
+    path.write_text(
+        SWEEP.split("&sweep")[0]
+        + "&sweep\n  keys = 'xi', 'r', low = 0.001, 0.9, high = 0.1, 1.1, samples = 8, "
+        "method = 'latin_hypercube', seed = 5, spacing = 'geometric', 'linear'\n/\n"
+    )
+    found = vi.Sweep.of_case(vi.read_namelist(path)[0])
+    expected = vi.Sweep(
+        found.template, {"xi": (0.001, 0.1), "r": (0.9, 1.1)}, samples=8, method="latin_hypercube", seed=5,
+        geometric=["xi"],
+    )  # fmt: skip
+    np.testing.assert_array_equal(found.points, expected.points)
+
+
 def test_a_sweep_is_left_to_the_command(sweep_file):
     """The compiled program says what runs it, and writes nothing."""
     folder = sweep_file.parent / "results"

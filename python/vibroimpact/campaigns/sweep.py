@@ -197,7 +197,9 @@ def _of_keys(kind: type[Sweep], text: str, given: Mapping[str, Any]) -> Sweep:
                 f"{len(items)} values"
             )
         ends = np.cumsum([0, *counts]).tolist()
-        return kind(text, {key: items[a:b] for key, a, b in zip(keys, ends, ends[1:], strict=True)})
+        return kind(
+            text, {key: items[a:b] for key, a, b in zip(keys, ends[:-1], ends[1:], strict=True)}
+        )
     if "high" not in lists:
         raise ParameterError("high: must be given with low")
     low, high, spacing = each("low"), each("high"), each("spacing", "linear")
