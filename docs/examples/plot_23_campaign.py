@@ -3,8 +3,8 @@ A campaign over four parameters
 ===============================
 
 max\|X\|/A of an impact damper near resonance, for 2 damping ratios, 5 mass ratios, 5 coefficients of restitution
-and 10 clearances: 500 responses. Several attractors can coexist; the worst one counts. The map shows the least value
-that a choice of the clearance (the whole travel of the free mass) can give.
+and 10 clearances: 500 responses. Several attractors can coexist; the worst one counts. The map shows the least
+value that a choice of the clearance (the whole travel of the free mass) can give.
 """
 
 import pathlib
