@@ -49,5 +49,7 @@ for ax, xi in zip(axes, sweep.axes[0], strict=True):
         shading="nearest",
     )
     ax.set(title=f"ξ = {xi:g}", xlabel="restitution  R", yscale="log")
+axes[0].set_yticks([0.02, 0.05, 0.1, 0.2], ["0.02", "0.05", "0.1", "0.2"], minor=False)
+axes[0].set_yticks([], minor=True)
 axes[0].set_ylabel("mass ratio  μ = m/M")
 figure.colorbar(image, ax=axes, label="least max|X|/A over the clearance", extend="max")

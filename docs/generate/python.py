@@ -20,6 +20,7 @@ SUBJECTS = {
                    "studies.response", "spacing"),
     "Records of a rig": ("studies.identify", "measured", "formats.measured"),
     "Uncertain parameters": ("studies.uncertainty", "studies.boundary_band"),
+    "Campaigns": ("campaigns.run", "campaigns.sweep", "campaigns.campaign"),
     "Other studies": ("studies.*",),
     "Namelists": ("run",),
     "Results in files": ("formats.load",),
