@@ -28,6 +28,7 @@ EXAMPLE = "vibroimpact doctor"
 
 #: The purpose of each extra; those for developers are not checked.
 PURPOSES = {
+    "campaign": "campaigns (`vibroimpact campaign`), from Python 3.11 on",
     "completion": "completion in a shell (`vibroimpact completion`)",
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
     "design": "designs (`vibroimpact design`)",
