@@ -132,7 +132,7 @@ def extras() -> dict[str, dict[str, str | None]]:
     """The libraries of each extra with their versions, None where one is missing."""
     found: dict[str, dict[str, str | None]] = {}
     for line in metadata.requires("vibroimpact") or []:
-        match = re.match(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]", line)
+        match = re.match(r"([\w.-]+).*;.*\bextra\s*==\s*['\"](\w+)['\"]", line)
         if match is None or match[2] not in PURPOSES:
             continue
         version: str | None
