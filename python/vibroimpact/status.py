@@ -12,7 +12,8 @@ __all__ = ["status_text"]
 #: The core's verdicts: 1, 0, and -1 for "not computed".
 VERDICT = {1: True, 0: False, -1: None}
 #: Codes of the core's vi_status that are handled separately.
-NO_MOTION, MORE_EVENTS, NOT_COMPUTED, DEFECTIVE, SHORTER_PERIOD, SYMMETRIC = 7, 8, 12, 17, 31, 32
+NO_MOTION, MORE_EVENTS, NOT_COMPUTED, DEFECTIVE, GAP_CLOSED = 7, 8, 12, 17, 20
+SHORTER_PERIOD, SYMMETRIC = 31, 32
 
 
 def status_text(code: int) -> str:

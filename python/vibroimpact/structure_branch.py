@@ -223,7 +223,7 @@ class StructureBranch(Followed, study="branch_structure"):
 def branch_structure(
     motion: StructureMotion,
     parameter: Parameter,
-    bounds: tuple[float, float],
+    bounds: tuple[float, float] | None = None,
     longest_step: float = 0.05,
     max_points: int = 4000,
     progress: door.Progress | None = None,

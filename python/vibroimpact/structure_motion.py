@@ -514,6 +514,12 @@ def _pattern(
     order = np.argsort(phases, kind="stable")
     if (order != np.arange(len(phases))).any() or phases[-1] - phases[0] >= 2 * np.pi * cycles:
         raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+    same = np.flatnonzero((np.diff(phases) == 0) & (np.diff(numbers) == 0))
+    if same.size:
+        raise ParameterError(
+            f"phases = {phases.tolist()!r}: must differ for impacts on the same gap, but {same[0]} and "
+            f"{same[0] + 1} are at once on gap {numbers[same[0]]}"
+        )
     if np.abs(phases).max() > 1e6:
         raise ParameterError(f"phases = {phases.tolist()!r}: must be at most 1e6 in magnitude")
     return numbers, phases, cycles

@@ -16,7 +16,7 @@ from .gradient import Gradient
 from .noun import Noun, Savable
 from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
-from .status import MORE_EVENTS, raise_status, sentence
+from .status import GAP_CLOSED, MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure
 from .structure_gradient import Wanted, structure_trajectory_gradient
 from .structure_groups import from_groups
@@ -602,6 +602,10 @@ def simulate_structure(
         room = min(8 * room, max_events)
     failed = status not in (0, MORE_EVENTS)
     if failed and count == 0:
+        if status == GAP_CLOSED:
+            apart = [gap.opening - gap.direction @ q for gap in structure.gaps]
+            i = int(np.argmin(apart))
+            raise SingularError(f"{sentence(status)}: gaps[{i}] is {apart[i]:.6g}, must be >= 0")
         structure._raise_status(status)
     events = new_events(count)
     events["time"], events["speed"], events["impulse"] = table[:3, :count]

@@ -28,8 +28,8 @@ module vi_decoupling
       logical :: classical = .true.
    end type decoupled_type
 
-   !> A frequency counts as 0 if its omega^2 is below this fraction of the largest one of the body.
-   real(wp), parameter :: zero_frequency = 1.0e-13_wp
+   !> Largest relative error by rounding of omega^2, and of the coupling of modes by stiffness.
+   real(wp), parameter :: largest_error = 1.0e-7_wp
    !> Largest coupling by damping, over sqrt(omega_i omega_j), of modes that count as uncoupled.
    real(wp), parameter :: no_coupling = 1.0e-12_wp
    !> Two eigenvalues of a pair that are closer, relative to their size, have nearly the same
@@ -48,8 +48,8 @@ contains
       !> The pairs.
       type(decoupled_type), intent(out) :: decoupled
       !> `stat%ok`; `stat%mass_not_definite`; `stat%negative_stiffness` where K or C has a
-      !! negative eigenvalue; `stat%defective` where complex eigenvectors nearly coincide; or
-      !! `stat%lapack_failed`.
+      !! negative eigenvalue; `stat%defective` where complex eigenvectors nearly coincide;
+      !! `stat%too_stiff` where rounding leaves too few digits; or `stat%lapack_failed`.
       integer, intent(out) :: status
       integer :: body(size(mass, 1))
       integer :: i, n
@@ -113,18 +113,24 @@ contains
       real(wp) :: shapes(size(at), size(at)), factor(size(at), size(at)), &
          coupling(size(at), size(at)), omega_squared(size(at)), work(max(66*size(at), 8))
       real(wp) :: scale
-      integer :: i, j, m, info
+      integer :: i, j, m, info, order(size(at))
 
       m = size(at)
-      shapes = stiffness(at, at)
-      factor = mass(at, at)
+      status = stat%mass_not_definite
+      if (any([(mass(at(i), at(i)) <= 0, i=1, m)])) return
+      ! the eigenvalue solver keeps the digits of slow modes if fast coordinates come last
+      call order_by_speed([(stiffness(at(i), at(i))/mass(at(i), at(i)), i=1, m)], order)
+      shapes = stiffness(at(order), at(order))
+      factor = mass(at(order), at(order))
       call dsygv(1, 'V', 'U', m, shapes, m, factor, m, omega_squared, work, size(work), info)
       status = stat%ok
       if (info > m) status = stat%mass_not_definite
       if (info /= 0 .and. status == stat%ok) status = stat%lapack_failed
       if (status /= stat%ok) return
+      shapes(order, :) = shapes
       scale = maxval(abs(omega_squared))
-      where (abs(omega_squared) <= zero_frequency*scale) omega_squared = 0
+      call find_zeros(stiffness(at, at), shapes, omega_squared, status)
+      if (status /= stat%ok) return
       coupling = 0
       if (any(abs(damping(at, at)) > 0)) then
          coupling = matmul(transpose(shapes), matmul(damping(at, at), shapes))
@@ -161,6 +167,67 @@ contains
          call decouple_damping(at, mass(at, at), shapes, omega_squared, coupling, decoupled, status)
       end if
    end subroutine decouple_body
+
+   !> The order of coordinates from the slowest to the fastest; those within a factor of about 256
+   !! keep theirs, and with it a banded matrix its form.
+   pure subroutine order_by_speed(squares, order)
+      !> (m) K_ii/M_ii of the coordinates.
+      real(wp), intent(in) :: squares(:)
+      !> (m) Their indices.
+      integer, intent(out) :: order(:)
+      integer :: level(size(squares)), i, j
+      real(wp) :: least
+
+      least = max(tiny(1.0_wp), epsilon(1.0_wp)**2*maxval(squares))
+      level = exponent(maxval(squares)/max(squares, least))/8
+      do i = 1, size(squares)
+         j = i
+         do while (j > 1)
+            if (level(order(j - 1)) >= level(i)) exit
+            order(j) = order(j - 1)
+            j = j - 1
+         end do
+         order(j) = i
+      end do
+   end subroutine order_by_speed
+
+   !> Sets omega^2 of modes of frequency 0 to 0: where x^T K x is as small as its rounding error.
+   pure subroutine find_zeros(stiffness, shapes, omega_squared, status)
+      !> (m, m) K, and the modes with x^T M x = 1.
+      real(wp), intent(in) :: stiffness(:, :), shapes(:, :)
+      !> (m) In and out: omega^2 of the modes.
+      real(wp), intent(inout) :: omega_squared(:)
+      !> `stat%ok`; `stat%negative_stiffness`; `stat%too_stiff` where another omega^2 may have a
+      !! relative error above `largest_error`.
+      integer, intent(out) :: status
+      real(wp), dimension(size(shapes, 1), size(shapes, 1)) :: elastic
+      real(wp) :: noise(size(shapes, 1)), share
+      integer :: i, j, m
+
+      m = size(shapes, 1)
+      elastic = matmul(transpose(shapes), matmul(stiffness, shapes))
+      noise = epsilon(1.0_wp)*sum(abs(shapes)*matmul(abs(stiffness), abs(shapes)), 1)
+      status = stat%ok
+      do i = 1, m
+         if (abs(elastic(i, i)) <= 64*m*noise(i)) then
+            omega_squared(i) = 0
+         else if (elastic(i, i) < 0) then
+            status = stat%negative_stiffness
+         end if
+      end do
+      if (status /= stat%ok) return
+      do i = 1, m
+         if (.not. abs(omega_squared(i)) > 0) cycle
+         share = largest_error*omega_squared(i)
+         if (noise(i) > share .or. abs(elastic(i, i) - omega_squared(i)) > share) then
+            status = stat%too_stiff
+         end if
+         do j = 1, m
+            if (j /= i .and. omega_squared(j) <= omega_squared(i) .and. &
+               abs(elastic(i, j)) > share) status = stat%too_stiff
+         end do
+      end do
+   end subroutine find_zeros
 
    !> Takes combinations of the modes of frequency 0 that damping does not couple: without stiffness
    !! any combination is a mode, and those that damping couples could have a defective eigenvalue 0.

@@ -57,11 +57,11 @@ contains
       !> The equations.
       type(equations_type), intent(out) :: equations
       !> `stat%ok`; `stat%resonance` where an undamped pair resonates with the period;
-      !! `stat%no_motion` where a constant force acts on a pair of frequency 0 and no impact does.
+      !! `stat%unbalanced` where no impulses balance a constant force on a pair of frequency 0.
       integer, intent(out) :: status
       real(wp), dimension(size(regime%modes%stiffness), size(gaps)) :: in_x, in_v, of_x, of_v
       integer, allocatable :: pairs(:)
-      real(wp) :: x(0:2), v(0:2)
+      real(wp) :: x(0:2), v(0:2), least
       type(periodic_pair_type) :: pair
       logical, allocatable :: participates(:)
       integer :: i, j, k, n
@@ -102,21 +102,53 @@ contains
                + regime%modes%force(pairs(k)))
          end associate
       end do
+      least = 1.0e-12_wp*period*(norm2(regime%modes%force) &
+         + 2*norm2(regime%modes%damping*regime%modes%drift))
       allocate (participates(size(pairs)))
       do k = 1, size(pairs)
          ! the sum over all pairs of the coefficient times the jump is 1/m of the gap: a share of it
          ! that is a square of rounding errors is 0
          participates(k) = any(abs(equations%by_offset(:, k)*equations%balance(k, :))* &
             structure%effective(gaps) > (64*size(of_x, 1)*epsilon(1.0_wp))**2)
-         if (participates(k)) cycle
-         equations%by_offset(:, k) = 0
-         equations%balance(k, :) = 0
-         if (abs(equations%supplied(k)) > 1.0e-12_wp*period*(norm2(regime%modes%force) &
-            + 2*norm2(regime%modes%damping*regime%modes%drift))) status = stat%no_motion
-         equations%supplied(k) = 0
+         if (.not. participates(k)) then
+            equations%by_offset(:, k) = 0
+            equations%balance(k, :) = 0
+         end if
+         ! impulses are never negative
+         if (all(equations%balance(k, :)*equations%supplied(k) >= 0) .and. &
+            abs(equations%supplied(k)) > least) status = stat%unbalanced
+         if (.not. participates(k)) equations%supplied(k) = 0
       end do
+      if (norm2(equations%supplied) > least .and. .not. is_in_span(equations%balance, &
+         equations%supplied)) status = stat%unbalanced
       equations%apart = .not. participates
    end subroutine new_equations
+
+   !> Whether a vector is a combination of others, except for rounding.
+   pure logical function is_in_span(vectors, vector)
+      !> (p, N) The others.
+      real(wp), intent(in) :: vectors(:, :)
+      !> (p) The vector.
+      real(wp), intent(in) :: vector(:)
+      real(wp), parameter :: rounding = 1.0e-10_wp
+      real(wp) :: basis(size(vector), size(vector)), part(size(vector)), rest(size(vector))
+      integer :: j, n
+
+      n = 0
+      rest = vector
+      do j = 1, size(vectors, 2)
+         if (n == size(vector)) exit
+         part = vectors(:, j)
+         ! once more, against rounding
+         part = part - matmul(basis(:, :n), matmul(part, basis(:, :n)))
+         part = part - matmul(basis(:, :n), matmul(part, basis(:, :n)))
+         if (norm2(part) <= rounding*norm2(vectors(:, j))) cycle
+         n = n + 1
+         basis(:, n) = part/norm2(part)
+         rest = rest - dot_product(rest, basis(:, n))*basis(:, n)
+      end do
+      is_in_span = norm2(rest) <= rounding*norm2(vector)
+   end function is_in_span
 
    !> Time from impact j to the next instant of impact i; the whole period for the same impact, so
    !! that what acts there is what arrives.

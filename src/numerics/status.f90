@@ -76,6 +76,10 @@ module vi_status
       integer :: shorter_period = 31, symmetric = 32
       !> The directions of gaps that are at rest together depend on each other.
       integer :: dependent_rests = 33
+      !> A mean force acts on a mode of frequency 0 of a structure, and no impulses balance it.
+      integer :: unbalanced = 34
+      !> Stiffnesses or masses of a structure differ so much that slow modes are lost in rounding.
+      integer :: too_stiff = 35
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -179,6 +183,12 @@ contains
       case (stat%dependent_rests)
          text = 'gaps are closed together whose directions depend on each other, as on both sides &
             &of a slot without play: their forces are not determined'
+      case (stat%unbalanced)
+         text = 'a constant force acts on a mode of frequency 0, and the impulses of no impacts on &
+            &these gaps balance it: there is no periodic motion'
+      case (stat%too_stiff)
+         text = 'masses or stiffnesses differ so much that slow modes keep fewer than 7 digits: &
+            &make stiff springs rigid, or give the structure by its modes'
       case default
          text = 'unknown status code'
       end select

@@ -520,8 +520,66 @@ def test_bad_simulations(words, message):
 
 def test_a_gap_that_is_less_than_closed():
     s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1.0)])
-    with pytest.raises(vi.SingularError, match="less than closed"):
+    with pytest.raises(vi.SingularError, match=r"less than closed.*gaps\[0\] is -0.5"):
         vi.simulate(s, duration=1, state=([1.5], [0.0]))
+
+
+def exact_pull(mass, stiffness, force, t):
+    """The positions at t under a constant force, from rest, with 60 digits."""
+    mpmath = pytest.importorskip("mpmath")
+    with mpmath.workdps(60):
+        n = len(mass)
+        roots = [mpmath.sqrt(mpmath.mpf(float(m))) for m in mass]
+        a = mpmath.matrix(n, n)
+        for i in range(n):
+            for j in range(n):
+                a[i, j] = mpmath.mpf(float(stiffness[i, j])) / (roots[i] * roots[j])
+        squares, shapes = mpmath.eigsy(a)
+        pull = shapes.T * mpmath.matrix([mpmath.mpf(float(force[i])) / roots[i] for i in range(n)])
+        share = [
+            (1 - mpmath.cos(mpmath.sqrt(w) * t)) / w if abs(w) > 1e-40 else mpmath.mpf(t) ** 2 / 2
+            for w in squares
+        ]
+        y = shapes * mpmath.matrix([p * s for p, s in zip(pull, share, strict=True)])
+        return np.array([float(y[i] / roots[i]) for i in range(n)])
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("tiny", [1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize(("n", "at"), [(3, 0), (3, 1), (5, 2), (8, 0), (8, 4), (8, 7)])
+def test_very_light_bodies(n, at, tiny, free):
+    """A very light body leaves the slow modes of a chain their digits, and a free chain its rigid mode."""
+    stiffness = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    if free:
+        stiffness[0, 0] = stiffness[-1, -1] = 1
+    mass, force = np.ones(n), np.eye(n)[(at + 1) % n]
+    mass[at] = tiny
+    s = vi.Structure(mass, np.zeros(n), stiffness, [])
+    run = vi.simulate(s, vi.Load(None, constant=force), duration=3)
+    known = exact_pull(mass, stiffness, force, 3)
+    assert np.abs(run.sample([3])[0][:, 0] - known).max() < 1e-12 * np.abs(known).max()
+
+
+@pytest.mark.parametrize("n", [3, 5, 8])
+@pytest.mark.parametrize("stiff", [1e2, 1e4, 1e6, 1e7, 1e8, 1e9, 1e10, 1e12])
+def test_very_stiff_springs(n, stiff):
+    """A spring that is very stiff is refused, by name, before fewer than 7 digits are left."""
+    springs = np.ones(n + 1)
+    springs[n // 2] = stiff
+    stiffness = np.diag(springs[:-1] + springs[1:])
+    stiffness -= np.diag(springs[1:-1], 1) + np.diag(springs[1:-1], -1)
+    force = np.eye(n)[0]
+    s = vi.Structure(np.ones(n), np.zeros(n), stiffness, [])
+    load = vi.Load(None, constant=force)
+    if stiff >= 1e9 or (stiff, n) == (1e8, 8):
+        with pytest.raises(vi.SingularError, match="stiffnesses differ so much"):
+            vi.simulate(s, load, duration=3)
+        return
+    run = vi.simulate(s, load, duration=3)
+    known = exact_pull(np.ones(n), stiffness, force, 3)
+    off = np.abs(run.sample([3])[0][:, 0] - known).max() / np.abs(known).max()
+    assert off < 4 * stiff * np.finfo(float).eps
+    assert off < 1e-7
 
 
 def test_events_before_a_rest_that_cannot_be_computed_are_kept():

@@ -534,11 +534,35 @@ def test_refused_loads_and_guesses():
         vi.exact(damper(), vi.Load(1.0, sine=[1, 0]), 3)
 
 
-def test_a_mean_force_that_nothing_balances():
-    # the free mass is pushed to the right wall, but only the left one is hit
+@pytest.mark.parametrize("full", [False, True])
+def test_a_mean_force_that_nothing_balances(full):
+    """The free mass is pushed to the right wall, but only the left one is hit; a free body hits no wall."""
     load = vi.Load(0.94, sine=[1, 0], constant=[0, 0.1])
-    motion = vi.periodic(damper(), load, [1.6], [1])
-    assert motion.consistent is False or motion.speeds[0] < 0
+    with pytest.raises(SingularError, match="frequency 0"):
+        vi.periodic(damper(), load, [1.6], [1], full=full)
+    with pytest.raises(SingularError, match="frequency 0"):
+        vi.exact(damper(), load, ([1.6], [1]))
+    assert vi.periodic(damper(), load, [1.6], [0], full=full).speeds[0] > 0
+    between = [vi.Gap([1, -1], 0.3, 0.7), vi.Gap([-1, 1], 0.3, 0.7)]
+    free = vi.Structure([1, 1], [0, 0], [0, 0], between)
+    load = vi.Load(1.0, sine=[1, 0], constant=[0.1, 0.2])
+    with pytest.raises(SingularError, match="frequency 0"):
+        vi.periodic(free, load, [0.5, 3.6], [0, 1], full=full)
+    found = vi.find(free, load, states=2, max_impacts=2, max_cycles=1, guesses=2)
+    assert not len(found)
+    assert any("frequency 0" in reason for reason in found.failures)
+
+
+def test_impacts_at_once_on_one_gap_are_refused():
+    with pytest.raises(ParameterError, match=r"phases.*0 and 1 are at once on gap 1"):
+        vi.periodic(damper(), vi.Load(0.94, sine=[1, 0]), [1.6, 1.6], [1, 1])
+
+
+def test_a_branch_without_bounds_is_refused():
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    with pytest.raises(ParameterError, match="bounds = None"):
+        vi.branch(motion, "frequency")
 
 
 def test_resonance_with_the_period_is_refused():
