@@ -126,8 +126,8 @@ def search(
         done = sum(map(len, tried)) / (evaluations + size)
         if progress is not None:
             progress(min(0.7, 0.7 * done), "global search")
-        # an infinite level, of runs that failed, would make differences of levels undefined
-        return np.asarray(np.minimum(found[1], 1e300))
+        # an infinite level, of runs that failed, would make differences and variances of levels undefined
+        return np.asarray(np.minimum(found[1], 1e150))
 
     try:
         differential_evolution(

@@ -60,6 +60,19 @@ class Uncertain:
         """Its median."""
         return float(self.at(np.array([0.5]))[0])
 
+    @property
+    def text(self) -> str:
+        """The distribution in words."""
+        if self.normal:
+            return f"normal, mean {self.numbers[0]:.6g}, standard deviation {self.numbers[1]:.6g}"
+        count = f" by {len(self.numbers)} quantiles" if len(self.numbers) > 2 else ""
+        return f"{self.low:.6g} to {self.high:.6g}{count}"
+
+    @property
+    def meaning(self) -> str:
+        """What `around` takes its values for."""
+        return " (factors)" if self.low > 0 else " (deviations)"
+
     def around(self, nominal: Any, values: Any) -> Any:
         """Values of a parameter that has a nominal one: factors if all are positive, otherwise deviations.
 

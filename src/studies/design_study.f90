@@ -115,7 +115,7 @@ module vi_design_study
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
       meaning='frequencies, or displacements, at which they are judged'), &
-      key_type('settling', a_whole, default='200', low=8.0_wp, high=1.0e6_wp, &
+      key_type('settling', a_whole, default='400', low=8.0_wp, high=1.0e6_wp, &
       never='amplitude', &
       meaning='load cycles after which a simulation without a period counts as settled'), &
       key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, never='amplitude', &

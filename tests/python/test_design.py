@@ -451,7 +451,7 @@ def test_damping_of_free_decay_is_a_target():
 
 
 #: Arguments without a meaning for free vibration, at their defaults.
-FREE = {"load": 1.0, "settling": 200, "keep": 32}
+FREE = {"load": 1.0, "settling": 400, "keep": 32}
 GOOD = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}}
 
 
@@ -651,7 +651,7 @@ def test_parts_of_a_band_without_samples_have_no_share():
     assert empty.any()
     assert np.isnan(found.bands["probability"][empty]).all()
     assert found.probability == 1
-    assert "weakest part of the band: 100 % from" in found.verdict
+    assert "weakest part of the band: 100 % (" in found.verdict
     assert found.feasible is None
 
 
@@ -703,3 +703,34 @@ def test_the_search_chooses_equal_restitution():
     free = {"clearance": (20, 78), "R1": (0.6, 0.75), "R2": (0.6, 0.75)}
     found = vi.design(OSC, r=1.0, free=free, **kwargs)
     assert found.values == pytest.approx({"clearance": 78, "R1": 0.75, "R2": 0.75}, rel=1e-6)
+
+
+def test_over_basins_each_attractor_counts_by_its_share():
+    """Two attractors with different max|X|/A, and a limit between them: the shares are those of `basins`."""
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    r, clearance, limit, many = 0.93725, 31.402, 1.78, 4000
+    seen = vi.basins(osc, r, clearance, states=many)
+    levels = np.array([one.motion.attenuation for one in seen.attractors])
+    share = seen.fractions[levels <= limit].sum()
+    assert 0.6 < share < 0.7
+    assert seen.fractions.sum() == pytest.approx(1)
+    kwargs = {
+        "r": r,
+        "free": {"clearance": (clearance - 1e-6, clearance + 1e-6)},
+        "limit": limit,
+    } | FEW
+    kwargs |= {"specimens": 1, "evaluations": 8, "samples": many}
+    for over, states, expected in (
+        ("basins", 3, share),
+        ("worst", 1, share),
+        ("worst", 3, share**3),
+    ):
+        found = vi.design(osc, over=over, states=states, quantile=0.5, **kwargs)
+        # the difference of two shares of independent samples, 5 times its standard error
+        assert found.probability == pytest.approx(expected, abs=0.05)
+    # the level of the search is a quantile of the states: of either attractor, beside the share of the lower
+    kwargs |= {"samples": 0, "states": 64}
+    quantiles = 0.5, 0.9
+    lower, upper = (vi.design(osc, over="basins", quantile=q, **kwargs).level for q in quantiles)
+    assert lower == pytest.approx(levels[levels <= limit].min(), rel=1e-4)
+    assert upper == pytest.approx(levels[levels > limit].max(), rel=1e-4)

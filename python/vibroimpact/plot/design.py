@@ -9,6 +9,7 @@ import numpy as np
 
 from ..files import place_for
 from ..tables import UNIT_OF
+from ..units import SI
 from . import style
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ TARGETS = {
 SYMBOLS = style.SYMBOLS | {"restitution": "$R$"}
 #: Formats of reports.
 FORMATS = (".pdf", ".png", ".svg")
+#: Edges of a page, and the lowest end of its text, as shares.
+LEFT, RIGHT, LOWEST = 0.1, 0.95, 0.5
 
 
 def draw_design(design: Design, ax: Any = None, units: Units | None = None) -> Any:
@@ -43,54 +46,67 @@ def draw_design(design: Design, ax: Any = None, units: Units | None = None) -> A
 
 
 def report(design: Design, path: Any) -> None:
-    """One page with the answer, what was chosen, and the four panels."""
+    """One page with the answer, what was asked and chosen, and the four panels."""
     place = place_for(path, FORMATS)
-    plt = style.pyplot()
-    with plt.rc_context(style.SETTINGS):
-        figure = plt.figure(figsize=(8.27, 11.69))
-        heights = {
-            "height_ratios": [0.9, 2, 2],
-            "hspace": 0.35,
-            "wspace": 0.3,
-            "top": 0.95,
-            "bottom": 0.06,
-        }
-        grid = figure.add_gridspec(3, 2, left=0.1, right=0.95, **heights)
-        text = figure.add_subplot(grid[0, :])
-        text.set_axis_off()
-        text.text(0, 1, "Design of an impact damper", fontsize=14, weight="bold", va="top")
-        text.text(0, 0.86, "\n".join(_lines(design)), fontsize=8.5, va="top", linespacing=1.5)
-        _draw_panels(
-            [figure.add_subplot(grid[i, j]) for i in (1, 2) for j in (0, 1)],
-            design,
-            style.Scales(None),
+    with style.pyplot().rc_context(style.SETTINGS):
+        style.save(_page(design), place)
+
+
+def _page(design: Design) -> Any:
+    """The panels of the page; they begin below its text, whose letters are as small as the page demands."""
+    figure = style.pyplot().figure(figsize=(8.27, 11.69))
+    figure.text(LEFT, 0.955, "Design of an impact damper", fontsize=14, weight="bold", va="top")
+    text = figure.text(
+        LEFT, 0.925, "\n".join(_lines(design)), va="top", linespacing=1.5, fontsize=8.5
+    )
+    while True:
+        (left, low), (right, _) = (
+            text.get_window_extent().transformed(figure.transFigure.inverted()).get_points()
         )
-        style.save(text, place)
+        if (right - left <= RIGHT - LEFT and low > LOWEST) or text.get_fontsize() < 3:
+            break
+        text.set_fontsize(0.95 * text.get_fontsize())
+    grid = figure.add_gridspec(
+        2, 2, left=LEFT, right=RIGHT, top=low - 0.05, bottom=0.06, hspace=0.45, wspace=0.35
+    )
+    panels = np.ravel(grid.subplots())
+    _draw_panels(panels, design, style.Scales(None))
+    return panels
 
 
 def _lines(design: Design) -> list[str]:
     """The text of a report."""
-    lines = textwrap.wrap(design.verdict[0].upper() + design.verdict[1:] + ".", 105)
-    lines += [""]
-    for name, value in design.values.items():
-        low, high = design.ranges[name]
-        lines.append(
-            f"{SYMBOLS.get(name, name)} = {value:.6g}, chosen from {low:.6g} to {high:.6g}"
+    lines = [*_wrapped(f"{design.verdict[0].upper()}{design.verdict[1:]}."), ""]
+    chosen = (
+        f"{SYMBOLS.get(name, name)} = {value:.6g} (from {low:.6g} to {high:.6g})"
+        for (name, value), (low, high) in zip(
+            design.values.items(), design.ranges.values(), strict=True
         )
+    )
+    lines += _wrapped("Chosen: " + ", ".join(chosen) + ".")
     known = design.case and None not in (design.osc.M, design.osc.K, design.osc.F0)
-    lines += _dimensions(design, design.osc.units() if known else None)
+    dimensions = _dimensions(design, design.osc.units() if known else None)
+    if dimensions:
+        lines += _wrapped("In physical units: " + ", ".join(dimensions) + ".")
+    for text in design.asked:
+        lines += _wrapped(text)
     if design.samples:
         lines.append(
-            f"Worst of all samples: {design.worst:.4g}; simulations given up, counted as bad: {design.failed}"
+            f"Worst of all samples: {design.worst:.4g}; simulations given up, counted as bad: {design.failed}."
         )
     if design.sensitivity:
         slopes = [
             f"{SYMBOLS.get(name, name)} {slope:+.4g}" for name, slope in design.sensitivity.items()
         ]
-        lines += textwrap.wrap(
-            "Derivatives of the target of the worst unit by " + ", ".join(slopes) + ".", 150
+        lines += _wrapped(
+            "Derivatives of the target of the worst unit by " + ", ".join(slopes) + "."
         )
     return lines
+
+
+def _wrapped(text: str) -> list[str]:
+    """Lines of a page; names and numbers are not divided."""
+    return textwrap.wrap(text, 105, break_long_words=False, break_on_hyphens=False)
 
 
 def _dimensions(design: Design, units: Units | None) -> list[str]:
@@ -103,7 +119,8 @@ def _dimensions(design: Design, units: Units | None) -> list[str]:
         d = chosen["clearance"] * units.length
         texts.append(f"d = {d:.5g} {units.name('F0/K')} from wall to wall")
     if "mu" in chosen:
-        texts.append(f"m = {chosen['mu'] * units.M:.5g}, with M = {units.M:.5g}")
+        mass = "kg" if units.names == SI else units.name("K/omega^2")
+        texts.append(f"m = {chosen['mu'] * units.M:.5g} {mass}, with M = {units.M:.5g} {mass}")
     return texts
 
 
@@ -132,7 +149,7 @@ def _draw_levels(ax: Any, design: Design, scales: style.Scales) -> None:
     ax.plot(*chosen, "*", ms=9, color=style.FREE, label="chosen")
     if design.limit is not None:
         ax.axhline(scales(design.limit, unit), color=style.LOAD, lw=0.8, ls="--", label="limit")
-    ax.set_xlabel(scales.name(name) if name in style.NAMES else name)
+    ax.set_xlabel(scales.name(name) if name in style.NAMES else "\n".join(textwrap.wrap(name, 36)))
     ax.set_ylabel(f"{100 * design.quantile:g} % quantile of {label}")
     style.add_legend(ax, **style.ABOVE)
 

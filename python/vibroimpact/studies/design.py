@@ -20,7 +20,7 @@ from ..errors import ParameterError, ParameterTypeError
 from ..model import Oscillator, of_numbers
 from ..namelist import keys_of
 from ..noun import Noun
-from ..performance import PARAMETERS
+from ..performance import LEAST, PARAMETERS
 from ..status import VERDICT
 from ..tables import Result, made
 
@@ -28,7 +28,7 @@ __all__ = ["Design", "design"]
 
 _Array = NDArray[np.float64]
 #: Arguments that have no meaning for free vibration, and under a load: they must have their defaults.
-DRIVEN = {"load": [1.0], "settling": 200, "keep": 32}
+DRIVEN = {"load": [1.0], "settling": 400, "keep": 32}
 FREE = {"cycles": 5}
 EXAMPLE = "--xi .0114 --mu .028 --restitution .75 --band 1 1.02 --free-clearance 20 40 --limit .55 --samples 1000"
 
@@ -228,9 +228,37 @@ class Design(Noun, study="design", example=EXAMPLE):
         return (
             f"{wanted} {answer[self.feasible]}: {100 * self.probability:.4g} % of {self.samples} samples "
             f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %); weakest part of the band: "
-            f"{100 * self.bands['probability'][weak]:.4g} % from {self.bands['from'][weak]:.5g} to "
-            f"{self.bands['to'][weak]:.5g}{above}"
+            f"{100 * self.bands['probability'][weak]:.4g} % "
+            f"({100 * self.bands['low'][weak]:.4g} to {100 * self.bands['high'][weak]:.4g} %) from "
+            f"{self.bands['from'][weak]:.5g} to {self.bands['to'][weak]:.5g}{above}"
         )
+
+    @property
+    def asked(self) -> list[str]:
+        """What was asked besides the limit of the target, in sentences: the band, tolerances and limits; of a host
+        that is a function and was read from a file only the band."""
+        first, last = self.ends
+        along = "Initial displacements" if self.target == "damping" else "Frequency ratios"
+        found = [f"{along} {first:.6g} to {last:.6g}."]
+        if self._asked is None and not self.case:
+            return found
+        problem, _ = self._asked or asked_by(self.osc, self.keys)
+        spread = problem.tolerance | {"load": problem.load}
+        texts = [
+            f"{name} {item.text}{item.meaning if name in problem.free else ''}"
+            for name, item in spread.items()
+            if item.low < item.high
+        ]
+        if texts:
+            found.append("Tolerances: " + ", ".join(texts) + ".")
+        limits = getattr(problem.host, "limits", {})
+        if limits:
+            parts = (
+                f"{name} {'>=' if name in LEAST else '<='} {value:.6g}"
+                for name, value in limits.items()
+            )
+            found.append("Limits: " + ", ".join(parts) + ".")
+        return found
 
     def __repr__(self) -> str:
         chosen = ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
@@ -356,7 +384,7 @@ def design(
     target: str = "attenuation", limit: float | None = None, quantile: float = 0.99,
     limits: Mapping[str, float] | None = None, over: str = "worst", amplitude: ArrayLike | None = None,
     cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 48,
-    specimens: int = 16, nodes: int = 9, settling: int = 200, keep: int = 32, seed: int = 0,
+    specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, seed: int = 0,
     threads: int | None = None, progress: door.Progress | None = None,
 ) -> Design:  # fmt: skip
     """The clearance, mass and restitution for which an impact damper works best over a band, tolerances included.
