@@ -288,6 +288,7 @@ contains
       found(speed) = 0
       found([least_speed, least_gap]) = ieee_value(1.0_wp, ieee_positive_inf)
       do i = 1, size(events)
+         starts(5, i) = starts(3, i) + 0.5_wp*events(i)%side*system%clearance   ! z at the wall
          associate (e => events(i), approach => abs(events(i)%z_dot_before - &
             events(i)%x_dot_before))
             if (e%kind /= impact_event) cycle
@@ -297,7 +298,6 @@ contains
       end do
       do i = 0, size(events)
          if (.not. times(i + 1) > times(i)) cycle
-         if (i > 0) starts(5, i) = starts(3, i) + 0.5_wp*events(i)%side*system%clearance
          call narrow(system, starts(:, i), times(i + 1) - times(i), found(least_gap), complete)
       end do
       ! accumulations and rests have other boundaries
