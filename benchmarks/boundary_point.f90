@@ -62,7 +62,7 @@ contains
       vertices = 0
       do turn = 1, 5
          do k = 1, zone%n
-            call trace_loop(zone%sheet, stride, zone%loops(k)%points(:, 1), &
+            call trace_loop(zone%surface, stride, zone%loops(k)%points(:, 1), &
                zone%loops(k)%conditions(1), request%points, loop)
             if (.not. loop%closed) error stop 'a loop that was closed is open'
             vertices = vertices + loop%n
@@ -88,10 +88,10 @@ contains
          call cpu_time(begin)
          points = 0
          do turn = 1, 200
-            call begin_walk(zone%sheet, condition, l%points(:, (first + last)/2), &
+            call begin_walk(zone%surface, condition, l%points(:, (first + last)/2), &
                l%tangents(:, (first + last)/2), stride%longest, now, good)
             do while (good .and. now%point(m) > clearances(1) .and. now%point(m) < clearances(2))
-               call take_step(zone%sheet, condition, stride, now, next, good, blind=.true.)
+               call take_step(zone%surface, condition, stride, now, next, good, blind=.true.)
                call exchange(now, next)
                points = points + 1
             end do
@@ -129,12 +129,12 @@ contains
       real(wp) :: c(6), begin, end
       integer :: k, m, node
 
-      call new_net(zone%sheet, new_lattice(request%lines, [request%r, log(request%clearance)], &
-         zone%sheet%scale), net)
-      c = zone%sheet%c
+      call new_net(zone%surface, new_lattice(request%lines, [request%r, log(request%clearance)], &
+         zone%surface%scale), net)
+      c = zone%surface%c
       m = request%lines/2 + 1
-      c([by_r, by_clearance]) = zone%sheet%origin + zone%sheet%scale*0.5_wp
-      call motions_at(zone%sheet%frame, request%pattern, c, 4*request%guesses, 0, found)
+      c([by_r, by_clearance]) = zone%surface%origin + zone%surface%scale*0.5_wp
+      call motions_at(zone%surface%frame, request%pattern, c, 4*request%guesses, 0, found)
       do k = 1, size(found, 2)
          call add_seed(net, m, m, found(:, k), node)
       end do
@@ -161,13 +161,13 @@ contains
          read (unit, *, iostat=ios) there
          if (ios /= 0) exit
          associate (r => there(size(there) - 1:))
-            r = (r - zone%sheet%origin)/zone%sheet%scale
+            r = (r - zone%surface%origin)/zone%surface%scale
          end associate
          along = 0
          along(size(along)) = 1
-         call tangent_at(zone%sheet, [condition_type(kind)], there, along, tangent, regular)
+         call tangent_at(zone%surface, [condition_type(kind)], there, along, tangent, regular)
          point = there
-         call correct(zone%sheet, [condition_type(kind)], point, iterations, tangent)
+         call correct(zone%surface, [condition_type(kind)], point, iterations, tangent)
          if (iterations == 0) error stop 'Newton''s method does not converge'
          farthest = max(farthest, maxval(abs(point - there)))
          n = n + 1
