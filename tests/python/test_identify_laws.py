@@ -1,0 +1,125 @@
+"""Restitution that depends on speed: the law that is identified is that of the rig."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+from shared_identify import BENCH, KNOWN
+
+#: A power law on both walls, which is one above 0.02 m/s, and load amplitudes of three records.
+LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
+LOADS = (6.0, 6.4, 6.8)
+
+
+def records_at_loads(walls, seed):
+    """Records of the bench rig at three load amplitudes."""
+    return [
+        vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}).record(2.0, seed=seed + i)
+        for i, F0 in enumerate(LOADS)
+    ]
+
+
+def true_of_law(walls, v0):
+    """What an identification with a power law should find."""
+    exponent = walls[0].exponent if isinstance(walls[0], vi.PowerLaw) else 0.0
+    right, left = (float(law(v0)) if exponent else law for law in walls)
+    return {"xi": 0.01143, "d": 0.006, "exponent": exponent, "R1": right, "R2": left}
+
+
+@pytest.mark.parametrize("walls", [LAW, (0.75, 0.65)])
+def test_a_power_law_is_found(walls):
+    """Three loads tell the exponent, 0 for constants; the law found is that of the rig, with its multipliers."""
+    found = vi.identify(records_at_loads(walls, 1), known=KNOWN, law="power")
+    assert found.undetermined == []
+    true = true_of_law(walls, found.values["v0"])
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.errors["exponent"] < 1e-3
+    assert found.misfit < 1.5
+    speeds = found._result.column("impacts", "speed").values
+    right = found._result.column("impacts", "side").decoded() == "R"
+    for law, own in zip(found.restitution, (right, ~right), strict=True):
+        here = found._result.column("impacts", "restitution").values[own]
+        assert law(speeds[own]) == pytest.approx(here, rel=1e-6)
+    for i, motion in enumerate(found.motions):
+        assert motion.stable
+        fitted = found._of(i, "impacts", "fitted")
+        assert np.exp(1j * motion.phases) == pytest.approx(np.exp(1j * fitted), abs=1e-6)
+        assert motion.multipliers == pytest.approx(
+            found._result.column("records", "multipliers").values[i], abs=1e-6
+        )
+
+
+def test_a_power_law_holds_where_constants_fail():
+    """Impacts of different speeds in one period tell the exponent too; constants do not fit them."""
+    record = records_at_loads(LAW, 1)[1]
+    constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
+    assert constant.misfit > 100
+    assert found.misfit < 2
+    for name, value in true_of_law(LAW, found.values["v0"]).items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.nearest_boundary().distance < 0.1
+    here = vi.identify(record, known=KNOWN | {"exponent": 0.1}, law="power", law_speed=0.3)
+    assert here.values["v0"] == 0.3
+    assert abs(here.values["R1"] - float(LAW[0](0.3))) < 4 * here.errors["R1"]
+
+
+def test_a_knee_is_said_not_to_be_fitted():
+    """At a knee a power law fits one record; its coefficients at the impacts are right, a note names the rest."""
+    walls = tuple(vi.PowerLaw(R, speed=0.3, exponent=0.2) for R in (0.9, 0.8))
+    record = records_at_loads(walls, 1)[0]
+    found = vi.identify(record, known=KNOWN, law="power")
+    speeds, each, sides = (
+        found._of(0, "impacts", name) for name in ("speed", "restitution", "side")
+    )
+    for side, law in zip("RL", walls, strict=True):
+        own = sides == side
+        assert each[own] == pytest.approx(law(speeds[own]), abs=1e-3)
+    assert any("without a knee" in text for _, text in found._result.notes)
+
+
+def test_equal_speeds_do_not_tell_the_exponent():
+    """A record whose impacts have one speed names the exponent; the rest is as with constants."""
+    walls = (vi.PowerLaw(1.0, speed=0.02, exponent=0.1, sharpness=20),) * 2
+    rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": walls, "frequency": 20.6})
+    record = rig.record(seed=4)
+    constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
+    assert found.undetermined == ["exponent"]
+    assert np.isinf(found.errors["exponent"])
+    for name in ("xi", "R1", "R2", "d"):
+        assert found.values[name] == pytest.approx(constant.values[name], rel=1e-6)
+        assert found.errors[name] == pytest.approx(constant.errors[name], rel=1e-3)
+    assert found.values["R1"] == pytest.approx(float(walls[0](found.values["v0"])), abs=1e-3)
+
+
+def test_a_power_law_of_each_wall_is_found():
+    """Walls with different exponents need one each: with one for both the misfit tells it."""
+    walls = tuple(
+        vi.PowerLaw(R, speed=0.02, exponent=p, sharpness=20) for R, p in ((1.0, 0.1), (0.9, 0.12))
+    )
+    records = records_at_loads(walls, 1)
+    one, each = (vi.identify(records, known=KNOWN, law=law) for law in ("power", "powers"))
+    assert one.misfit > 10
+    assert each.misfit < 1.5
+    v0 = each.values["v0"]
+    true = {"exponent1": 0.1, "exponent2": 0.12, "R1": walls[0](v0), "R2": walls[1](v0), "d": 0.006}
+    for name, value in true.items():
+        assert abs(each.values[name] - value) < 4 * each.errors[name], name
+    assert [law.exponent for law in each.restitution] == pytest.approx([0.1, 0.12], abs=1e-3)
+    assert all(motion.stable for motion in each.motions)
+    here = vi.identify(records, known=KNOWN | {"exponent2": 0.12}, law="powers")
+    assert abs(here.values["exponent1"] - 0.1) < 4 * here.errors["exponent1"]
+
+
+@pytest.mark.slow
+def test_intervals_of_a_law():
+    """Over 40 triples of records the 95 % intervals cover."""
+    inside = {name: [] for name in ("xi", "d", "exponent", "R1", "R2")}
+    for seed in range(40):
+        found = vi.identify(records_at_loads(LAW, 100 * seed), known=KNOWN, law="power")
+        for name, value in true_of_law(LAW, found.values["v0"]).items():
+            low, high = found.interval(name)
+            inside[name].append(low < value < high)
+    # 33 of 40 or fewer have a probability of 0.3 % each
+    assert all(sum(covered) > 33 for covered in inside.values())

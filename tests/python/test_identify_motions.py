@@ -1,0 +1,105 @@
+"""Motions of an identification: those of the core, also under harmonics of the load, up to the boundary."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+from shared_identify import BENCH, KNOWN
+
+
+@pytest.mark.parametrize("law", [False, True])
+@pytest.mark.parametrize("shaped", [False, True])
+def test_motions_of_a_fit_are_those_of_the_core(law, shaped):
+    """Impacts agree with the core's; derivatives with its own, or with differences of its motions."""
+    from vibroimpact.identification.harmonics import Measured
+    from vibroimpact.identification.motions import PARAMETERS, System, verified
+
+    rig = vi.VirtualRig(**BENCH)
+    run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=20, discard=400)
+    near = vi.exact(rig.oscillator, rig.r, rig.clearance, run)
+    Omega, later, speed = 2 * np.pi * rig.frequency, 0.7, 0.4
+    orders, shape = np.array([1.0, 2.0, 3.0]), np.array([-1j, 0.02 + 0.03j, -0.01j])
+    data = Measured(
+        Omega, 1, near.phases + near.load_phase - later, sides=near.pattern.sides, orders=orders,
+        shape=shape * (orders == 1) if not shaped else shape,
+    )  # fmt: skip
+    powers = (0.1, 0.15) if law else (0.0, 0.0)
+    p = np.array(
+        [rig.omega, rig.xi, rig.m / rig.M, 0.75, 0.65, *powers, rig.d, rig.F0 / rig.K, later]
+    )
+    start = (data.angles, (near.X_dot_after - near.X_dot_before) * rig.omega * p[8])
+    found = System(data, speed).motion(p, *start)
+
+    def core(p):
+        """Angles and jumps by the core's Newton method, with a law that a structure takes."""
+        omega, xi, mu, R1, R2, p1, p2, d, static, phase = p
+        walls = (R1, R2)
+        if law:
+            v0 = speed / (omega * static)
+            walls = tuple(
+                vi.PowerLaw(1.0, v0 * R ** (1 / e), e, sharpness=40)
+                for R, e in ((R1, p1), (R2, p2))
+            )
+        osc = vi.Oscillator(xi=xi, mu=mu, restitution=(R1, R2))
+        motion = verified(
+            osc,
+            Omega / omega,
+            d / static,
+            found.angles + phase,
+            near.pattern,
+            walls,
+            data.shape[1:],
+        )
+        if isinstance(motion, vi.Motion):
+            jumps = motion.X_dot_after - motion.X_dot_before
+            angles = motion.phases + motion.load_phase
+        else:
+            jumps, angles = motion.impulses * near.pattern.signs, motion.phases
+        angles = angles - phase
+        turn = 2 * np.pi * np.round((angles - found.angles) / (2 * np.pi))
+        return np.array([angles - turn, jumps * omega * static])
+
+    assert np.array([found.angles, found.jumps]) == pytest.approx(core(p), abs=1e-9)
+    for i, name in enumerate(PARAMETERS):
+        if not law and name.startswith("exponent"):
+            continue
+        h = 3e-6 * abs(p[i]) * np.eye(p.size)[i]
+        differences = (core(p + h) - core(p - h)) / (2 * h[i])
+        # the load phase shifts all angles and changes no jump
+        size = np.maximum(np.abs(differences).max(axis=1, keepdims=True), 1e-3)
+        assert found.by[..., i] / size == pytest.approx(differences / size, abs=2e-5), name
+
+
+@pytest.mark.parametrize("harmonics", [(0.1,), (0.02, 0.1)])
+def test_harmonics_of_the_load_move_the_impacts(harmonics, tmp_path):
+    """With a load that is no sine the parameters are found as well, and the motion is one under this load."""
+    found = vi.identify(vi.VirtualRig(**BENCH, harmonics=harmonics).record(seed=1), known=KNOWN)
+    for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006), ("F0", 6.0)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.misfit < 1.5
+    found.save(tmp_path / "found.json")
+    for item in (found, vi.load(tmp_path / "found.json")):
+        assert isinstance(item.motion, vi.StructureMotion)
+        assert item.motion.stable
+        turns = (item.motion.phases - item._of(0, "impacts", "fitted")) / (2 * np.pi)
+        assert turns == pytest.approx(np.round(turns), abs=1e-9)
+        assert item.motion.load.sine[1:, 0] == pytest.approx(
+            [*harmonics, *np.zeros(11 - len(harmonics))], abs=1e-3
+        )
+
+
+def test_a_boundary_is_where_the_motion_is_lost():
+    """Beyond the nearest boundary the motion is not stable and admissible; before it it is."""
+    found = vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=KNOWN)
+    nearest = found.nearest_boundary()
+    here = {"r": found.r, "clearance": found.clearance}
+    good = []
+    for factor in (0.9, 1.1):
+        point = dict(here)
+        start = here[nearest.parameter]
+        point[nearest.parameter] = start + factor * (nearest.value - start)
+        motion = vi.exact(found.oscillator, point["r"], point["clearance"], found.motion)
+        good.append(bool(motion.stable and motion.admissible))
+    assert good == [True, False]
+    assert nearest.distance == pytest.approx(abs(nearest.value / here[nearest.parameter] - 1))

@@ -1,0 +1,193 @@
+"""Sensors and channels: ringing, bandwidth, and faults of records, which are named."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+from shared_identify import BENCH, KNOWN
+
+
+def faulty(change):
+    """A record of the bench rig after a change of its channels."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    channels = {"load": record.load.copy(), "acceleration": record.acceleration.copy()}
+    change(channels)
+    return vi.SensorRecord(record.rate, bandwidth=record.bandwidth, **channels)
+
+
+def clip(channels):
+    channels["acceleration"] = np.clip(channels["acceleration"], -100, 100)
+
+
+def lose(channels):
+    channels["acceleration"][700:703] = np.nan
+
+
+def swap(channels):
+    channels["load"], channels["acceleration"] = channels["acceleration"], channels["load"]
+
+
+def in_g(channels):
+    channels["acceleration"] /= 9.80665
+
+
+def in_kilonewtons(channels):
+    channels["load"] /= 1000
+
+
+def short(channels):
+    for name, values in channels.items():
+        channels[name] = values[:2000]
+
+
+def stick(channels):
+    channels["acceleration"][9000:9100] = 0.0
+
+
+def turn(channels):
+    channels["acceleration"] *= -1
+
+
+def flat(channels):
+    channels["load"][:] = 3.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (clip, r"acceleration is clipped at -?100: \d+ samples"),
+        (lose, r"acceleration\[700\] = nan: .*3 of 30720 samples are missing"),
+        (swap, "wrong order"),
+        (in_g, r"must agree; .* factor of 9\.[78].*is it g for m/s\^2\?"),
+        (in_kilonewtons, "must agree; .* factor of "),
+        (short, r"0\.195.* s with 3\.8 load cycles .*must be at least 8 load cycles"),
+        (flat, "load = 3 in all samples: must vary"),
+        (stick, r"acceleration\[9000\] = 0 in 100 samples: must vary; samples are missing"),
+        (turn, "must have the same positive direction"),
+    ],
+)
+def test_faults_of_records_are_named(change, message):
+    """Clipped signals, missing samples, channels in the wrong order, wrong units, short and constant records."""
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.identify(faulty(change), known=KNOWN)
+
+
+@pytest.mark.parametrize(
+    ("known", "message"),
+    [
+        (
+            KNOWN | {"R1": 0.3},
+            "no exact motion RLL/1 near the picked impacts: .*what is known, .* may be wrong",
+        ),
+        (KNOWN | {"d": 0.012}, "no exact motion RLL/1 near the picked impacts: "),
+    ],
+)
+def test_what_is_known_wrongly_is_no_result(known, message):
+    """With wrong values that are said to be known there is no fit."""
+    with pytest.raises(vi.SingularError, match=message):
+        vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=known)
+
+
+def test_a_bandwidth_above_half_the_rate_is_an_error():
+    """What the sensors pass above half the rate is folded onto the harmonics."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    every = vi.SensorRecord(
+        record.rate / 8,
+        load=record.load[::8],
+        acceleration=record.acceleration[::8],
+        bandwidth=2000,
+    )
+    with pytest.raises(
+        vi.ParameterError, match="rate = 1280: must be more than twice the bandwidth"
+    ):
+        vi.identify(every, known=KNOWN)
+
+
+def test_impacts_below_the_band_of_ringing_are_found():
+    """With sensors that hardly pass more than the ringing there are no spikes, but harmonics."""
+    rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=600.0)
+    found = vi.identify(rig.record(seed=1), known=KNOWN)
+    assert found.pattern == vi.Pattern("RLL")
+    assert found.impact_times.size == pytest.approx(3 * 3.0 * 19.5, abs=2)
+    for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+def test_too_small_a_bandwidth_is_said():
+    """Where the harmonics that the sensors pass cannot tell ringing from impacts, this is the error."""
+    rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=500.0)
+    with pytest.raises(
+        vi.SingularError, match="the bandwidth or the sampling rate may be too small"
+    ):
+        vi.identify(rig.record(seed=1), known=KNOWN)
+
+
+def test_ringing_is_that_of_a_passive_mode():
+    """At 4096 Hz few impacts are picked at first; a mode with negative damping must not explain the others."""
+    rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=1000.0)
+    found = vi.identify(rig.record(duration=1.5, seed=17), known=KNOWN)
+    assert found.pattern == vi.Pattern("RLL")
+    for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+def test_what_the_errors_do_not_contain_is_said():
+    """Samples that were dropped, and coefficients that drift, leave a note."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    channels = {name: np.delete(values, 9000) for name, values in record.channels.items()}
+    dropped = vi.SensorRecord(record.rate, bandwidth=2000, **channels)
+    drifting = vi.VirtualRig(**BENCH, drift=0.09).record(seed=1)
+    for item, text in (
+        (dropped, "samples are missing or"),
+        (drifting, "the rig changed"),
+        (record, ""),
+    ):
+        notes = [note for _, note in vi.identify(item, known=KNOWN)._result.notes]
+        said = [note for note in notes if "load phase off" in note or "misfit" in note]
+        assert any(text in note for note in said) if text else said == []
+
+
+@pytest.mark.parametrize(
+    ("clearance", "status"),
+    [(0.06, "no impacts"), (0.0005, "rest"), (0.004, "not periodic")],
+)
+def test_other_records_have_a_status(clearance, status):
+    """Records without a periodic pattern of impacts say what they are; nothing is fitted."""
+    found = vi.identify(vi.VirtualRig(**BENCH | {"d": clearance}).record(seed=1), known=KNOWN)
+    assert found.status == status
+    assert (found.oscillator, found.motion, found.pattern) == (None, None, None)
+    assert list(found.errors) == ["F0"]
+    assert abs(found.F0 - 6) < 4 * found.errors["F0"]
+    assert found.frequency == pytest.approx(19.5, rel=1e-5)
+    assert (found.impact_times.size == 0) == (status == "no impacts")
+    assert found.impact_times.size == found.impact_sides.size
+    assert any("no motion is fitted" in text for _, text in found._result.notes)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ({"known": {"Q": 1.0}}, "known: name = 'Q': must be"),
+        ({"known": {"m": 0.11}}, "known m = 0.11: must come with M"),
+        ({"known": {"M": -1.0}}, "known M = -1.0: must be"),
+        ({"known": {"M": 2.7, "K": 42e3, "omega": 3.0}}, "known M, K, omega: must be"),
+        ({"frequency": 0.0}, "frequency = 0.0: must be"),
+        ({"bandwidth": 300.0}, "bandwidth: must be left out beside a record"),
+        ({"impact_times": [0, 1]}, "impact_times: must be given without a record"),
+        ({"law": "table"}, "law = 'table': must be"),
+        ({"law_speed": 0.3}, "law_speed = 0.3: must come with law = 'power'"),
+        ({"known": {"exponent": 0.1}}, "known exponent = 0.1: must come with law = 'power'"),
+        (
+            {"law": "power", "known": {"exponent1": 0.1}},
+            "exponent1 = 0.1: must come with law = 'powers'",
+        ),
+        ({"law": "power", "law_speed": -1.0}, "law_speed = -1.0: must be"),
+        ({"law": "power", "known": {"exponent": np.nan}}, "known exponent = nan: must be"),
+        ({"law": "power", "known": {"R1": 0.7}}, "known R1 = 0.7: must come with law_speed"),
+    ],
+)
+def test_faults_of_calls_are_named(call, message):
+    """Each argument that is not allowed has one message."""
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.identify(vi.VirtualRig(**BENCH).record(0.9, seed=1), **call)

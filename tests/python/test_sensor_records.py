@@ -1,0 +1,155 @@
+"""Files of sensor records: each format gives back the channels, and faults are named."""
+
+import json
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+
+
+RECORD = vi.SensorRecord(
+    1000,
+    load=np.sin(np.arange(200) / 8),
+    acceleration=np.cos(np.arange(200) / 8),
+    units={"acceleration": "g"},
+)
+
+
+def same(record):
+    """Whether a record that was read is RECORD."""
+    return (
+        record.rate == pytest.approx(RECORD.rate)
+        and np.allclose(record.load, RECORD.load, atol=1e-6)
+        and np.allclose(record.acceleration, RECORD.acceleration, atol=1e-5)
+    )
+
+
+def write_csv(path):
+    rows = zip(RECORD.times, RECORD.load, RECORD.acceleration / 9.80665, strict=True)
+    path.write_text(
+        "# a comment\ntime [s];force (N);acc (g)\n"
+        + "\n".join(";".join(map(str, row)) for row in rows)
+    )
+
+
+def write_json(path):
+    path.write_text(json.dumps(sep005()))
+
+
+def write_mat(path):
+    from scipy.io import savemat
+
+    data = {"fs": 1000.0, "force": RECORD.load, "a": RECORD.acceleration / 9.80665, "a_unit": "g"}
+    savemat(path, {"bench": data})
+
+
+def write_nc(path):
+    xarray = pytest.importorskip("xarray")
+    data = xarray.Dataset(
+        {
+            "load": ("time", RECORD.load, {"units": "N"}),
+            "acceleration": ("time", RECORD.acceleration, {"units": "m/s^2"}),
+        },
+        {"time": RECORD.times},
+    )
+    data.to_netcdf(path, engine="h5netcdf")
+
+
+def write_uff(path):
+    pyuff = pytest.importorskip("pyuff")
+    channels = ((9, "force", "N", RECORD.load), (12, "acc", "m/s^2", RECORD.acceleration))
+    for code, name, unit, values in channels:
+        data = pyuff.prepare_58(
+            binary=0, func_type=1, rsp_node=1, rsp_dir=1, ref_dir=1, ref_node=1, data=values, x=RECORD.times,
+            id1=name,
+            ordinate_spec_data_type=code, ordinate_axis_units_lab=unit,
+            orddenom_spec_data_type=0, abscissa_inc=1e-3,
+            abscissa_spacing=1, abscissa_min=0.0, num_pts=values.size, ord_data_type=4,
+        )  # fmt: skip
+        pyuff.UFF(str(path)).write_sets(data, "add")
+
+
+def sep005():
+    """RECORD by SDyPy's SEP005."""
+    return [
+        {"name": "load", "data": RECORD.load.tolist(), "fs": 1000, "unit_str": "N"},
+        {
+            "name": "acceleration",
+            "data": RECORD.acceleration.tolist(),
+            "fs": 1000,
+            "unit_str": "m/s^2",
+        },
+    ]
+
+
+@pytest.mark.parametrize("write", [write_csv, write_json, write_mat, write_nc, write_uff])
+def test_files_of_records_are_read(write, tmp_path):
+    """Each format gives back the channels, in SI units, and the rate."""
+    path = tmp_path / f"bench.{write.__name__.partition('_')[2]}"
+    write(path)
+    assert same(vi.read_record(path))
+
+
+def test_signals_in_memory_and_sound_are_read(tmp_path):
+    """SEP005 dicts as they are, and a WAV file with the full scale of its channels."""
+    from scipy.io import wavfile
+
+    assert same(vi.read_record(sep005()))
+    path = tmp_path / "bench.wav"
+    wavfile.write(
+        path, 1000, np.column_stack([RECORD.load / 2, RECORD.acceleration / 20]).astype(np.float32)
+    )
+    assert same(vi.read_record(path, scale=[2, 20]))
+    swapped = vi.read_record(path, channels=["acceleration", "load"], scale=[2, 20])
+    assert np.allclose(swapped.load, RECORD.acceleration, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.xyz", "1", "must end with one of .csv"),
+        ("a.csv", "", "no rows: must have samples"),
+        ("a.csv", "load,acc\n1,x\n", "row 1: 'x' must be a number"),
+        ("a.csv", "load,acc\n1\n2,3\n", "row 1 with 1 values: must have 2"),
+        ("a.csv", "one,two\n1,2\n", "must be named as one of load"),
+        ("a.csv", "load,acc\n" + "1,2\n" * 20, "rate = None: must be the sampling rate"),
+        ("a.csv", "time,load\n" + "".join(f"{t},1\n" for t in (*range(20), *range(25, 40))),
+         "5 samples are missing"),
+        ("a.csv", "load (stone)\n" + "1\n" * 20, "unit of load = 'stone': must be one of"),
+        ("a.json", "{", "must be a record in the format of .json"),
+        ("a.mat", "no", "must be a record in the format of .mat"),
+    ],
+)  # fmt: skip
+def test_faults_of_files_are_named(name, text, message, tmp_path):
+    """What is wrong with a file is said with its path."""
+    (tmp_path / name).write_text(text)
+    rate = 1000 if "stone" in text else None
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.read_record(tmp_path / name, rate=rate)
+    with pytest.raises(vi.ParameterError, match="there is none"):
+        vi.read_record(tmp_path / "nothing.csv")
+
+
+@pytest.mark.parametrize(
+    ("header", "step"),
+    [("time (ms),load (lbf),acc (g)", 1.0), ("t_us,force_lbf,acc_g", 1000.0), ("time [s],load_lbf,a g", 1e-3)],
+)  # fmt: skip
+def test_units_in_a_header_count(tmp_path, header, step):
+    """A record has the same samples in SI units whatever units its header names, those of time included."""
+    rows = "\n".join(f"{i * step:.17g},{i % 7},{i % 5}" for i in range(100))
+    (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
+    found = vi.read_record(tmp_path / "bench.csv")
+    assert found.rate == pytest.approx(1000)
+    assert found.load[1] == pytest.approx(4.4482216152605)
+    assert found.acceleration[1] == pytest.approx(9.80665)
+
+
+def test_an_unknown_unit_of_time_is_an_error(tmp_path):
+    """Times in a unit that is not known are not taken for seconds."""
+    (tmp_path / "bench.csv").write_text(
+        "time (days),load,a\n" + "\n".join(f"{i},1,2" for i in range(20))
+    )
+    with pytest.raises(vi.ParameterError, match=r"unit of time = 'days': must be one of s,"):
+        vi.read_record(tmp_path / "bench.csv")
