@@ -132,7 +132,7 @@ contains
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: text, words
       real(wp), allocatable :: values(:), table(:)
-      integer :: at, empty, first, i, line, n, rows, width
+      integer :: at, empty, line, n, rows, width
       logical :: good, timed
 
       columns = 0
@@ -147,13 +147,7 @@ contains
       n = 0
       empty = 0
       do while (at <= len(text))
-         first = at
-         at = first + index(text(first:), line_feed)
-         line = line + 1
-         words = text(first:at - 2)
-         do i = 1, len(words)
-            if (words(i:i) == achar(9)) words(i:i) = ' '
-         end do
+         call next_line(text, at, line, words)
          if (len_trim(words) == 0) then
             empty = line
             cycle
@@ -383,6 +377,25 @@ contains
       message = 'line 1: must be matrix, coordinate or array, real, general or symmetric'
    end subroutine read_kind
 
+   !> The next line; tabs become blanks.
+   pure subroutine next_line(text, at, line, words)
+      !> The file, with a line feed at its end.
+      character(*), intent(in) :: text
+      !> In and out: position where a line begins, and the number of the line before.
+      integer, intent(inout) :: at, line
+      !> The line.
+      character(:), allocatable, intent(out) :: words
+      integer :: first, i
+
+      first = at
+      at = first + index(text(first:), line_feed)
+      line = line + 1
+      words = text(first:at - 2)
+      do i = 1, len(words)
+         if (words(i:i) == achar(9)) words(i:i) = ' '
+      end do
+   end subroutine next_line
+
    !> The numbers of the next line that is neither empty nor a comment.
    pure subroutine next_numbers(text, at, line, most, numbers, good, ended)
       !> The file, with a line feed at its end.
@@ -400,19 +413,12 @@ contains
       !> Whether this is the end of the file.
       logical, intent(out), optional :: ended
       character(:), allocatable :: words
-      integer :: first, i
 
       good = .false.
       if (present(ended)) ended = .false.
       allocate (numbers(0))
       do while (at <= len(text))
-         first = at
-         at = first + index(text(first:), line_feed)
-         line = line + 1
-         words = text(first:at - 2)
-         do i = 1, len(words)
-            if (words(i:i) == achar(9)) words(i:i) = ' '
-         end do
+         call next_line(text, at, line, words)
          if (len_trim(words) == 0) cycle
          if (words(1:1) == '%') cycle
          good = scan(words, '*,') == 0

@@ -99,23 +99,14 @@ contains
       real(wp), intent(in) :: series(0:)
       !> As in `value_at`.
       real(wp), intent(in) :: share
-      real(wp) :: here, one, two, next
-      integer :: i
+      real(wp) :: sums(2)
 
       if (.not. change%chebyshev) then
          value = series(0) + series(1)*value_at(change, share)
          return
       end if
-      ! Clenshaw's recurrence
-      here = 2*share - 1
-      one = 0
-      two = 0
-      do i = ubound(series, 1), 1, -1
-         next = 2*here*one - two + series(i)
-         two = one
-         one = next
-      end do
-      value = here*one - two + series(0)
+      sums = clenshaw(series(1:), share)
+      value = (2*share - 1)*sums(1) - sums(2) + series(0)
    end function entry_at
 
    !> The derivative of an entry by the share.
@@ -126,24 +117,32 @@ contains
       real(wp), intent(in) :: series(0:)
       !> As in `value_at`.
       real(wp), intent(in) :: share
-      real(wp) :: here, one, two, next
+      real(wp) :: sums(2)
       integer :: i
 
       if (.not. change%chebyshev) then
          rate = series(1)*(change%high - change%low)
          return
       end if
-      ! Clenshaw's recurrence of the polynomials of the second kind: T_i' = i U_(i - 1)
-      here = 2*share - 1
-      one = 0
-      two = 0
-      do i = ubound(series, 1), 1, -1
-         next = 2*here*one - two + i*series(i)
-         two = one
-         one = next
-      end do
-      rate = 2*one
+      ! T_i' = i U_(i - 1), where T_i and U_i are the polynomials of the first and second kind
+      sums = clenshaw([(i*series(i), i=1, ubound(series, 1))], share)
+      rate = 2*sums(1)
    end function entry_rate
+
+   !> The last two sums of Clenshaw's recurrence for Chebyshev polynomials.
+   pure function clenshaw(series, share) result(sums)
+      !> Coefficients, of the polynomial of degree 1 first.
+      real(wp), intent(in) :: series(:)
+      !> As in `value_at`.
+      real(wp), intent(in) :: share
+      real(wp) :: sums(2)
+      integer :: i
+
+      sums = 0
+      do i = size(series), 1, -1
+         sums = [2*(2*share - 1)*sums(1) - sums(2) + series(i), sums(1)]
+      end do
+   end function clenshaw
 
    !> The derivatives of the structure and its load by a parameter, as a share.
    pure subroutine rates_of(path, k, share, rates)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import shutil
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -66,17 +67,28 @@ def animate(
             f"cycles = {cycles:g}, seconds = {seconds:g}: make {n} pictures at {RATE} a second; must be 2 to "
             f"{MOST}"
         )
+    # the end is left out: after a whole number of periods it equals the beginning
+    times = h.first + (h.last - h.first) * np.arange(n) / n
+    return film(lambda axes: _Scene(thing, h, axes), times, 3.6, target, writer)
+
+
+def film(
+    scene_on: Callable[[Any], Any],
+    times: NDArray[Any],
+    height: float,
+    target: Path | None,
+    writer: str,
+) -> Any:
+    """An animation of a scene, made on the two axes of a new figure: matplotlib's, or the path of its file."""
     plt = pyplot()
     with plt.rc_context({**SETTINGS, "savefig.bbox": None}):
         figure, axes = plt.subplots(
-            2, figsize=(6.0, 3.6), height_ratios=(1, 1.3), dpi=100, layout="constrained"
+            2, figsize=(6.0, height), height_ratios=(1, 1.3), dpi=100, layout="constrained"
         )
         try:
-            scene = _Scene(thing, h, axes)
+            scene = scene_on(axes)
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # one layout makes each frame faster
-            # the end is left out: after a whole number of periods it equals the beginning
-            times = h.first + (h.last - h.first) * np.arange(n) / n
             if target is None:
                 from matplotlib.animation import FuncAnimation
 

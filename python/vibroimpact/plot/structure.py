@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError
-from .animation import MOST, RATE, _mix, _positive, _write, _writer
+from .animation import MOST, RATE, _mix, _positive, _writer, film
 from .structure_sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
     FREE,
@@ -322,27 +322,8 @@ def animate(
         raise ParameterError(
             f"seconds = {seconds:g}: makes {n} pictures at {RATE} a second; must be 2 to {MOST}"
         )
-    plt = pyplot()
-    with plt.rc_context({**SETTINGS, "savefig.bbox": None}):
-        figure, axes = plt.subplots(
-            2, figsize=(6.0, 4.0), height_ratios=(1, 1.3), dpi=100, layout="constrained"
-        )
-        try:
-            times = np.linspace(begin, end, n)
-            scene = _Scene(run, begin, end, axes)
-            figure.draw_without_rendering()
-            figure.set_layout_engine("none")
-            if target is None:
-                from matplotlib.animation import FuncAnimation
-
-                return FuncAnimation(
-                    figure, scene.show, times, interval=1000 / RATE, init_func=lambda: ()
-                )
-            _write(figure, scene, times, target, writer)
-        finally:
-            if target is not None:
-                plt.close(figure)
-    return target
+    times = np.linspace(begin, end, n)
+    return film(lambda axes: _Scene(run, begin, end, axes), times, 4.0, target, writer)
 
 
 class _Scene:
