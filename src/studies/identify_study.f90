@@ -58,15 +58,22 @@ module vi_identify_study
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
       meaning='parameters of &system that are known; the fit starts from the others'), &
-      key_type('law', a_word, default='''constant''', words='constant power powers', &
-      meaning='restitution: constant, or R1 and R2 times (v/v0)^-p at approach speed v, with &
-      &one p or one for each wall'), &
-      key_type('law_speed', low=tiny_value, high=huge_value, may_miss=.true., &
-      unit='m/s', meaning='v0, at which R1 and R2 hold; by default the geometric mean of the &
-      &speeds of all impacts'), &
-      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, may_miss=.true., &
-      takes='one number, or two with law = ''powers''', &
-      meaning='p, if it is known; of the right and of the left wall')]
+      key_type('law', a_word, default='''constant''', &
+      words='constant power powers knee knees table tables', &
+      meaning='restitution over the approach speed v: constant; R1 and R2 times (v/v0)^-p; with a &
+      &knee; or a table; the plural has its own p, knee or table for each wall'), &
+      key_type('law_speed', low=tiny_value, high=huge_value, never='law=constant', &
+      may_miss=.true., unit='m/s', meaning='v0, at which R1 and R2 hold; by default the &
+      &geometric mean of the speeds of all impacts'), &
+      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, never='law=constant', &
+      may_miss=.true., takes='one number, or two if each wall has its own', &
+      meaning='p, if it is known; of the right and of the left wall'), &
+      key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, never='law=constant', &
+      may_miss=.true., unit='m/s', takes='one speed, or two with law = ''knees''', &
+      meaning='speed at which the power law begins, if it is known; of the right and of the left &
+      &wall'), &
+      key_type('law_knots', a_whole, low=2.0_wp, high=20.0_wp, may_miss=.true., &
+      meaning='number of knots of a table, between the speeds of the impacts; by default 3')]
 
    type(column_type), parameter :: identify_columns(*) = [ &
       column_type('parameters', 'name', words, meaning='the parameter'), &

@@ -79,6 +79,36 @@ def test_a_knee_is_said_not_to_be_fitted():
     assert any("without a knee" in text for _, text in found._result.notes)
 
 
+@pytest.mark.parametrize(
+    ("keys", "values"),
+    [
+        ("law = 'powers', law_exponent = 0.1, 0.12", {"exponent1": 0.1, "exponent2": 0.12}),
+        ("law = 'power', law_exponent = 0.1", {"exponent": 0.1}),
+        ("law = 'knees', law_knee = 0.02, 0.03", {"knee1": 0.02, "knee2": 0.03}),
+        ("law = 'tables', law_knots = 2", {"R1[2]": None, "R2[1]": None}),
+    ],
+)
+def test_keys_of_a_law(keys, values, tmp_path):
+    """A namelist gives what is known of a law, for both walls or for each, and the number of knots."""
+    record = records_at_loads(LAW, 1)[1]
+    columns = zip(record.times, record.load, record.acceleration, strict=True)
+    (tmp_path / "bench.csv").write_text(
+        "time (s),load (N),acc (m/s^2)\n"
+        + "\n".join(",".join(repr(float(value)) for value in row) for row in columns)
+    )
+    (tmp_path / "bench.nml").write_text(
+        "&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = 'bench.csv', "
+        f"bandwidth = {record.bandwidth}, primary_mass = 2.7, spring = 42000, free_mass = 0.11, {keys} /\n"
+    )
+    (case,) = vi.read_namelist(tmp_path / "bench.nml")
+    found = case.compute()
+    for name, value in values.items():
+        assert name in found.values
+        if value is not None:
+            assert found.values[name] == value
+            assert name not in found.errors
+
+
 def test_equal_speeds_do_not_tell_the_exponent():
     """A record whose impacts have one speed names the exponent; the rest is as with constants."""
     walls = (vi.PowerLaw(1.0, speed=0.02, exponent=0.1, sharpness=20),) * 2
@@ -112,14 +142,112 @@ def test_a_power_law_of_each_wall_is_found():
     assert abs(here.values["exponent1"] - 0.1) < 4 * here.errors["exponent1"]
 
 
+#: Loads at which the motions with the next walls are periodic and their impacts have different speeds.
+KNEE_LOADS = (5.5, 6.1, 6.7)
+
+
+def records_of(walls, loads=KNEE_LOADS, seed=1):
+    """Records of the bench rig at some load amplitudes."""
+    rigs = (vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}) for F0 in loads)
+    return [rig.record(2.0, seed=seed + i) for i, rig in enumerate(rigs)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "loads", "left"),
+    [("knee", (5.4, 5.8, 6.4), (0.8, 0.3, 0.2)), ("knees", KNEE_LOADS, (0.8, 0.3, 0.24))],
+)
+def test_a_knee_is_found(kind, loads, left, tmp_path):
+    """Speeds about the knee tell it, of both walls or of each; the law is that of the rig and is saved."""
+    walls = (vi.PowerLaw(0.9, 0.3, 0.2), vi.PowerLaw(*left))
+    found = vi.identify(records_of(walls, loads), known=KNOWN, law=kind)
+    assert found.undetermined == []
+    assert found.misfit < 1.5
+    ends = ("", "") if kind == "knee" else ("1", "2")
+    v0 = found.values["v0"]
+    true = {"xi": 0.01143, "d": 0.006}
+    for wall, law, end in zip(("R1", "R2"), walls, ends, strict=True):
+        true |= {wall: float(law(v0)), f"exponent{end}": law.exponent, f"knee{end}": law.speed}
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    found.save(tmp_path / "found.json")
+    for item in (found, vi.load(tmp_path / "found.json")):
+        for law, own in zip(item.restitution, walls, strict=True):
+            assert isinstance(law, vi.PowerLaw)
+            assert law([0.65, 0.7]) == pytest.approx(own([0.65, 0.7]), abs=1e-3)
+        assert all(motion.stable for motion in item.motions)
+
+
+def piecewise(speeds, values):
+    """A law that is linear between its knots, as nearly as a table of the core can be."""
+    speeds = np.array(speeds)
+    points = np.sort(np.concatenate([speeds, speeds[1:] * 0.9999, speeds[:-1] * 1.0001]))
+    return vi.TabulatedRestitution(points, np.interp(points, speeds, values))
+
+
+def test_a_table_is_found():
+    """Each wall's table has its knots among the speeds of its impacts; R there is that of the rig."""
+    walls = (piecewise([0.5, 0.9], [0.78, 0.72]), piecewise([0.1, 0.6], [0.76, 0.64]))
+    found = vi.identify(records_of(walls, (5.6, 6.0, 6.4)), known=KNOWN, law="tables")
+    assert found.undetermined == []
+    assert found.misfit < 1.5
+    values = found.values
+    for i, law in enumerate(walls):
+        knots = [values[f"v{i + 1}[{j}]"] for j in (1, 2, 3)]
+        speeds, sides = (found._result.column("impacts", name) for name in ("speed", "side"))
+        own = speeds.values[sides.decoded() == "RL"[i]]
+        assert knots[0] < own.min() < knots[1] < own.max() < knots[2]
+        for j, v in enumerate(knots):
+            name = f"R{i + 1}[{j + 1}]"
+            assert abs(values[name] - law(v)) < 4 * found.errors[name], name
+        assert found.restitution[i](own) == pytest.approx(law(own), abs=1e-3)
+
+
+def test_what_two_speeds_tell_of_a_table_is_named():
+    """A periodic motion with one and two speeds on its walls determines no table of five knots, and no knee."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    tables = vi.identify(record, known=KNOWN, law="tables", law_knots=5)
+    # one speed on the right wall, at the middle knot; two on the left one
+    assert set(tables.undetermined) >= {
+        "R1[1]",
+        "R1[2]",
+        "R1[4]",
+        "R1[5]",
+        "R2[1]",
+        "R2[3]",
+        "R2[5]",
+    }
+    assert tables.misfit < 1.5
+    assert abs(tables.d - 0.006) < 4 * tables.errors["d"]
+    walls = (vi.PowerLaw(0.9, 0.3, 0.2), vi.PowerLaw(0.8, 0.3, 0.2))
+    assert vi.identify(records_of(walls, (5.8,)), known=KNOWN, law="knee").undetermined == [
+        "exponent",
+        "knee",
+    ]
+
+
 @pytest.mark.slow
-def test_intervals_of_a_law():
+@pytest.mark.parametrize(
+    ("law", "walls"),
+    [("power", LAW), ("knee", [vi.PowerLaw(R, 0.3, 0.2) for R in (0.9, 0.8)]),
+     ("tables", [piecewise([0.5, 0.9], [0.78, 0.72]), piecewise([0.1, 0.6], [0.76, 0.64])])],
+)  # fmt: skip
+def test_intervals_of_a_law(law, walls):
     """Over 40 triples of records the 95 % intervals cover."""
-    inside = {name: [] for name in ("xi", "d", "exponent", "R1", "R2")}
+    loads = {"power": LOADS, "knee": (5.4, 5.8, 6.4), "tables": (5.6, 6.0, 6.4)}[law]
+    inside = {}
     for seed in range(40):
-        found = vi.identify(records_at_loads(LAW, 100 * seed), known=KNOWN, law="power")
-        for name, value in true_of_law(LAW, found.values["v0"]).items():
+        found = vi.identify(records_of(walls, loads, 100 * seed), known=KNOWN, law=law)
+        v0 = found.values["v0"]
+        true = {"xi": 0.01143, "d": 0.006} | {
+            "power": {"exponent": 0.1, "R1": walls[0](v0), "R2": walls[1](v0)},
+            "knee": {"exponent": 0.2, "knee": 0.3, "R1": walls[0](v0), "R2": walls[1](v0)},
+            "tables": {
+                f"R{i}[{j}]": walls[i - 1](found.values[f"v{i}[{j}]"])
+                for i in (1, 2) for j in (1, 2, 3) if law == "tables"
+            },
+        }[law]  # fmt: skip
+        for name, value in true.items():
             low, high = found.interval(name)
-            inside[name].append(low < value < high)
+            inside.setdefault(name, []).append(low < value < high)
     # 33 of 40 or fewer have a probability of 0.3 % each
     assert all(sum(covered) > 33 for covered in inside.values())

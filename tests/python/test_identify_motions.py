@@ -8,9 +8,22 @@ pytest.importorskip("scipy")
 from shared_identify import BENCH, KNOWN
 
 
-@pytest.mark.parametrize("law", [False, True])
+def fitted_laws():
+    """Laws with the numbers of both walls."""
+    from vibroimpact.identification.laws import Law
+
+    knots = ((0.2, 0.5, 0.9), (0.1, 0.3, 0.8))
+    return {
+        "constant": (Law(), (0.75, 0.65)),
+        "powers": (Law("powers", v0=0.4), (0.75, 0.1, 0.65, 0.15)),
+        "knees": (Law("knees", v0=0.4), (0.75, 0.1, 0.3, 0.65, 0.15, 0.2)),
+        "tables": (Law("tables", 3, 0.4, knots), (0.8, 0.76, 0.72, 0.7, 0.66, 0.62)),
+    }
+
+
+@pytest.mark.parametrize("kind", ["constant", "powers", "knees", "tables"])
 @pytest.mark.parametrize("shaped", [False, True])
-def test_motions_of_a_fit_are_those_of_the_core(law, shaped):
+def test_motions_of_a_fit_are_those_of_the_core(kind, shaped):
     """Impacts agree with the core's; derivatives with its own, or with differences of its motions."""
     from vibroimpact.identification.harmonics import Measured
     from vibroimpact.identification.motions import PARAMETERS, System, verified
@@ -18,30 +31,23 @@ def test_motions_of_a_fit_are_those_of_the_core(law, shaped):
     rig = vi.VirtualRig(**BENCH)
     run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=20, discard=400)
     near = vi.exact(rig.oscillator, rig.r, rig.clearance, run)
-    Omega, later, speed = 2 * np.pi * rig.frequency, 0.7, 0.4
+    Omega, later = 2 * np.pi * rig.frequency, 0.7
     orders, shape = np.array([1.0, 2.0, 3.0]), np.array([-1j, 0.02 + 0.03j, -0.01j])
     data = Measured(
         Omega, 1, near.phases + near.load_phase - later, sides=near.pattern.sides, orders=orders,
         shape=shape * (orders == 1) if not shaped else shape,
     )  # fmt: skip
-    powers = (0.1, 0.15) if law else (0.0, 0.0)
-    p = np.array(
-        [rig.omega, rig.xi, rig.m / rig.M, 0.75, 0.65, *powers, rig.d, rig.F0 / rig.K, later]
-    )
-    start = (data.angles, (near.X_dot_after - near.X_dot_before) * rig.omega * p[8])
-    found = System(data, speed).motion(p, *start)
+    law, numbers = fitted_laws()[kind]
+    p = np.array([rig.omega, rig.xi, rig.m / rig.M, rig.d, rig.F0 / rig.K, later, *numbers])
+    start = (data.angles, (near.X_dot_after - near.X_dot_before) * rig.omega * p[4])
+    found = System(data, law).motion(p, *start)
 
     def core(p):
         """Angles and jumps by the core's Newton method, with a law that a structure takes."""
-        omega, xi, mu, R1, R2, p1, p2, d, static, phase = p
-        walls = (R1, R2)
-        if law:
-            v0 = speed / (omega * static)
-            walls = tuple(
-                vi.PowerLaw(1.0, v0 * R ** (1 / e), e, sharpness=40)
-                for R, e in ((R1, p1), (R2, p2))
-            )
-        osc = vi.Oscillator(xi=xi, mu=mu, restitution=(R1, R2))
+        omega, xi, mu, d, static, phase, *of_walls = p
+        names = law.of_wall(0) + law.of_wall(1)
+        walls = law.restitution(dict(zip(names, of_walls, strict=True)), omega * static)
+        osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls if kind == "constant" else 0.7)
         motion = verified(
             osc,
             Omega / omega,
@@ -61,9 +67,7 @@ def test_motions_of_a_fit_are_those_of_the_core(law, shaped):
         return np.array([angles - turn, jumps * omega * static])
 
     assert np.array([found.angles, found.jumps]) == pytest.approx(core(p), abs=1e-9)
-    for i, name in enumerate(PARAMETERS):
-        if not law and name.startswith("exponent"):
-            continue
+    for i, name in enumerate((*PARAMETERS, *law.of_wall(0), *law.of_wall(1))):
         h = 3e-6 * abs(p[i]) * np.eye(p.size)[i]
         differences = (core(p + h) - core(p - h)) / (2 * h[i])
         # the load phase shifts all angles and changes no jump

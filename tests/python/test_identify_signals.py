@@ -175,9 +175,19 @@ def test_other_records_have_a_status(clearance, status):
         ({"frequency": 0.0}, "frequency = 0.0: must be"),
         ({"bandwidth": 300.0}, "bandwidth: must be left out beside a record"),
         ({"impact_times": [0, 1]}, "impact_times: must be given without a record"),
-        ({"law": "table"}, "law = 'table': must be"),
-        ({"law_speed": 0.3}, "law_speed = 0.3: must come with law = 'power'"),
-        ({"known": {"exponent": 0.1}}, "known exponent = 0.1: must come with law = 'power'"),
+        ({"law": "cubic"}, "law = 'cubic': must be"),
+        ({"law_speed": 0.3}, "law_speed = 0.3: must come with another law than 'constant'"),
+        ({"law_knots": 3}, "law_knots = 3: must come with law = 'table' or 'tables'"),
+        ({"law": "table", "law_knots": 1}, "law_knots = 1: must be"),
+        (
+            {"law": "table", "known": {"R1": 0.7}},
+            "known R1 = 0.7: must come with law = 'constant' or",
+        ),
+        ({"law": "power", "known": {"knee": 0.3}}, "known knee = 0.3: must come with law = 'knee'"),
+        (
+            {"known": {"exponent": 0.1}},
+            "known exponent = 0.1: must come with law = 'power' or 'knee'",
+        ),
         (
             {"law": "power", "known": {"exponent1": 0.1}},
             "exponent1 = 0.1: must come with law = 'powers'",

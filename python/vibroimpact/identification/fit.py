@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..errors import SingularError
 from .harmonics import Measured
 from .impacts import resonance
-from .known import EXPONENTS, HINT, SHARED, names_of
+from .known import HINT
+from .laws import Law
 from .least_squares import MOST_ITERATIONS, levenberg
-from .motions import PARAMETERS, Impacting, System, exponents
+from .motions import PARAMETERS, Impacting, System
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
@@ -51,51 +52,52 @@ class Fit:
 def fit(
     records: Sequence[Measured], known: Mapping[str, float], starts: Mapping[str, float],
     lengths: Sequence[float], phases: Sequence[float], ring: _Array | None, M: float | None = None,
-    K: float | None = None, law: str = "constant", speed: float | None = None,
-    near: Sequence[Impacting] = (), rough: bool = False,
+    K: float | None = None, law: Law | None = None, near: Sequence[Impacting] = (), rough: bool = False,
 ) -> Fit:  # fmt: skip
     """Fit exact motions to the harmonics of one or more records.
 
     `known` are the shared parameters that are not fitted; `M` or `K` with the load of a record give its F0/K.
-    `speed` (m/s) is that of reference of a law of restitution, and `near` has motions to start from; by default it
-    starts from the picked impacts. A `rough` fit, from which another one starts, need not converge.
+    `near` has motions to start from; by default it starts from the picked impacts. A `rough` fit, from which
+    another one starts, need not converge.
     """
+    law = law or Law()
     count = len(records)
     ringing = ring is not None and any(data.orders.size for data in records)
-    free = [name for name in names_of(law) if name not in known]
+    free = [name for name in law.shared if name not in known]
     names = [*free, *(f"F0/K {i}" for i in range(count)), *(f"phase {i}" for i in range(count))]
     names += RING if ringing else ()
     place = {name: i for i, name in enumerate(names)}
     of_ring = ring if ringing and ring is not None else np.empty(0)
     x = np.array([*(starts[name] for name in free), *lengths, *phases, *of_ring])
-    typical = dict.fromkeys(("R1", "R2"), 0.5) | dict.fromkeys(EXPONENTS, 0.25)
+    typical = {name: law.typical(name, starts[name]) for name in law.names if name in free}
     typical["xi"] = max(starts["xi"], 0.005)
     scales = np.array(
         [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *([1.0] * count),
          *([0.05 * of_ring[0], 0.02, 0.3] if ringing else ())]
     )  # fmt: skip
-    systems = [System(data, speed) for data in records]
+    systems = [System(data, law) for data in records]
+    walls = law.of_wall(0) + law.of_wall(1)
     columns = [
-        [place.get(name, place.get(name.rstrip("12")) if name in EXPONENTS else None)
-         for name in (*PARAMETERS[:-2], f"F0/K {i}", f"phase {i}")]
+        [place.get(name) for name in (*PARAMETERS[:-2], f"F0/K {i}", f"phase {i}", *walls)]
         for i in range(count)
-    ]  # fmt: skip
+    ]
+    of_static, of_phase = PARAMETERS.index("F0/K"), PARAMETERS.index("phase")
     guesses: list[Impacting] = []
     latest: list[Impacting] = []
     sizes: list[int] = []
 
     def shared(x: _Array) -> dict[str, float]:
         return {
-            name: float(x[place[name]]) if name in place else known[name] for name in names_of(law)
+            name: float(x[place[name]]) if name in place else known[name] for name in law.shared
         }
 
     def points(x: _Array) -> list[_Array]:
         values = shared(x)
-        before = [values[name] for name in PARAMETERS[:5]]
+        before, after = ([values[name] for name in names] for names in (PARAMETERS[:-2], walls))
         return [
-            np.array([*before, *exponents(values), values["d"], x[place[f"F0/K {i}"]], x[place[f"phase {i}"]]])
+            np.array([*before, x[place[f"F0/K {i}"]], x[place[f"phase {i}"]], *after])
             for i in range(count)
-        ]  # fmt: skip
+        ]
 
     def residuals(x: _Array) -> tuple[_Array, _Array]:
         here = points(x)
@@ -112,11 +114,11 @@ def fit(
 
     def residuals_of(i: int, p: _Array, x: _Array) -> tuple[_Array, _Array]:
         motion, data = latest[i], records[i]
-        omega, xi, static, phase = p[[0, 1, 8, 9]]
+        omega, xi, static, phase = p[[0, 1, of_static, of_phase]]
         f, J = [], []
 
         def row(value: Any, by: _Array, by_ring: _Array | None = None) -> None:
-            """Residuals, and their derivatives by `PARAMETERS` and by the ringing."""
+            """Residuals, and their derivatives by the parameters of the motion and by the ringing."""
             f.append(np.atleast_1d(value))
             block = np.zeros((np.size(value), x.size))
             for column, derivative in zip(columns[i], np.atleast_2d(by).T, strict=True):
@@ -149,8 +151,8 @@ def fit(
             slope = direct * force / below
             by[:, 0] += direct * 2 * omega * static * turned - slope * (2 * omega + 2j * xi * w)
             by[:, 1] -= slope * 2j * omega * w
-            by[:, 8] += direct * omega**2 * turned
-            by[:, 9] += direct * omega**2 * static * turned * 1j * orders
+            by[:, of_static] += direct * omega**2 * turned
+            by[:, of_phase] += direct * omega**2 * static * turned * 1j * orders
             off, weights = (value - data.values) / data.errors, data.errors[:, None]
             for part in (np.real, np.imag):
                 row(
@@ -160,13 +162,13 @@ def fit(
         else:
             errors = data.angle_errors
             row((motion.angles - data.angles) / errors, motion.by[0] / errors[:, None])
-        one = np.eye(len(PARAMETERS))
+        one = np.eye(p.size)
         if data.phase is not None:
             off = math.remainder(phase - data.phase, 2 * math.pi)
-            row(off / data.phase_error, one[9] / data.phase_error)
+            row(off / data.phase_error, one[of_phase] / data.phase_error)
         if data.F0 is not None and (K is not None or M is not None):
             stiffness = K if K is not None else (M or 0.0) * omega**2
-            change = one[8] * stiffness
+            change = one[of_static] * stiffness
             if K is None:
                 change = change + one[0] * 2 * stiffness / omega * static
             row((static * stiffness - data.F0) / data.F0_error, change / data.F0_error)
@@ -232,7 +234,7 @@ def finished(
     inverse = 1 / np.maximum(s, 1.0) ** 2
     covariance = (Vt.T * inverse) @ Vt * np.outer(scales, scales) * max(1.0, misfit)
     vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
-    kept = [name for name in names if name in SHARED or name.startswith("F0/K")]
+    kept = [name for name in names if name not in RING and not name.startswith("phase")]
     undetermined = [name for name in kept if place[name] in vague]
     columns = [place[name] for name in kept]
     each = np.split(f, np.cumsum(sizes)[:-1])

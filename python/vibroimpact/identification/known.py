@@ -8,29 +8,20 @@ from collections.abc import Mapping
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError
 from ..units import positive
+from .laws import KNOWN_OF_LAW
 
 #: What may be known, and its unit.
 KNOWN = {
     "M": "kg", "K": "N/m", "C": "N s/m", "m": "kg", "d": "m", "F0": "N", "omega": "rad/s", "xi": "", "mu": "",
-    "R1": "", "R2": "", "exponent": "", "exponent1": "", "exponent2": "",
+    "R1": "", "R2": "", **{name: "" if name[0] == "e" else "m/s" for name in KNOWN_OF_LAW},
 }  # fmt: skip
-#: How the coefficients of restitution may depend on the approach speed, and what this adds to the parameters.
-LAWS: dict[str, tuple[str, ...]] = {
-    "constant": (), "power": ("exponent",), "powers": ("exponent1", "exponent2"),
-}  # fmt: skip
-EXPONENTS = ("exponent", "exponent1", "exponent2")
 #: What may be wrong where there is no fit.
 HINT = (
     "what is known, the bandwidth of the sensors, or units, signs or times of the channels may be wrong, or "
     "the motion is not quite periodic"
 )
-#: What all records share, in this order.
-SHARED = ("omega", "xi", "mu", "R1", "R2", *EXPONENTS, "d")
-
-
-def names_of(law: str) -> list[str]:
-    """What all records share with a law."""
-    return [name for name in SHARED if name not in EXPONENTS or name in LAWS[law]]
+#: What may be known of the parameters that records share, in this order.
+SHARED = ("omega", "xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d")
 
 
 def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
@@ -46,7 +37,7 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
             values[name] = checks.number(
                 value, "restitution" if name[0] == "R" else name, f"known {name}"
             )
-        elif name in EXPONENTS:
+        elif name.startswith("exponent"):
             values[name] = checks.to_float(value, f"known {name}", "a finite number")
             if not math.isfinite(values[name]):
                 raise ParameterError(f"known {name} = {value!r}: must be a finite number")

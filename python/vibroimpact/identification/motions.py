@@ -20,28 +20,28 @@ from ..errors import SingularError
 from ..model import Oscillator, Pattern
 from ..motion import Motion
 from ..newton import exact
-from ..restitution import PowerLaw, Restitution, TabulatedRestitution
+from ..restitution import Restitution
 from ..structure import Load
 from ..structure_motion import StructureMotion, exact_structure
 from .harmonics import Measured
+from .laws import Law, law_of
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-#: What moves the impacts of a record: the shared parameters, F0/K (m), and the load phase at time 0.
-PARAMETERS = ("omega", "xi", "mu", "R1", "R2", "exponent1", "exponent2", "d", "F0/K", "phase")
+#: What moves the impacts of a record, F0/K in m and the load phase at time 0; then the parameters of the law of
+#: the right wall, and those of the left one.
+PARAMETERS = ("omega", "xi", "mu", "d", "F0/K", "phase")
 #: Approach speed, over the largest velocity, that counts as none.
 TOUCHING = 1e-6
 #: The imaginary step; relative change of a step of Newton's method at its end, and the most steps to there.
 STEP, SETTLED, MOST_STEPS = 1e-30, 1e-11, 25
 #: Largest part of the time to the next impact by which a step of Newton's method moves an impact.
 FARTHEST = 0.3
-#: The sharpness of a power law, with which it is one down to where it is 1; exponent of a constant.
-SHARP, FLAT = 20.0, 1e-7
 
 
 class Impacting(NamedTuple):
     """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
-    coefficients of restitution; and the derivatives of angles and jumps by `PARAMETERS` (2, N, 10)."""
+    coefficients of restitution; and the derivatives of angles and jumps by all parameters (2, N, P)."""
 
     angles: _Array
     jumps: _Array
@@ -51,12 +51,12 @@ class Impacting(NamedTuple):
 
 
 class System:
-    """What is the same for all motions of a record; `v0` is the reference speed of laws of restitution."""
+    """What is the same for all motions of a record, with a law of restitution."""
 
-    def __init__(self, data: Measured, v0: float | None) -> None:
+    def __init__(self, data: Measured, law: Law) -> None:
         self.Omega, self.k = data.Omega, data.k
         self.signs = data.pattern.signs.astype(float)
-        self.v0 = 1.0 if v0 is None else v0
+        self.law = law
         # without a record of the motion the load is a sine
         loaded = data.shape != 0
         self.orders = data.orders[loaded] / data.k if loaded.any() else np.ones(1)
@@ -68,9 +68,9 @@ class System:
     def impacts(self, p: Any, angles: Any, jumps: Any) -> tuple[Any, Any, Any]:
         """Both equations of each impact (..., 2N), approach speeds and coefficients of restitution.
 
-        The parameters `p` (10, ...), angles and jumps (..., N) may be complex.
+        The parameters `p` (P, ...), angles and jumps (..., N) may be complex.
         """
-        omega, xi, mu, R1, R2, p1, p2, d, static, phase = (value[..., None] for value in p)
+        omega, xi, mu, d, static, phase, *walls = (value[..., None] for value in p)
         # the steady motion under each harmonic of the load, displacement and velocity
         w, F = self.orders * self.Omega, omega**2 * static
         a, b = omega**2 - w**2, 2 * xi * omega * w
@@ -103,7 +103,9 @@ class System:
         speeds = self.signs * (before - V + jumps / 2)
         right = self.signs > 0
         positive = np.where(speeds.real > 0, speeds, 1.0)
-        R = np.where(right, R1, R2) * (positive / self.v0) ** -np.where(right, p1, p2)
+        n = len(self.law.of_wall(0))
+        each = (self.law.coefficient(i, w, positive) for i, w in enumerate((walls[:n], walls[n:])))
+        R = np.where(right, *each)
         momentum = jumps + mu * (after - before)
         restitution = after - V - jumps / 2 + self.signs * R * speeds
         return np.concatenate([momentum, restitution], axis=-1), speeds, R
@@ -146,36 +148,14 @@ class System:
         raise SingularError("Newton's method found no motion with these impacts")
 
 
-def walls_of(values: Mapping[str, float], unit: float) -> tuple[Restitution, Restitution]:
-    """The coefficients of restitution of the right and of the left wall, over speeds in some unit.
-
-    R (v/v0)^-p is `PowerLaw` far above the speed where it is 1, or, if it is nearly constant, far above a
-    thousandth of v0. Where it grows with the speed, it is a table from v0/100 to 100 v0.
-    """
-    walls = []
-    for R, p in zip((values["R1"], values["R2"]), exponents(values), strict=True):
-        v0 = values.get("v0", unit) / unit
-        law: Restitution = R
-        if p > FLAT:
-            low = max(min(1.0, R) ** (1 / p), 1e-3)
-            law = PowerLaw(min(1.0, R * low**-p), low * v0, p, sharpness=SHARP)
-        elif p < -FLAT:
-            ratios = np.geomspace(0.01, 100, 41)
-            law = TabulatedRestitution(v0 * ratios, np.minimum(1.0, R * ratios**-p))
-        walls.append(law)
-    return walls[0], walls[1]
-
-
-def exponents(values: Mapping[str, float]) -> tuple[float, float]:
-    """Of the right and of the left wall; 0 for constants."""
-    both = values.get("exponent", 0.0)
-    return values.get("exponent1", both), values.get("exponent2", both)
-
-
 def oscillator_of(values: Mapping[str, float], **scale: Any) -> Oscillator:
-    """The system with some parameters, and perhaps with M, K and F0."""
-    walls = (values["R1"], values["R2"])
-    return Oscillator(xi=values["xi"], mu=values["mu"], restitution=walls, **scale)
+    """The system with some parameters, with the coefficients of a law at v0, and perhaps with M, K and F0."""
+    law = law_of(values)
+    right, left = (
+        float(np.clip(law.coefficient(i, [values[name] for name in law.of_wall(i)], law.v0), 0, 1))
+        for i in (0, 1)
+    )
+    return Oscillator(xi=values["xi"], mu=values["mu"], restitution=(right, left), **scale)
 
 
 def verified(

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .fit import Fit, fit
 from .harmonics import Measured
-from .known import EXPONENTS, LAWS, names_of
-from .motions import exponents
+from .laws import KNOWN_OF_LAW, Law
 from .start import start_of, start_of_times, units_agree
 from .steps import Step, refined
+
+_Array = NDArray[np.float64]
 
 
 def fitted(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
-    law: str, law_speed: float | None,
-) -> tuple[Fit, float | None]:  # fmt: skip
-    """The fit of exact motions to all records, and the reference speed of the law of restitution (m/s)."""
+    law: Law, law_speed: float | None,
+) -> tuple[Fit, Law]:  # fmt: skip
+    """The fit of exact motions to all records, and the law of restitution with its reference speed and knots."""
     # constants first: what is known of a law does not hold for them
     constant = {
         name: value for name, value in shared.items()
-        if law == "constant" or name not in ("R1", "R2", *EXPONENTS)
+        if law.kind == "constant" or name not in ("R1", "R2", *KNOWN_OF_LAW)
     }  # fmt: skip
     M, K = scale.get("M"), scale.get("K")
     found: list[Measured] = []
@@ -39,7 +42,8 @@ def fitted(
             data, values, static, phase = start_of_times(data, scale, constant, guess)
         step.data = data
         found.append(data)
-        # each record by itself, and then all from what these tell together
+        # each record by itself, with a coefficient of each impact if they follow a law, and then all from what
+        # these tell together
         single.append(
             fit(
                 [data],
@@ -50,13 +54,15 @@ def fitted(
                 step.ring,
                 M,
                 K,
-                rough=law != "constant",
+                law if law.kind == "constant" else Law("impacts", data.angles.size),
+                rough=law.kind != "constant",
             )
         )
-    if len(found) == 1 and law == "constant":
-        return single[0], None
+    if len(found) == 1 and law.kind == "constant":
+        return single[0], law
     middle = dict(constant)
-    for name in (name for name in names_of("constant") if name not in constant):
+    same = ("omega", "xi", "mu", "d") if law.kind != "constant" else law.shared
+    for name in (name for name in same if name not in constant):
         sizes = [
             one.covariance[j, j] if name not in one.undetermined else math.inf
             for one in single for j in [one.names.index(name)]
@@ -67,35 +73,51 @@ def fitted(
     ring = next((one.ring for one in single if one.ring is not None), None)
     lengths, phases = [one.lengths[0] for one in single], [one.phases[0] for one in single]
     near = [one.motions[0] for one in single]
-    speed = None
-    if law != "constant":
-        speed, of_law = start_of_law(single, found, law, shared, law_speed)
+    if law.kind != "constant":
+        law, of_law = start_of_law(single, found, law, shared, law_speed)
         middle |= of_law
-    return fit(found, shared, middle, lengths, phases, ring, M, K, law, speed, near), speed
+    if law.kind == "knees":
+        # through one knee of both walls
+        alike = replace(law, kind="knee")
+        begin = middle | {name: middle[name + "1"] for name in ("exponent", "knee")}
+        known = {name: value for name, value in shared.items() if name not in KNOWN_OF_LAW}
+        one = fit(found, known, begin, lengths, phases, ring, M, K, alike, near, rough=True)
+        lengths, phases, near = one.lengths, one.phases, one.motions
+        middle |= {
+            name: shared.get(name, one.values[name.rstrip("12") if name[0] != "R" else name])
+            for name in law.shared
+        }
+    return fit(found, shared, middle, lengths, phases, ring, M, K, law, near), law
 
 
 def start_of_law(
-    single: Sequence[Fit], found: Sequence[Measured], law: str, known: Mapping[str, float],
+    single: Sequence[Fit], found: Sequence[Measured], law: Law, known: Mapping[str, float],
     speed: float | None,
-) -> tuple[float, dict[str, float]]:  # fmt: skip
-    """The reference speed, and a power law through the coefficients of records that were fitted by themselves."""
-    speeds = [one.motions[0].speeds for one in single]
-    if speed is None:
-        speed = float(np.exp(np.mean(np.log(np.concatenate(speeds)))))
-    x, y = np.empty((2, len(single))), np.empty((2, len(single)))
-    for i, (one, data) in enumerate(zip(single, found, strict=True)):
-        for j, (name, sign) in enumerate((("R1", 1), ("R2", -1))):
-            x[j, i] = np.mean(np.log(speeds[i][data.pattern.signs == sign] / speed))
-            y[j, i] = math.log(min(max(one.values[name], 0.05), 1.0))
-    apart = x - x.mean(axis=1, keepdims=True)
-    values: dict[str, float] = {}
-    each = LAWS[law]
-    for name, own in zip(each, np.split(np.arange(2), len(each)), strict=True):
-        # none where the speeds are nearly alike
-        steep = -np.sum(apart[own] * y[own]) / (np.sum(apart[own] ** 2) + 1e-2)
-        values[name] = known.get(name, float(np.clip(steep, -0.5, 0.5)))
-    for name, p, level, at in zip(
-        ("R1", "R2"), exponents(values), y.mean(axis=1), x.mean(axis=1), strict=True
-    ):
-        values[name] = known.get(name, float(min(math.exp(level + p * at), 0.99)))
-    return speed, values
+) -> tuple[Law, dict[str, float]]:  # fmt: skip
+    """The law at the speeds of the impacts, and its parameters by a power law through their coefficients."""
+    v = np.concatenate([one.motions[0].speeds for one in single])
+    left = np.concatenate([data.pattern.signs for data in found]) < 0
+    law = law.about([v[~left], v[left]], speed)
+    # log R = level - exponent log(v/v0); impacts of nearly the same speed tell no exponent
+    x = np.log(v / law.v0)
+    one_exponent = law.kind == law.shape
+    columns = [~left, left, *([-x] if one_exponent else [-x * ~left, -x * left])]
+    errors = np.concatenate([errors_of(one) for one in single])[:, None]
+    matrix = np.vstack([np.column_stack(columns) / errors, np.eye(len(columns))[2:]])
+    R = np.clip(np.concatenate([one.motions[0].restitution for one in single]), 0.05, 1.0)
+    target = np.concatenate([np.log(R) / errors[:, 0], np.zeros(len(columns) - 2)])
+    levels, powers = np.split(np.linalg.lstsq(matrix, target, rcond=None)[0], [2])
+    powers = np.clip(powers, -0.5, 0.5)
+    ends = ("",) if one_exponent else ("1", "2")
+    values = {f"exponent{end}": float(p) for end, p in zip(ends, powers, strict=True)}
+    values |= {f"R{j + 1}": float(min(math.exp(level), 0.99)) for j, level in enumerate(levels)}
+    return law, law.start(values) | {name: known[name] for name in law.names if name in known}
+
+
+def errors_of(one: Fit) -> _Array:
+    """Standard errors of the logarithms of the coefficients of the impacts of a record, 0.02 at the least."""
+    places = [one.names.index(name) for name in Law("impacts", one.motions[0].angles.size).names]
+    errors = np.sqrt(np.diag(one.covariance)[places]) / one.motions[0].restitution
+    vague = [one.names[place] in one.undetermined for place in places]
+    size: _Array = np.where(vague, 1e3, np.hypot(errors, 0.02))
+    return size

@@ -13,6 +13,7 @@ from ..model import Oscillator
 from ..solve import periodic
 from .harmonics import Measured
 from .known import HINT
+from .laws import Law
 from .steps import Step
 
 #: Harmonics of the load by which a motion is summed.
@@ -119,6 +120,8 @@ def start_of(
             (before - z_before)[own] ** 2
         )
         values[name] = known.get(name, float(np.clip(ratio, 0.05, 0.99)))
+    each = np.clip((z_after - after) / (before - z_before), 0.05, 0.99)
+    values |= dict(zip(Law("impacts", each.size).names, each.tolist(), strict=True))
     return values, static, phase
 
 
@@ -137,6 +140,8 @@ def start_of_times(
     static = values["d"] / linear.clearance
     phase = data.phase if data.phase is not None else linear.load_phase - float(data.angles[0])
     jumps = (linear.X_dot_after - linear.X_dot_before) * static * values["omega"]
+    walls = [values["R1" if sign > 0 else "R2"] for sign in data.pattern.signs]
+    values |= dict(zip(Law("impacts", len(walls)).names, walls, strict=True))
     return replace(data, jumps=jumps), values, static, phase
 
 

@@ -13,8 +13,9 @@ from ..measured import MOTIONS, SensorRecord, sensor_response
 from ..tables import made
 from .fit import Fit, predicted
 from .harmonics import Measured
-from .known import KNOWN, SHARED
-from .motions import oscillator_of, verified, walls_of
+from .known import KNOWN
+from .laws import Law
+from .motions import oscillator_of, verified
 from .signals import Tones, centred
 from .steps import LOAD_TONES, Step
 
@@ -29,6 +30,12 @@ LEFT_OPEN = {
     "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
     "wall; times, walls and the load are what the record tells",
 }
+#: What the errors assume of a law.
+ASSUMED = {
+    "power": "R goes as a power of the speed, without a knee at the speeds of the impacts; R1 and R2 hold at v0",
+    "knee": "R is a PowerLaw of sharpness 2; R1 and R2 hold at v0",
+    "table": "R is linear between the knots",
+}
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Samples and load cycles of each record that a result keeps for its picture.
@@ -40,11 +47,11 @@ def tables_of(
     found: Fit | None,
     scale: Mapping[str, float],
     shared: Mapping[str, float],
-    speed: float | None,
+    law: Law,
     case: str,
 ) -> Any:
-    """All columns of a result; `speed` is that of reference of a law of restitution."""
-    parameters = parameters_of(steps, found, scale, shared, speed)
+    """All columns of a result."""
+    parameters = parameters_of(steps, found, scale, shared, law)
     names = (
         "status", "quantity", "sides", "cycles", "frequency", "load", "load_phase", "r", "clearance",
         "static", "first", "misfit", "multipliers", "harmonics",
@@ -88,11 +95,11 @@ def tables_of(
             if data.shape.size:
                 multiples = data.shape[data.k - 1 :: data.k][1:LOAD_TONES]
                 harmonics[: multiples.size] = multiples
-            values = found.values if speed is None else {**found.values, "v0": speed}
+            values = found.values | law.fixed
             fitted_angles = motion.angles + phase
             multipliers = verified(
                 oscillator_of(values), r, clearance, fitted_angles, pattern,
-                walls_of(values, values["omega"] * static), harmonics,
+                law.restitution(values, values["omega"] * static), harmonics,
             ).multipliers  # fmt: skip
             first = motion.angles[0] / step.Omega + middle + begin
             impacts["number"] += [i + 1] * motion.angles.size
@@ -138,14 +145,8 @@ def tables_of(
                     + "; no motion is fitted",
                 )
             )
-    if speed is not None:
-        notes.append(
-            (
-                False,
-                f"R1 and R2 hold at v0 = {speed:.6g} m/s; all errors assume that R goes as a power of the "
-                "speed, without a knee at the speeds of the impacts",
-            )
-        )
+    if found is not None and law.shape in ASSUMED:
+        notes.append((False, f"v0 = {law.v0:.6g} m/s; all errors assume that {ASSUMED[law.shape]}"))
     if found is not None:
         columns = (parameters[key] for key in ("name", "value", "error", "state"))
         notes += [
@@ -208,11 +209,13 @@ def modelled(data: Measured, i: int, step: Step, record: SensorRecord, found: Fi
 
 def parameters_of(
     steps: list[Step], found: Fit | None, scale: Mapping[str, float], shared: Mapping[str, float],
-    speed: float | None,
+    law: Law,
 ) -> dict[str, list[Any]]:  # fmt: skip
     """The table of parameters: what is known, what was fitted, and what follows from both."""
     rows: list[tuple[str, float, float, str, str]] = []
-    units = KNOWN | {"F0/K": "m", "v0": "m/s"}
+    units = (
+        KNOWN | dict.fromkeys(law.fixed, "m/s") | {name: KNOWN.get(name, "") for name in law.names}
+    )
 
     def add(name: str, value: float, error: float, state: str) -> None:
         rows.append(
@@ -285,9 +288,9 @@ def parameters_of(
                 value * share if math.isfinite(value) else math.inf,
                 "fitted" if math.isfinite(share) else "undetermined",
             )
-    if speed is not None:
-        add("v0", speed, 0.0, "known")
-    for name in SHARED:
+    for name, value in law.fixed.items() if found is not None else ():
+        add(name, value, 0.0, "known")
+    for name in law.shared:
         if name in shared:
             add(name, shared[name], 0.0, "known")
         elif name in values:

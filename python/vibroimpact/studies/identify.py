@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import checks
 from ..errors import ParameterError, ParameterTypeError
-from ..identification.known import LAWS, known_values, names_of
-from ..identification.motions import oscillator_of, verified, walls_of
+from ..identification.known import known_values
+from ..identification.laws import KINDS, KNOWN_OF_LAW, Law, law_of
+from ..identification.motions import oscillator_of, verified
 from ..identification.stages import fitted
 from ..identification.steps import of_record, of_times
 from ..identification.tables import said, tables_of
@@ -67,24 +68,23 @@ class Identification(Noun, study="identify"):
         records have motions, and parameters that are fitted.
     values, errors : dict
         The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
-        were fitted; infinite where the records do not determine a parameter. With a power law the coefficient of
-        an impact at the approach speed v is R1 or R2 times (v/v0)^-exponent.
+        were fitted; infinite where the records do not determine a parameter. Laws of restitution add theirs.
     undetermined : list of str
         Names of the parameters that the records do not determine. Their values only complete the fitted motion:
         others fit as well.
     oscillator : Oscillator or None
-        The identified system, with its units if M and K are among the values. With a power law its coefficients
-        of restitution are those at the speed v0.
+        The identified system, with its units if M and K are among the values. With a law its coefficients of
+        restitution are those at the speed v0.
     restitution : (Restitution, Restitution) or None
-        Of the right and of the left wall; a power law as a `PowerLaw` over the approach speed in m/s, which is
-        1 at the most.
+        Of the right and of the left wall; a law as a `PowerLaw`, which is 1 at the most, or as a
+        `TabulatedRestitution` over the approach speed in m/s.
     r, frequency : float
         Frequency ratio, and load frequency in Hz.
     F0, d, clearance : float
         Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0.
     pattern : Pattern or None
     motion : Motion, StructureMotion or None
-        The exact motion with these parameters, with its multipliers and verdicts; with a power law, or under
+        The exact motion with these parameters, with its multipliers and verdicts; with a law, or under
         a load with harmonics, that of ``oscillator.structure``.
     impact_times : ndarray (impacts,)
         Times of all impacts that were picked in the record, s.
@@ -169,7 +169,7 @@ class Identification(Noun, study="identify"):
     @property
     def restitution(self) -> tuple[Restitution, Restitution] | None:
         """Of the right and of the left wall, over the approach speed in m/s with a power law."""
-        return None if self.status != "periodic" else walls_of(self.values, 1.0)
+        return law_of(self.values).restitution(self.values) if self.status == "periodic" else None
 
     @property
     def osc(self) -> Any:
@@ -245,7 +245,8 @@ class Identification(Noun, study="identify"):
             return None
         phases = self._of(record, "impacts", "fitted")
         r, clearance = self._one("r", record), self._one("clearance", record)
-        walls = walls_of(self.values, self.values["omega"] * self._one("static", record))
+        values = self.values
+        walls = law_of(values).restitution(values, values["omega"] * self._one("static", record))
         harmonics = self._result.column("records", "harmonics").values[record]
         return verified(osc, r, clearance, phases, pattern, walls, harmonics)
 
@@ -359,11 +360,12 @@ class Identification(Noun, study="identify"):
         if "natural_frequency" in keys:
             known["omega"] = 2 * math.pi * keys["natural_frequency"]
         right, left = case.osc.restitution
-        if "law_exponent" in keys:
-            each = np.atleast_1d(keys["law_exponent"]).tolist()
-            known |= dict(
-                zip(("exponent",) if len(each) == 1 else LAWS["powers"], each, strict=True)
-            )
+        for name in ("exponent", "knee"):
+            each = np.atleast_1d(keys.get(f"law_{name}", [])).tolist()
+            known |= {
+                name + wall: value
+                for wall, value in zip("12" if len(each) > 1 else [""], each, strict=False)
+            }
         start = {"xi": case.osc.xi, "mu": case.osc.mu, "R1": right, "R2": left}
         if case.osc.M is not None:
             F0 = case.osc.F0
@@ -380,6 +382,7 @@ class Identification(Noun, study="identify"):
             "start": case.osc,
             "law": keys.get("law", "constant"),
             "law_speed": keys.get("law_speed"),
+            "law_knots": keys.get("law_knots"),
         }
         if "impact_times" in keys:
             options |= {
@@ -403,7 +406,7 @@ class Identification(Noun, study="identify"):
         fitted = ", ".join(
             said(name, self.values[name], error)
             for name, error in self.errors.items()
-            if name in ("xi", "mu", "R1", "R2", "exponent", "d") and math.isfinite(error)
+            if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d") and math.isfinite(error)
         )  # fmt: skip
         left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
         shown = "; ".join(filter(None, (fitted, left))) or "all known"
@@ -428,6 +431,7 @@ def identify(
     start: Oscillator | None = None,
     law: str = "constant",
     law_speed: float | None = None,
+    law_knots: int | None = None,
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
@@ -458,16 +462,22 @@ def identify(
         Phase of the load at time 0 of the impact times (radians).
     known : mapping, optional
         What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
-        and the exponent of a power law, or exponent1 and exponent2.
+        and of a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
     start : Oscillator, optional
         Where the fit starts, for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
-    law : {"constant", "power", "powers"}
-        How the coefficients of restitution depend on the approach speed v: R1 and R2 are constants, or those at
-        the speed v0 of R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, or with exponent1 on the right wall and
-        exponent2 on the left one. Impacts of different speeds determine an exponent: records at different loads,
-        or in one period. This is a `PowerLaw` far above its knee, which is not fitted.
+    law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
+        How the coefficients of restitution depend on the approach speed v; in the plural each wall has its own
+        law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far above its knee. "knee": a
+        `PowerLaw` of sharpness 2, which is R1 and R2 at the speed v0, with its `exponent` and its speed `knee`.
+        "table": linear between knots, R[1] at the speed v[1] and so on, and constant beyond them. Plurals:
+        exponent1, knee1 and R1[1] on the right wall, exponent2, knee2 and R2[1] on the left one. Impacts of
+        different speeds determine a law: records at different loads, or in one period. What they do not determine
+        is `undetermined`.
     law_speed : float, optional
         v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
+    law_knots : int, optional
+        Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds, the
+        outer ones a little beyond them.
 
     Returns
     -------
@@ -506,7 +516,7 @@ def identify(
             raise ParameterError("impact_times: must be given without a record")
         return identified(
             impact_times=impact_times, impact_sides=impact_sides, frequency=frequency, load_phase=load_phase,
-            known=known, start=start, law=law, law_speed=law_speed,
+            known=known, start=start, law=law, law_speed=law_speed, law_knots=law_knots,
         )  # fmt: skip
     if record is None:
         if not given:
@@ -531,7 +541,7 @@ def identify(
         raise ParameterError("record = []: must be at least one record")
     return identified(
         [one_record(item) for item in several], frequency=frequency, known=known, start=start, law=law,
-        law_speed=law_speed,
+        law_speed=law_speed, law_knots=law_knots,
     )  # fmt: skip
 
 
@@ -549,21 +559,31 @@ def one_record(item: Any) -> SensorRecord:
 def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
-    start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None, case: str = "",
+    start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
+    law_knots: int | None = None, case: str = "",
 ) -> Identification:  # fmt: skip
     """All steps; arguments as of `identify`."""
     if frequency is not None:
         frequency = positive(frequency, "frequency")
     scale, shared = known_values(known or {})
-    law = checks.choice(law, "law", tuple(LAWS))
+    law = checks.choice(law, "law", KINDS)
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
     if law_speed is not None and law == "constant":
-        raise ParameterError(f"law_speed = {law_speed!r}: must come with law = 'power' or 'powers'")
+        raise ParameterError(
+            f"law_speed = {law_speed!r}: must come with another law than 'constant'"
+        )
+    tabulated = law.startswith("table")
+    if law_knots is not None and not tabulated:
+        raise ParameterError(f"law_knots = {law_knots!r}: must come with law = 'table' or 'tables'")
+    knots = checks.integer(3 if law_knots is None else law_knots, "law_knots", 2, 20)
+    own = Law(law, knots if tabulated else 0)
     for name in shared:
-        if name not in names_of(law):
-            of = next(law for law, own in LAWS.items() if name in own)
-            raise ParameterError(f"known {name} = {shared[name]!r}: must come with law = {of!r}")
+        if name not in own.shared:
+            of = [repr(kind) for kind in KINDS if name in Law(kind).shared]
+            raise ParameterError(
+                f"known {name} = {shared[name]!r}: must come with law = {' or '.join(of)}"
+            )
         if name in ("R1", "R2") and law != "constant" and law_speed is None:
             raise ParameterError(
                 f"known {name} = {shared[name]!r}: must come with law_speed, at which it is known"
@@ -583,7 +603,7 @@ def identified(
         steps = [
             of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
         ]
-    found, speed = None, None
+    found = None
     if all(step.rhythm.status == "periodic" for step in steps):
-        found, speed = fitted(steps, scale, shared, guess, law, law_speed)
-    return Identification(tables_of(steps, found, scale, shared, speed, case))
+        found, own = fitted(steps, scale, shared, guess, own, law_speed)
+    return Identification(tables_of(steps, found, scale, shared, own, case))
