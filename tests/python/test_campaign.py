@@ -13,6 +13,7 @@ import pytest
 import vibroimpact as vi
 from vibroimpact import door
 from vibroimpact.campaigns.chunk import compute
+from vibroimpact.campaigns.run import _workers
 from vibroimpact.campaigns.store import Store
 from vibroimpact.commands.campaign import EXAMPLE
 from vibroimpact.noun import RESULTS
@@ -346,6 +347,23 @@ def test_stores_do_not_depend_on_the_cluster(tmp_path, sweep_file, undisturbed):
     process.communicate(timeout=300)
     assert process.returncode == 0
     assert files_of(tmp_path / "store") == files_of(undisturbed)
+
+
+@pytest.mark.slow
+def test_a_local_cluster_is_for_its_user(monkeypatch):
+    """Other users of the machine lack its certificate and cannot connect; its files are in a private folder."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    with _workers("local", None) as workers:
+        client = workers.client
+        address = client.scheduler.address
+        assert address.startswith("tls://127.0.0.1:")
+        (folder,) = client.run(lambda dask_worker: dask_worker.local_directory).values()
+        assert Path(folder).parent.parent.stat().st_mode & 0o077 == 0
+        for text in (address, address.replace("tls", "tcp")):
+            with pytest.raises((OSError, RuntimeError, TypeError, ValueError)):
+                distributed.Client(text, timeout=2)
+    assert not Path(folder).exists()
 
 
 @pytest.mark.slow

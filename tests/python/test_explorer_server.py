@@ -2,27 +2,46 @@
 
 import asyncio
 import http.client
+import json
+import math
 import re
+import secrets
 import signal
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
-from urllib.parse import urlsplit
+from contextlib import contextmanager
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
+import vibroimpact as vi
 from shared_explorer import Page
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
+from vibroimpact.explorer.limits import MOST_SHOWN
+from vibroimpact.explorer.messages import MOST_TEXT, PARTS, checked
 from vibroimpact.explorer.process import start
+from vibroimpact.explorer.server import interface, needs_token
+from vibroimpact.explorer.session import Session
+from vibroimpact.explorer.state import Run
+from vibroimpact.explorer.turns import MOST_WAITING, Turns
+
+
+@contextmanager
+def served(prelude=""):
+    """Host and port of a server, and its link."""
+    process, url = start(prelude=prelude)
+    yield (urlsplit(url).hostname, urlsplit(url).port), url
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert (process.returncode, err) == (0, "")
 
 
 @pytest.fixture(scope="module")
 def address():
     """Host and port of a server started for the test."""
-    process, url = start()
-    yield urlsplit(url).hostname, urlsplit(url).port
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=20)
-    assert (process.returncode, err) == (0, "")
+    with served() as (place, _):
+        yield place
 
 
 def answer(address, path="/", host=None, method="GET", **headers):
@@ -123,6 +142,148 @@ def test_no_page_may_frame_it(address):
         headers = answer(address, path, host)[1]
         assert headers["X-Frame-Options"] == "DENY", path
         assert "frame-ancestors 'none'" in headers["Content-Security-Policy"], path
+
+
+#: The server takes its address for one that other machines reach.
+REACHED = "import vibroimpact.explorer.server as server; server.needs_token = lambda number: True"
+
+
+def test_addresses_that_other_machines_reach_need_a_token():
+    """Of this machine alone are loopback addresses; all addresses at once have no name to check requests by."""
+    assert not any(map(needs_token, map(interface, ("localhost", "127.0.0.1", "127.8.0.1", "::1"))))
+    assert all(map(needs_token, map(interface, ("192.168.1.5", "10.0.0.1", "fe80::1"))))
+    for text in ("0.0.0.0", "::", "224.0.0.1", "evil.example", "", "127.0.0.1:80"):
+        with pytest.raises(
+            vi.ParameterError, match="must be localhost or one address of this machine"
+        ):
+            interface(text)
+
+
+def test_with_a_token_nothing_is_answered_without_it():
+    """The link gives the token to the browser as a cookie; page, files and websocket need it."""
+    with served(REACHED) as (place, url):
+        token = parse_qs(urlsplit(url).query)["token"][0]
+        assert len(token) >= 43
+        wrong = token[:-1] + ("A" if token[-1] != "A" else "B")
+        for path in PATHS:
+            for query in ("", "?token=", f"?token={wrong}", f"?token={secrets.token_urlsafe(32)}"):
+                assert answer(place, path + query)[0] == 403, path
+            assert answer(place, path, Cookie=f"vibroimpact-{place[1]}={wrong}")[0] == 403, path
+        assert answer(place, f"/static/js/bokeh.min.js?token={token}")[0] == 403
+        assert answer(place, f"/?token={token}", "evil.example")[0] == 403
+        # the token leaves the address, and what else the link holds remains
+        status, headers, _ = answer(place, f"/?token={token}&r=0.97&patterns=RL,RRL/2")
+        assert (status, headers["Location"]) == (302, "/?r=0.97&patterns=RL%2CRRL%2F2")
+        cookie, _, kind = headers["Set-Cookie"].partition(";")
+        assert {"HttpOnly", "SameSite=Lax"} <= {word.strip() for word in kind.split(";")}
+        status, _, body = answer(place, headers["Location"], Cookie=cookie)
+        assert status == 200
+        assert token not in body
+        assert answer(place, "/static/js/bokeh.min.js", Cookie=cookie)[0] == 200
+        own = {"Origin": f"http://127.0.0.1:{place[1]}"}
+        assert opened(place, token_of(body), **own) == 403
+        assert opened(place, token_of(body), Cookie=cookie, **own) == 101
+        other = f"localhost:{place[1]}"
+        assert answer(place, "/", other, Cookie=cookie)[0] == 403
+
+
+def test_so_many_pages_are_open_at_most():
+    """One more is told so; it computes nothing."""
+    with served("import vibroimpact.explorer.page as page; page.PLACES.most = 2") as (place, _):
+        whole = ['id="history"' in answer(place)[2] for _ in range(4)]
+    assert whole == [True, True, False, False]
+
+
+def test_a_large_message_closes_the_websocket(address):
+    """The server does not hold what a page never sends."""
+
+    async def ask():
+        token = token_of(answer(address)[2])
+        request = HTTPRequest(
+            f"ws://127.0.0.1:{address[1]}/ws", headers={"Origin": f"http://127.0.0.1:{address[1]}"}
+        )
+        socket = await websocket_connect(request, subprotocols=["bokeh", token])
+        await socket.write_message("x" * 1_000_000)
+        while await asyncio.wait_for(socket.read_message(), 20) is not None:
+            pass  # the parts of the server's ACK
+        return "closed"
+
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(asyncio.run, ask()).result() == "closed"
+    assert answer(address)[0] == 200
+
+
+def test_a_flood_of_messages_is_not_kept():
+    """Behind a message that takes long so many wait; what the page's threads have found is never discarded."""
+    turns, go, ran = Turns(), threading.Event(), []
+    turns.submit(go.wait)
+    for _ in range(10 * MOST_WAITING):
+        turns.offer(lambda: ran.append("offered"))
+    turns.submit(lambda: ran.append("found"))
+    done = threading.Event()
+    turns.submit(done.set)
+    go.set()
+    assert done.wait(20)
+    assert len(ran) <= MOST_WAITING + 1
+    assert ran[-1] == "found"
+
+
+LONG = "x" * (MOST_TEXT + 1)
+
+
+@pytest.mark.parametrize("message", [
+    None, 3, [], {}, {"kind": None}, {"kind": "__init__"}, {"kind": "close"}, {"kind": ["set"]}, {"kind": LONG},
+    *({"kind": kind} for kind in PARTS), *({"kind": kind, "number": "1" * 10**5} for kind in PARTS),
+    *({"kind": kind, "number": 1} for kind, parts in PARTS.items() if parts),
+    *({"kind": kind, "number": 1, "r": r, "clearance": 25} for kind in ("point", "peek", "drag")
+      for r in (math.nan, math.inf, "1", None, [1], True)),
+    {"kind": "set", "number": 1, "words": {str(i): "1" for i in range(1000)}},
+    {"kind": "set", "number": 1, "words": {"r": 1.0}}, {"kind": "set", "number": 1, "words": {"r": LONG}},
+    {"kind": "run", "number": 1, "words": {}}, {"kind": "line", "number": 1, "from": [1], "to": [1, 2, 3]},
+    {"kind": "export", "number": 1, "form": "__class__"}, {"kind": "choose", "number": 1, "motion": {}},
+])  # fmt: skip
+def test_messages_that_no_page_sends_are_refused(message):
+    """Each has one short message of what is allowed, and no fault of the explorer's own."""
+    with pytest.raises(vi.ParameterError, match="must be") as caught:
+        Run.read(checked(message)["words"])
+    assert len(str(caught.value)) < 300 + MOST_SHOWN
+
+
+#: Numbers within what a message may hold that no window, box, line or simulation may have.
+EXTREME = [
+    {"kind": "point", "r": 1e300, "clearance": 1e-300}, {"kind": "peek", "r": -1.0, "clearance": 1e308},
+    {"kind": "step", "right": 1e308, "up": 1e308}, {"kind": "step", "right": -1e308, "up": -1e308},
+    {"kind": "launch", "y": 1e308, "y_dot": 1e308}, {"kind": "drag", "r": 0.0, "clearance": -1e308},
+    {"kind": "line", "from": [1e308, 1e308], "to": [-1e308, -1e308]},
+    {"kind": "set", "words": {"r_max": "1e308", "clearance_max": "1e308"}}, {"kind": "set", "words": {"no": "1"}},
+    {"kind": "set", "words": {"patterns": "RL/99999999"}},
+    {"kind": "set", "words": {"xi": "9" * 1999}},
+    {"kind": "set", "words": {"patterns": ",".join(["RRRRLLLL/4"] * 150)}},
+    {"kind": "set", "words": {"run": "0,0,0,0,0,1e9,1e9"}},
+    {"kind": "set", "words": {"motion": "RL/9999/phases/0"}},
+    {"kind": "run", "words": dict.fromkeys(("x", "x_dot", "z", "z_dot", "t", "cycles", "discard"), "1e300")},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("message", EXTREME)
+def test_extreme_messages_are_answered_soon(message, caplog):
+    """With a fault that names what is not allowed, or with an answer; never with a fault of the explorer's own."""
+    sent, turns = [], []
+    session = Session("", lambda text, numbers: sent.append(json.loads(text)), turns.append)
+    session.background = Idle()
+    begin = time.process_time()
+    session.heard({"number": 7, **message})
+    assert time.process_time() - begin < 12  # the limit of a page, twice, on two processors
+    assert sent[-1]["number"] == 7
+    assert "own" not in sent[-1].get("fault", "")
+    assert not caplog.records
+
+
+class Idle:
+    """Stands for the threads of a page, which are limited by their own tests."""
+
+    def __getattr__(self, name):
+        return self if name in ("rest", "map", "box") else lambda *_: None
 
 
 #: What a hostile link may ask for: a simulation of 10^10 oscillations, a motion of very many impacts.

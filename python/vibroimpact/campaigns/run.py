@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
@@ -289,10 +290,11 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
             "threads: must be left out with a client, whose workers have their own"
         )
     try:
+        import cryptography  # noqa: F401 (for the TLS of a local cluster)
         import distributed
     except ImportError:
         raise MissingExtraError(
-            "a cluster needs dask: pip install 'vibroimpact[campaign]'"
+            "a cluster needs dask and cryptography: pip install 'vibroimpact[campaign]'"
         ) from None
     if isinstance(client, distributed.Client):
         yield Cluster(client)
@@ -303,9 +305,12 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         )
     with contextlib.ExitStack() as stack:
         if client == "local":
+            # other users of this machine reach its ports, and would have their code run: TLS keeps them out; its
+            # files are in a folder of its own, since dask's is known and shared
+            folder = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
             address: Any = stack.enter_context(
                 distributed.LocalCluster(n_workers=os.cpu_count(), threads_per_worker=1, host="127.0.0.1",
-                                         dashboard_address=None)
+                                         dashboard_address=None, security=True, local_directory=folder)
             )  # fmt: skip
         else:
             address = client

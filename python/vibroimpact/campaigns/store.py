@@ -136,12 +136,16 @@ class Store:
             raise ParameterError(
                 f"{place}: is {self.state(name)}; run the campaign again, which computes this part anew"
             )
-        group = zarr().open_group(str(place), mode="r")
-        held = json.loads(np.asarray(group[HEADS][...]).tobytes())
-        arrays = {
-            name: {key: np.asarray(array[...]) for key, array in table.arrays()}
-            for name, table in group.groups()
-        }
+        try:
+            # in format 2 a file may name pickle as what decodes an array
+            group = zarr().open_group(str(place), mode="r", zarr_format=3)
+            held = json.loads(np.asarray(group[HEADS][...]).tobytes())
+            arrays = {
+                name: {key: np.asarray(array[...]) for key, array in table.arrays()}
+                for name, table in group.groups()
+            }
+        except (OSError, LookupError, TypeError, ValueError) as error:
+            raise ParameterError(f"{place}: is no chunk that a campaign wrote; {error}") from None
         words = {(table, key): tuple(words) for table, key, words in held["words"]}
         return Chunk(held["study"], held["heads"], arrays, words)
 

@@ -34,7 +34,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--address", default="127.0.0.1", metavar="A",
-        help="a loopback address, which only this machine reaches (default: 127.0.0.1)",
+        help="where to listen (default: 127.0.0.1, which only this machine reaches); at another address of this "
+        "machine the page needs the link that is printed, which holds a token",
     )  # fmt: skip
     browser = parser.add_mutually_exclusive_group()
     browser.add_argument(
@@ -64,3 +65,9 @@ def run(options: argparse.Namespace) -> int:
 def print_address(url: str) -> None:
     """Say where the page is."""
     print(f"explorer: {url}   (Ctrl-C ends it)", flush=True)
+    if "token=" in url:
+        print(
+            "Other machines reach this page, and whoever has the link may use it. What is sent is not encrypted: "
+            "beyond a network that you trust, use ssh -L and an address of this machine alone.",
+            flush=True,
+        )

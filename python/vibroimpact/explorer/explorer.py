@@ -198,6 +198,7 @@ class Explorer:
     def step(self, right: float, up: float) -> None:
         """Move the point by shares of the window, within the window."""
         (r0, r1), (d0, d1) = self.state.window
+        right, up = (min(max(share, -1), 1) for share in (right, up))
         r = min(max(self.state.r + right * (r1 - r0), r0), r1)
         clearance = min(max(self.state.clearance * (d1 / d0) ** up, d0), d1)
         self.move(r, clearance)

@@ -12,7 +12,7 @@ from ..errors import VibroimpactError
 from ..interrupt import interruptible
 from .latest import Stale, ending
 
-__all__ = ["Limit", "Progress", "TooLong", "shown", "watched"]
+__all__ = ["Limit", "Places", "Progress", "TooLong", "shown", "watched"]
 
 Found = TypeVar("Found")
 Progress = Callable[..., None]
@@ -64,6 +64,37 @@ class Limit:
                 raise TooLong(f"given up after {self.seconds:g} s")
 
         return watched(progress, function, *arguments)
+
+
+class Places:
+    """Counts open pages, of which there may be so many at once.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.limits import Places
+    >>> places = Places(1)
+    >>> places.enter(), places.enter()
+    (True, False)
+    >>> places.leave()
+    >>> places.enter()
+    True
+    """
+
+    def __init__(self, most: int) -> None:
+        self.most, self.taken = most, 0
+        self.lock = threading.Lock()
+
+    def enter(self) -> bool:
+        """Whether there is a place, which is then taken."""
+        with self.lock:
+            free = self.taken < self.most
+            self.taken += free
+            return free
+
+    def leave(self) -> None:
+        """Free a place."""
+        with self.lock:
+            self.taken -= 1
 
 
 def watched(progress: Progress, function: Callable[..., Found], *arguments: Any) -> Found:

@@ -1,9 +1,10 @@
-"""Requests that the server refuses: those under a foreign host name, and those of pages of other sites."""
+"""Requests that the server refuses: under a foreign host name, of pages of other sites, and without a token."""
 
 from __future__ import annotations
 
+import hmac
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import urlencode, urlsplit
 
 from tornado.httputil import HTTPServerRequest
 from tornado.routing import Matcher, Rule
@@ -20,11 +21,12 @@ HEADERS = {
 }
 
 
-def protect(application: Application, names: tuple[str, ...], port: int) -> None:
+def protect(application: Application, names: tuple[str, ...], port: int, token: str = "") -> None:
     """Make a server answer only its own page and links to it, by one of its names; others get status 403.
 
     A name of another site can be made to lead to this machine (DNS rebinding), so the name counts that was asked
-    for, not the address that was reached.
+    for, not the address that was reached. With a token only a browser is answered that has opened a link with it:
+    the browser keeps it as a cookie, and the page's own address is without it.
 
     Parameters
     ----------
@@ -32,9 +34,15 @@ def protect(application: Application, names: tuple[str, ...], port: int) -> None
     names : tuple of str
         Its names, as "localhost" or "[::1]".
     port : int
+    token : str
+        If empty, none is needed.
     """
     hosts = frozenset(f"{name}:{port}" for name in names) | (set(names) if port == 80 else set())
-    application.default_router.rules.insert(0, Rule(Foreign(hosts), Refusal))
+    rules = [Rule(Foreign(hosts), Refusal)]
+    if token:
+        key = Key(token, f"vibroimpact-{port}")
+        rules += [Rule(Opening(key), Opened, {"key": key}), Rule(Unknown(key), Refusal)]
+    application.default_router.rules[:0] = rules
     application.add_transform(Headers)
 
 
@@ -66,6 +74,66 @@ class Foreign(Matcher):  # type: ignore[misc]
         except ValueError:
             return False
         return parts.scheme == "http" and parts.netloc in self.hosts
+
+
+class Key:
+    """The token, where a request may hold it: as `token` of the query, or as a cookie."""
+
+    def __init__(self, token: str, cookie: str) -> None:
+        self.token, self.cookie = token, cookie
+
+    def is_token(self, text: bytes) -> bool:
+        """Compare in a time that does not depend on where they differ."""
+        return hmac.compare_digest(text, self.token.encode())
+
+    def in_query(self, request: HTTPServerRequest) -> bool:
+        """Whether the query holds it."""
+        return any(map(self.is_token, request.query_arguments.get("token", ())))
+
+    def in_cookie(self, request: HTTPServerRequest) -> bool:
+        """Whether the cookie holds it."""
+        held = request.cookies.get(self.cookie)
+        return held is not None and self.is_token(held.value.encode())
+
+
+class Opening(Matcher):  # type: ignore[misc]
+    """Matches links to the page with the token."""
+
+    def __init__(self, key: Key) -> None:
+        self.key = key
+
+    def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
+        here = request.method == "GET" and request.path == "/"
+        return {} if here and self.key.in_query(request) else None
+
+
+class Opened(RequestHandler):  # type: ignore[misc]
+    """Gives the token to the browser, and leads to the page without it."""
+
+    def initialize(self, key: Key) -> None:
+        self.key = key
+
+    def get(self) -> None:
+        self.set_cookie(self.key.cookie, self.key.token, httponly=True, samesite="Lax", path="/")
+        query = self.request.query_arguments
+        rest = [
+            (name, values[-1].decode("utf-8", "replace"))
+            for name, values in query.items() if name != "token"
+        ]  # fmt: skip
+        self.redirect(f"/?{urlencode(rest)}" if rest else "/")
+
+    def _log(self) -> None:
+        """Print nothing."""
+
+
+class Unknown(Matcher):  # type: ignore[misc]
+    """Matches the requests without the token."""
+
+    def __init__(self, key: Key) -> None:
+        self.key = key
+
+    def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
+        return None if self.key.in_cookie(request) else {}
 
 
 class Refusal(RequestHandler):  # type: ignore[misc]

@@ -14,10 +14,13 @@ from bokeh.models import CustomJS
 from panel.custom import JSComponent
 from panel.io.state import set_curdoc
 
+from ..errors import VibroimpactError
 from ..plot.style import condition_name
 from ..plot.zone import LINES
 from .figures import dashes, figures
 from .latest import Stale
+from .limits import Places
+from .messages import checked
 from .pictures import packed
 from .session import Session, own_fault
 from .turns import Turns
@@ -42,6 +45,8 @@ RUN_FIELDS = (
 BOX_FIELDS = (
     ("r", "box: r"), ("r_half", "± r"), ("clearance", "box: dK/F₀"), ("clearance_half", "± dK/F₀")
 )  # fmt: skip
+#: The pages that are open. One that is closed or loaded again counts for half a minute more.
+PLACES = Places(100)
 
 
 def _text(name: str) -> str:
@@ -83,12 +88,17 @@ def boundary_legend() -> str:
 
 
 def page() -> Any:
-    """The page of a new session, in the state of its link."""
+    """The page of a new session, in the state of its link; a text if too many are open."""
     words = [
         (name, values[-1].decode("utf-8", "replace"))
         for name, values in pn.state.session_args.items() if not name.startswith("bokeh-")
     ]  # fmt: skip
     document = pn.state.curdoc
+    if not PLACES.enter():
+        return pn.pane.Str(
+            f"{PLACES.most} pages of the explorer are open, which is the most: close some, wait for half a "
+            "minute, and load this one again"
+        )
     bridge = Bridge(width=0, height=0)
     document.js_on_event(
         ConnectionLost, CustomJS(code="window.vibroimpact && window.vibroimpact.lost()")
@@ -103,8 +113,10 @@ def page() -> Any:
     # the first messages wait until the session has been made: a link may ask for long computations
     session: list[Session] = []
 
-    def heard(message: dict[str, Any]) -> None:
+    def heard(message: Any) -> None:
+        number = message.get("number") if isinstance(message, dict) else None
         try:
+            message = checked(message)
             if not session:
                 session.append(Session(urlencode(words), deliver, turns.submit))
             if turns.closed:
@@ -113,15 +125,16 @@ def page() -> Any:
         except Stale:
             raise
         except Exception as error:
-            answer = {"fault": own_fault(error), "number": message["number"], "pictures": {}}
-            deliver(*packed(answer))
+            fault = str(error) if isinstance(error, VibroimpactError) else own_fault(error)
+            deliver(*packed({"fault": fault, "number": number, "pictures": {}}))
 
     def closed(_: Any) -> None:
+        PLACES.leave()
         turns.close()
         for one in session:
             one.close()
 
-    bridge.heard = lambda message: turns.submit(lambda: heard(message))
+    bridge.heard = lambda message: turns.offer(lambda: heard(message))
     pn.state.on_session_destroyed(closed)
     template = pn.Template(_text("page.html"))
     for name, text in (

@@ -1,9 +1,11 @@
-"""The explorer's server: reachable from this machine only, and using nothing from the network."""
+"""The explorer's server: for this machine unless it is told otherwise, and using nothing from the network."""
 
 from __future__ import annotations
 
+import errno
 import ipaddress
 import logging
+import secrets
 import signal
 import socket
 import sys
@@ -15,7 +17,10 @@ from ..errors import MissingExtraError, ParameterError
 from .opening import state_of
 from .state import State
 
-__all__ = ["explore", "loopback", "serve"]
+__all__ = ["explore", "interface", "serve"]
+
+#: Largest message of a page, in bytes; one with all fields is a few kB.
+LARGEST = 100_000
 
 
 def panel() -> Any:
@@ -30,28 +35,33 @@ def panel() -> Any:
     return panel
 
 
-def loopback(address: str) -> str:
-    """An address that only this machine can reach.
+def interface(address: str) -> str:
+    """An address of this machine, as a number.
 
     Examples
     --------
-    >>> from vibroimpact.explorer.server import loopback
-    >>> loopback("localhost")
+    >>> from vibroimpact.explorer.server import interface
+    >>> interface("localhost")
     '127.0.0.1'
-    >>> loopback("0.0.0.0")
+    >>> interface("0.0.0.0")
     Traceback (most recent call last):
-    vibroimpact.errors.ParameterError: --address '0.0.0.0': must be localhost or a loopback address, ...
+    vibroimpact.errors.ParameterError: --address '0.0.0.0': must be localhost or one address of this machine, ...
     """
     try:
         number = ipaddress.ip_address("127.0.0.1" if address == "localhost" else address)
     except ValueError:
         number = None
-    if number is None or not number.is_loopback:
+    if number is None or number.is_unspecified or number.is_multicast:
         raise ParameterError(
-            f"--address {address!r}: must be localhost or a loopback address, as 127.0.0.1 or ::1; the explorer "
-            "is for this machine only"
+            f"--address {address!r}: must be localhost or one address of this machine, as 127.0.0.1, ::1 or "
+            "192.168.1.5; requests under other names are refused, so that it cannot be all of them"
         )
     return str(number)
+
+
+def needs_token(number: str) -> bool:
+    """Whether other machines may reach an address."""
+    return not ipaddress.ip_address(number).is_loopback
 
 
 def explore(
@@ -67,7 +77,8 @@ def explore(
     port : int
         0 for any free port.
     address : str
-        A loopback address.
+        A loopback address, or one that other machines reach: then the page is only for those who have the link
+        that `ready` gets, since it holds a random token, and no browser is opened.
     show : bool
         Whether to open a browser.
     ready : callable
@@ -89,12 +100,14 @@ def serve(
 ) -> None:
     """Serve until an interrupt; `ready` is called with the page's address, at the query of a state.
 
+    An address that other machines reach holds a token, without which nothing is answered.
+
     Raises
     ------
     MissingExtraError, ParameterError
         If panel is missing, the address is not of this machine, or the port is taken.
     """
-    number = loopback(address)
+    number = interface(address)
     pn = panel()
     from tornado.ioloop import IOLoop
 
@@ -104,14 +117,16 @@ def serve(
     host = f"[{number}]" if ":" in number else number
     port = _free(number, port)
     loop = IOLoop.current()
-    names = tuple(dict.fromkeys((host, "localhost")))
+    token = secrets.token_urlsafe(32) if needs_token(number) else ""
+    names = (host,) if token else tuple(dict.fromkeys((host, "localhost")))
     server = pn.serve(
         {"/": page}, port=port, address=number, show=False, start=False, verbose=False, loop=loop,
         title="vibroimpact explorer", websocket_origin=[f"{name}:{port}" for name in names],
         # a ping may reach a page that is closing before its messages are read, which Bokeh reports as an error
-        keep_alive_milliseconds=0,
+        keep_alive_milliseconds=0, websocket_max_message_size=LARGEST,
     )  # fmt: skip
-    protect(server._tornado, names, port)
+    protect(server._tornado, names, port, token)
+    query = "&".join(filter(None, (f"token={token}" if token else "", query)))
     url = f"http://{host}:{port}/" + (f"?{query}" if query else "")
     # handled by the event loop, so that an interrupt never occurs within a message
     for number_of in (signal.SIGINT, signal.SIGTERM):
@@ -123,7 +138,9 @@ def serve(
     sys.setswitchinterval(1e-3)
     server.start()
     ready(url)
-    if show:
+    if (
+        show and not token
+    ):  # commands, and with them the token, are seen by all users of this machine
         import webbrowser
 
         loop.add_callback(webbrowser.open, url)
@@ -149,6 +166,10 @@ def _free(address: str, port: int) -> int:
         try:
             probe.bind((address, port))
         except OSError as error:
+            if error.errno == errno.EADDRNOTAVAIL:
+                raise ParameterError(
+                    f"--address {address!r}: must be localhost or one address of this machine"
+                ) from None
             raise ParameterError(
                 f"--port {port}: cannot be used on {address} ({str(error.strerror).lower()}); choose another "
                 "port, or 0 for any that is free"

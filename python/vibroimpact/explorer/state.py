@@ -53,7 +53,10 @@ class Run:
 
     @classmethod
     def read(cls, words: dict[str, str]) -> Run:
-        """A run from the text of each field; ParameterError names a field that is no number."""
+        """A run from the text of each field; ParameterError names a field that is missing or no number."""
+        missing = [item.name for item in fields(cls) if item.name not in words]
+        if missing:
+            raise ParameterError(f"{missing[0]}: is missing; must be a finite number")
         return cls(**{item.name: _finite(words[item.name], item.name) for item in fields(cls)})
 
     @property

@@ -11,6 +11,10 @@ from .latest import Stale, ending
 
 __all__ = ["Turns"]
 
+#: Most functions that may wait when another one is offered: a page sends its next message when the last one is
+#: answered.
+MOST_WAITING = 100
+
 
 class Turns:
     """Runs functions one after the other in a thread that lives as long as any of them waits.
@@ -45,6 +49,11 @@ class Turns:
             self.running = True
         # no daemon, as in `Latest`
         threading.Thread(target=self._run).start()
+
+    def offer(self, work: Callable[[], object]) -> None:
+        """Run a function in its turn, unless too many wait: then it is discarded."""
+        if len(self.waiting) < MOST_WAITING:
+            self.submit(work)
 
     def close(self) -> None:
         """Discard what waits."""

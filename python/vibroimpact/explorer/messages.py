@@ -1,0 +1,91 @@
+"""What a message of the page may hold: anything else is refused before it is acted on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from ..errors import ParameterError
+from .limits import shown
+
+__all__ = ["checked"]
+
+#: Most characters of a message's text, and most fields of a message that sets some.
+MOST_TEXT, MOST_FIELDS = 2000, 40
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _text(value: Any) -> bool:
+    return isinstance(value, str) and len(value) <= MOST_TEXT
+
+
+def _place(value: Any) -> bool:
+    return isinstance(value, (list, tuple)) and len(value) == 2 and all(map(_number, value))
+
+
+def _fields(value: Any) -> bool:
+    if not isinstance(value, dict) or len(value) > MOST_FIELDS:
+        return False
+    return all(_text(name) and _text(word) for name, word in value.items())
+
+
+#: A kind of values: what tells them, and how a message names them.
+Kind = tuple[Callable[[Any], bool], str]
+NUMBER: Kind = _number, "a finite number"
+PLACE: Kind = _place, "two finite numbers"
+FIELDS: Kind = (
+    _fields, f"texts of at most {MOST_FIELDS} fields, each of at most {MOST_TEXT} characters"
+)  # fmt: skip
+CHOICE: Kind = (lambda value: value is None or _text(value)), "null or a text"
+SIGN: Kind = (lambda value: isinstance(value, bool)), "true or false"
+FORM: Kind = (lambda value: _text(value) and value in ("namelist", "python")), "namelist or python"
+_POINT = {"r": NUMBER, "clearance": NUMBER}
+#: Of each kind of message: its parts beside the kind and its number.
+PARTS: dict[str, dict[str, Kind]] = {
+    "ready": {},
+    "set": {"words": FIELDS},
+    "point": _POINT,
+    "step": {"right": NUMBER, "up": NUMBER},
+    "peek": _POINT,
+    "unpeek": {},
+    "choose": {"motion": CHOICE},
+    "run": {"words": FIELDS},
+    "launch": {"y": NUMBER, "y_dot": NUMBER},
+    "stop": {},
+    "line": {"from": PLACE, "to": PLACE},
+    "through": {"across": SIGN},
+    "erase": {},
+    "drag": _POINT,
+    "export": {"form": FORM},
+}
+
+
+def checked(message: Any) -> dict[str, Any]:
+    """A message of the page, or ParameterError that names what it may not hold.
+
+    Examples
+    --------
+    >>> from vibroimpact.explorer.messages import checked
+    >>> checked({"kind": "point", "number": 1, "r": 1.04, "clearance": 25})["r"]
+    1.04
+    >>> checked({"kind": "point", "number": 1, "r": float("inf"), "clearance": 25})
+    Traceback (most recent call last):
+    vibroimpact.errors.ParameterError: message 'point', r = 'inf': must be a finite number
+    """
+    kind = message.get("kind") if isinstance(message, dict) else None
+    parts = PARTS.get(kind) if isinstance(kind, str) else None
+    if parts is None:
+        raise ParameterError(f"message {shown(str(kind))}: must be one of {', '.join(PARTS)}")
+    for name, (allowed, words) in {"number": NUMBER, **parts}.items():
+        if name not in message:
+            raise ParameterError(f"message {kind!r}, {name}: is missing; must be {words}")
+        if not allowed(message[name]):
+            raise ParameterError(
+                f"message {kind!r}, {name} = {shown(str(message[name]))}: must be {words}"
+            )
+    found: dict[str, Any] = message
+    return found
