@@ -4,11 +4,11 @@
 !! speed, so that ever shorter bounces keep their relative accuracy.
 module vi_bounce
    use vi_kinds, only: wp
-   use vi_transition, only: transition_type
+   use vi_transition, only: bounds_after, moment_of, transition_type
    implicit none (type, external)
    private
 
-   public :: bounce
+   public :: bounce, falls, series
 
    !> Terms of the series, and the time (over the shortest time scale) for which it is used: the
    !! omitted terms are below 0.1^10/10! = 3e-17 of the amplitude.
@@ -98,11 +98,10 @@ contains
       !> Taylor coefficients from `series`, the end of the time span (1/omega), the sine and cosine
       !! of the load phase, position and velocity of the primary mass at the start.
       real(wp), intent(in) :: k(0:), end, s, c, x, x_dot
-      real(wp) :: free, free_dot, bound, steepest
+      real(wp) :: bounds(0:2), bound, steepest
 
-      free = x - (m%in_phase*s - m%behind*c)
-      free_dot = x_dot - m%r*(m%in_phase*c + m%behind*s)
-      bound = 0.2_wp*(sqrt(free**2 + m%inverse*(free_dot + m%xi*free)**2) + m%forced(2))
+      bounds = bounds_after(m, moment_of(m, s, c, x, x_dot))
+      bound = 0.2_wp*bounds(2)
       steepest = max(k(1), k(1) + end*k(2), k(1) + end*(2*k(2) + 3*end*k(3)))
       falls = steepest + bound*end**3/6 < 0 .and. &
          k(0) + end*(k(1) + end*(k(2) + end*k(3))) + bound*end**4/24 < 0

@@ -20,7 +20,7 @@ module vi_channels
    implicit none (type, external)
    private
 
-   public :: bound_second, first_event, row_derivatives
+   public :: bound_fourth, bound_second, first_event, row_derivatives
 
    !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
    !! wall (row 0).

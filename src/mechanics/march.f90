@@ -8,8 +8,8 @@
 !! from which on `first_contact` has to search.
 module vi_march
    use vi_kinds, only: wp
-   use vi_transition, only: first_cell, idle_time, largest, moment_after, moment_type, nodes, &
-      transition_type
+   use vi_transition, only: bounds_after, first_cell, idle_time, largest, moment_after, &
+      moment_of, moment_type, nodes, transition_type
    implicit none (type, external)
    private
 
@@ -55,10 +55,7 @@ contains
       real(wp) :: base, idle, bounds(0:2), toward
       integer :: a, k, n, size, left
 
-      here%sine = m%in_phase*s - m%behind*c
-      here%cosine = m%in_phase*c + m%behind*s
-      here%free = x - here%sine
-      here%free_dot = x_dot - m%r*here%cosine
+      here = moment_of(m, s, c, x, x_dot)
       here%z = z
       here%z_dot = z_dot
       start = here
@@ -198,21 +195,6 @@ contains
       b = (matrix(:, 1)*at%free + matrix(:, 2)*at%free_dot) &
          + (matrix(:, 3)*at%sine + matrix(:, 4)*at%cosine)
    end function combined
-
-   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a given state on.
-   !!
-   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
-   !! part by r.
-   pure function bounds_after(m, at) result(bounds)
-      !> Tables of the run.
-      type(transition_type), intent(in) :: m
-      !> State from which the bounds hold.
-      type(moment_type), intent(in) :: at
-      real(wp) :: bounds(0:2)
-
-      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
-      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
-   end function bounds_after
 
    !> The one contact in a cell in which y is monotone.
    pure subroutine pinpoint(m, here, half, toward, centre, w, touch)

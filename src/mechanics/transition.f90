@@ -11,7 +11,7 @@ module vi_transition
    implicit none (type, external)
    private
 
-   public :: new_transition, moment_after, idle_time
+   public :: bounds_after, idle_time, moment_after, moment_of, new_transition
 
    !> Sizes of cells: their half widths are 1, 2, 4 and 8 nodes.
    integer, parameter, public :: largest = 3
@@ -181,6 +181,20 @@ contains
       c(:, 4) = f(4)*b(:, 3) + f(3)*b(:, 4)
    end function shifted
 
+   !> The state of the primary mass at a phase of the load; the free mass is left at 0.
+   pure function moment_of(m, s, c, x, x_dot) result(at)
+      !> Tables of the run; only r and the forced part are read.
+      type(transition_type), intent(in) :: m
+      !> Sine and cosine of the load phase, position (F0/K) and velocity (omega F0/K).
+      real(wp), intent(in) :: s, c, x, x_dot
+      type(moment_type) :: at
+
+      at%sine = m%in_phase*s - m%behind*c
+      at%cosine = m%in_phase*c + m%behind*s
+      at%free = x - at%sine
+      at%free_dot = x_dot - m%r*at%cosine
+   end function moment_of
+
    !> The state a time t after another one.
    pure function moment_after(m, from, t) result(to)
       !> Tables of the run; only xi and r are read.
@@ -200,6 +214,21 @@ contains
       to%z = from%z + from%z_dot*t
       to%z_dot = from%z_dot
    end function moment_after
+
+   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a given state on.
+   !!
+   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
+   !! part by r.
+   pure function bounds_after(m, at) result(bounds)
+      !> Tables of the run.
+      type(transition_type), intent(in) :: m
+      !> State from which the bounds hold.
+      type(moment_type), intent(in) :: at
+      real(wp) :: bounds(0:2)
+
+      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
+      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
+   end function bounds_after
 
    !> How long no contact is possible: the time (1/omega) for which both walls are out of reach even
    !! at the greatest amplitude of x; 0 where that is not certain.

@@ -1,6 +1,8 @@
 !> Tests of mechanics: the oscillator, impacts, flights and their extrema.
 program test_mechanics
    use checks, only: check, check_close, finish
+   use mechanics_bounds, only: test_bounds
+   use mechanics_channels, only: test_channels
    use mechanics_extrema, only: test_extrema
    use mechanics_march, only: test_march
    use mechanics_structure, only: test_structure
@@ -22,7 +24,9 @@ program test_mechanics
    call test_derivative_bound()
    call test_extrema()
    call test_march()
+   call test_bounds()
    call test_structure()
+   call test_channels()
    call finish()
 
 contains

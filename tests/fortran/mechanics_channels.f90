@@ -1,0 +1,244 @@
+!> The bounds that prove that a row of a structure stays within its limits, against the extremes
+!! that they bound, and the search that rests on them against dense samples.
+module mechanics_channels
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, draw_log, random_type
+   use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
+      reached_type, row_derivatives, space_type
+   use vi_kinds, only: wp
+   use vi_modes, only: advance, bound_on
+   use vi_series, only: order, tolerated
+   use vi_status, only: stat
+   use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
+      regime_type, structure_type
+   implicit none (type, external)
+   private
+
+   public :: test_channels
+
+   type(random_type) :: random
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   subroutine test_channels()
+      integer :: i
+
+      call test_tolerated()
+      do i = 1, 300
+         call test_pair()
+         call check_rows(mod(i, 3))
+      end do
+      do i = 1, 400
+         call check_search()
+      end do
+   end subroutine test_channels
+
+   !> bound t^n/(order + 1)! is the tolerance.
+   subroutine test_tolerated()
+      real(wp) :: tolerance, bound, t
+      integer :: i, n
+
+      do i = 1, 1000
+         tolerance = draw_log(random, 1e-20_wp, 1.0_wp)
+         bound = draw_log(random, 1e-10_wp, 1e30_wp)
+         n = draw_integer(random, order - 2, order + 1)
+         t = tolerated(tolerance, bound, n)
+         call check_close(log(bound) + n*log(t) - log_gamma(order + 2.0_wp), log(tolerance), &
+            1e-11_wp, 'tolerated: a term as large as the tolerance')
+      end do
+      call check(tolerated(1.0_wp, 0.0_wp, order) >= huge(t), 'tolerated: nothing is omitted')
+   end subroutine test_tolerated
+
+   !> Bounds on a pair x' = v, v' = -omega^2 x - 2 sigma v from its start on.
+   subroutine test_pair()
+      integer, parameter :: samples = 400
+      real(wp) :: stiffness, damping, x, v, of_x, of_v, omega, rate, t, most(2)
+      complex(wp) :: c, lambda
+      integer :: i
+
+      stiffness = draw_log(random, 1e-2_wp, 1e2_wp)
+      omega = sqrt(stiffness)
+      damping = omega*draw_log(random, 1e-4_wp, 0.95_wp)
+      x = draw(random, -1.0_wp, 1.0_wp)
+      v = omega*draw(random, -1.0_wp, 1.0_wp)
+      call bound_on(stiffness, x, v, of_x, of_v)
+      rate = sqrt(stiffness - damping**2)
+      lambda = cmplx(-damping, rate, wp)
+      c = cmplx(x, -(v + damping*x)/rate, wp)
+      most = 0
+      do i = 0, samples
+         t = i*(2*pi/omega)/samples
+         most(1) = max(most(1), abs(real(c*exp(lambda*t))))
+         most(2) = max(most(2), abs(real(lambda*c*exp(lambda*t))))
+      end do
+      call check(all(most <= [of_x, of_v]*(1 + 1e-12_wp)), 'pair: bounds on x and v')
+      if (damping < 1e-2_wp*omega) call check(all(1.1_wp*most >= [of_x, of_v]), &
+         'pair: which are the amplitudes')
+      call bound_on(0.0_wp, x, v, of_x, of_v)
+      call check_close(of_x, abs(x), 0.0_wp, 'pair: a free mass keeps x')
+      call check_close(of_v, abs(v), 0.0_wp, 'pair: and v')
+   end subroutine test_pair
+
+   !> A chain of two masses with gaps, under some harmonics; the state of its pairs.
+   subroutine draw_chain(harmonics, state, most_damped, regime, x, v, phase)
+      integer, intent(in) :: harmonics
+      !> Size of the state, and the largest damping.
+      real(wp), intent(in) :: state, most_damped
+      type(regime_type), intent(out) :: regime
+      real(wp), allocatable, intent(out) :: x(:), v(:)
+      real(wp), intent(out) :: phase
+      integer, parameter :: n = 2
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp) :: matrices(n, n, 3), directions(n, 2), opening(2, 2), force(n, 2, harmonics), s(2)
+      integer :: i, j, status
+
+      s = [draw_log(random, 0.3_wp, 3.0_wp), draw_log(random, 0.3_wp, 3.0_wp)]
+      matrices = 0
+      matrices(1, 1, 1) = 1
+      matrices(2, 2, 1) = draw_log(random, 0.1_wp, 1.0_wp)
+      matrices(:, :, 3) = reshape([s(1) + s(2), -s(2), -s(2), s(2)], [n, n])
+      matrices(:, :, 2) = draw_log(random, 1e-6_wp, most_damped)*matrices(:, :, 3)
+      directions = reshape([1.0_wp, -1.0_wp, 0.0_wp, 1.0_wp], [n, 2])
+      opening(1, :) = 100
+      opening(2, :) = 0.5_wp
+      structure = new_structure(matrices, directions, opening)
+      call check_structure(structure, status)
+      do j = 1, harmonics
+         do i = 1, n
+            force(i, :, j) = [draw(random, -1.0_wp, 1.0_wp), draw(random, -1.0_wp, 1.0_wp)]
+         end do
+      end do
+      load = new_load(draw_log(random, 0.3_wp, 3.0_wp), force, [draw(random, -1.0_wp, 1.0_wp), &
+         0.0_wp])
+      call new_regime(structure, load, [integer ::], regime, status)
+      call check(status == stat%ok, 'rows: a chain')
+      allocate (x(size(regime%modes%stiffness)), v(size(regime%modes%stiffness)))
+      do i = 1, size(x)
+         x(i) = state*draw(random, -1.0_wp, 1.0_wp)
+         v(i) = state*draw(random, -1.0_wp, 1.0_wp)
+      end do
+      phase = draw(random, 0.0_wp, 2*pi)
+   end subroutine draw_chain
+
+   !> Bounds on the fourth derivatives, by differences of the third ones, and on the second ones at
+   !! any phase.
+   subroutine check_rows(kind)
+      !> 0 free motion, 1 with one harmonic, 2 with two.
+      integer, intent(in) :: kind
+      integer, parameter :: samples = 4000
+      type(regime_type) :: regime
+      real(wp), allocatable :: x(:), v(:), now_x(:), now_v(:), of_x(:), of_v(:), bound(:)
+      real(wp) :: phase, d(0:3), before, most, second, h
+      integer :: i, row
+
+      call draw_chain(kind, merge(1.0_wp, draw(random, 0.0_wp, 1.0_wp), kind == 0), &
+         merge(1e-5_wp, 0.5_wp, kind < 2), regime, x, v, phase)
+      ! then the harmonic is all there is
+      if (kind == 1) then
+         x = regime%modes%force/regime%modes%stiffness
+         v = 0
+      end if
+      allocate (now_x, now_v, of_x, of_v, mold=x)
+      allocate (bound(size(regime%upper)))
+      call bound_fourth(regime, size(x), x, v, of_x, of_v, bound)
+      h = 0.01_wp*regime%unit
+      if (kind == 1) h = 2*pi/regime%frequency/samples
+      do row = 1, size(bound)
+         most = 0
+         second = 0
+         do i = 0, samples
+            call advance(regime%modes, i*merge(50*h, h, kind == 0), x, v, now_x, now_v)
+            call row_derivatives(regime, now_x, now_v, phase, row, d)
+            ! the free motion needs many cycles to come near its bound
+            if (kind == 0) then
+               before = d(3)
+               call advance(regime%modes, (50*i + 1)*h, x, v, now_x, now_v)
+               call row_derivatives(regime, now_x, now_v, phase, row, d)
+               most = max(most, abs(d(3) - before)/h)
+            else
+               call row_derivatives(regime, now_x, now_v, phase + i*h*regime%frequency, row, d)
+               if (i > 0) most = max(most, abs(d(3) - before)/h)
+               before = d(3)
+            end if
+            call row_derivatives(regime, x, v, i*2*pi/samples, row, d)
+            second = max(second, abs(d(2)))
+         end do
+         call check(most <= bound(row)*(1 + 1e-6_wp), 'rows: bounds on fourth derivatives')
+         if (kind < 2) call check(bound(row) <= 1.5_wp*most, 'rows: no larger than needed')
+         call check(second <= bound_second(regime, x, v, row)*(1 + 1e-12_wp), &
+            'rows: bounds on second derivatives')
+         if (kind < 2) call check(bound_second(regime, x, v, row) <= 1.01_wp*second, &
+            'rows: reached at some phase')
+      end do
+   end subroutine check_rows
+
+   !> A row whose limit is a little above, or below, its greatest value: the search from a state
+   !! within the limits finds no event, or the first time at which the limit is reached.
+   subroutine check_search()
+      integer, parameter :: samples = 3000
+      type(regime_type) :: regime
+      type(space_type) :: space
+      type(pace_type) :: pace
+      type(reached_type) :: reached
+      real(wp), allocatable :: x(:), v(:), now_x(:), now_v(:)
+      real(wp) :: phase, d(0:3), span, most, greatest, beyond, h, t, at
+      integer :: i, row
+
+      call draw_chain(draw_integer(random, 1, 2), 1.0_wp, 0.5_wp, regime, x, v, phase)
+      allocate (now_x, now_v, mold=x)
+      row = draw_integer(random, 1, size(regime%upper))
+      span = 30*regime%unit
+      h = span/samples
+      most = 0
+      greatest = -huge(1.0_wp)
+      at = 0
+      do i = 0, samples
+         call value_at(i*h)
+         most = max(most, abs(d(0)))
+         if (d(0) <= greatest) cycle
+         greatest = d(0)
+         at = i*h
+      end do
+      if (at <= h .or. at > span - h) return
+      ! from the sample to the top, by Newton's method
+      t = at
+      do i = 1, 5
+         call value_at(t)
+         t = min(max(t - d(1)/d(2), at - h), at + h)
+      end do
+      call value_at(t)
+      greatest = max(greatest, d(0))
+      beyond = draw_log(random, 1e-9_wp, 1e-2_wp)*most
+      regime%upper = 1e3_wp*most
+      regime%lower = -1e3_wp*most
+      pace%level = draw_integer(random, 1, 8)
+      regime%upper(row) = greatest + beyond
+      call first_event(regime, x, v, phase, leaving_type(), span, pace, reached, space)
+      call check(reached%row == 0, 'search: no event where the limit is not reached')
+      regime%upper(row) = greatest - beyond
+      call value_at(0.0_wp)
+      if (d(0) >= regime%upper(row)) return
+      call first_event(regime, x, v, phase, leaving_type(), span, pace, reached, space)
+      call check(reached%row == row .and. reached%wall == 1, 'search: an event, however brief')
+      if (reached%row /= row) return
+      call value_at(reached%time)
+      call check_close(d(0), regime%upper(row), 1e-12_wp*most*(1 + 1/regime%unit), &
+         'search: at the limit')
+      call check_close(reached%speed, d(1), 1e-9_wp*most/regime%unit, 'search: approach speed')
+      do i = 0, int(reached%time/h)
+         call value_at(i*h)
+         call check(d(0) <= regime%upper(row) + 1e-12_wp*most, 'search: the first one')
+      end do
+   contains
+      !> The row and its derivatives at a time.
+      subroutine value_at(time)
+         real(wp), intent(in) :: time
+
+         call advance(regime%modes, time, x, v, now_x, now_v)
+         call row_derivatives(regime, now_x, now_v, phase + regime%frequency*time, row, d)
+      end subroutine value_at
+   end subroutine check_search
+
+end module mechanics_channels
