@@ -16,7 +16,7 @@ module vi_attractor_neighbourhood
    implicit none (type, external)
    private
 
-   public :: find_neighbourhoods
+   public :: factorise, find_neighbourhoods
 
    !> States on which a neighbourhood is tested, and largest number of events of a period.
    integer, parameter :: trials = 1024, capacity = 2048

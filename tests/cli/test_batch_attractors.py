@@ -266,12 +266,18 @@ BAD_PLANE = [
     *[("clearance = 37", f"clearance = {v}", "1e-12 <= clearance", 2) for v in ("0", "nan", "1e13", "-1")],
     ("clearance = 37", "", "clearance: is missing", 2),
     ("'x', 'x_dot'", "'y', 'x_dot'", "y must be within half the clearance", 4),
+    *[("'x', 'x_dot'\n  low = -30, -30, high = 30, 30", f"{axes}\n  low = {low}, high = {high}",
+       f"{bad} = {low if bad == 'low' else high}: must be two finite numbers, one for each axis, "
+       "and low below high; y must be within half the clearance", 4)
+      for axes, low, high, bad in (
+          ("'y', 'x'", "-18.6, -30", "18.4, 30", "low"), ("'y', 'x'", "-18.4, -30", "18.6, 30", "high"),
+          ("'x', 'y'", "-30, -18.6", "30, 18.4", "low"), ("'x', 'y'", "-30, -18.4", "30, 18.6", "high"))],
     *[("probes = 50", f"probes = {v}", "1 <= probes", 5) for v in ("0", "1e2", "2000000")],
     *[("probes = 50", f"cycles = {v}", "1 <= cycles <= 10000000", 5) for v in ("0", "20000000")],
     *[("probes = 50", f"max_cycles = {v}", "1 <= max_cycles <= 100", 5) for v in ("0", "101")],
     ("probes = 50", "load = -1", "0 <= load", 5),
     ("probes = 50", "t = nan", "a finite number", 5),
-    ("probes = 50", "y = 18.6", "y must be within half the clearance", 5),
+    *[("probes = 50", f"y = {y}", "y must be within half the clearance", 5) for y in ("18.6", "-18.6")],
     ("probes = 50", "x = 3", "x = 3: must be left out: it is an axis", 5),
     ("probes = 50", "z = 3", "is not a key of &basins; must be one of clearance, states", 5),
 ]  # fmt: skip

@@ -128,6 +128,10 @@ def test_legacy_printout(batch):
     table = {line[:16].strip(): line[16:].split() for line in text.splitlines()}
     assert table["alpha_i/pi"] == ["0.0000", "1.3700"]
     assert table["tau/pi"] == ["0.4999"]
+    # the phase of the load at the first impact, by the column that was recomputed from first principles
+    given = (ROOT / "tests/data/table1.csv").read_text().splitlines()
+    (phase,) = (line.split(",") for line in given if line.startswith("load_phase/pi,unequispaced"))
+    assert table["Omega t_1/pi"] == [f"{float(phase[3]):.4f}"]
     assert table["|eigenvalues|"] == ["0.9347", "0.9347", "0.5820", "0.5820"]
     assert "stable" in text.splitlines()[-1]
 

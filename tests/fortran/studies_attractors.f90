@@ -5,7 +5,9 @@ module studies_attractors
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
+   use vi_attractor_neighbourhood, only: factorise
    use vi_attractor_spread, only: random_states
+   use vi_attractor_target, only: target_type
    use vi_forced_system, only: event_type, forced_system_type, initial_state, new_forced_system, &
       state_type
    use vi_kinds, only: wp
@@ -28,8 +30,46 @@ contains
       call test_uniform()
       call test_pairs()
       call test_disc()
+      call test_metric()
       call test_parts()
    end subroutine test_attractors
+
+   !> The metric is a root of the matrix in units of the coordinates; the inverse is its inverse.
+   subroutine test_metric()
+      type(target_type) :: target
+      real(wp) :: a(4, 4), m(4, 4), scale(4), unit(4, 4)
+      logical :: good
+      integer :: i, j, k, n
+
+      unit = 0
+      do i = 1, 4
+         unit(i, i) = 1
+      end do
+      do k = 1, 200
+         n = merge(2, 4, mod(k, 2) == 0)
+         do j = 1, 4
+            scale(j) = 10.0_wp**draw(random, -3.0_wp, 3.0_wp)
+            do i = 1, 4
+               a(i, j) = draw(random, -1.0_wp, 1.0_wp)
+            end do
+         end do
+         m = matmul(transpose(a), a) + unit
+         call factorise(m, n, scale, target, good)
+         call check(good, 'metric: of a positive matrix')
+         call check(maxval(abs(matmul(target%metric(:n, :n), target%inverse(:n, :n)) &
+            - unit(:n, :n))) < 1e-13_wp, 'metric: times inverse')
+         call check(maxval(abs(target%metric(n + 1:, :))) <= 0 .or. n == 4, 'metric: of n states')
+         do j = 1, n
+            do i = 1, n
+               call check_close(scale(i)*scale(j)*dot_product(target%metric(:, i), &
+                  target%metric(:, j)), m(i, j), 1e-13_wp*(1 + maxval(abs(m))), 'metric: a root')
+            end do
+         end do
+         m(n, n) = -m(n, n)
+         call factorise(m, n, scale, target, good)
+         call check(.not. good, 'metric: none of an indefinite matrix')
+      end do
+   end subroutine test_metric
 
    !> A simulation in parts, without a look for one event more after each part, is that in one.
    subroutine test_parts()

@@ -3,6 +3,8 @@ module studies_rest
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
    use vi_kinds, only: wp
+   use vi_frame, only: condition_count, condition_type, edge, frame_type, neimark_sacker
+   use vi_rest_conditions, only: measure_in_period, rest_condition, rest_conditions
    use vi_rest_family, only: follow_symbols, measure_type, new_rest_family, plane_map, &
       rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
    implicit none (type, external)
@@ -39,6 +41,55 @@ contains
       call check(followed > 30, 'rest: periods that could be followed')
    end subroutine test_rest
 
+   !> The conditions of a motion that is cut by edges, and what is left of them where its symbols
+   !! cannot be followed.
+   subroutine check_conditions(family, unknowns, c, period)
+      type(rest_family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:), c(6)
+      type(rest_period_type), intent(in) :: period
+      type(frame_type) :: frame
+      type(measure_type) :: measure
+      type(condition_type), allocatable :: found(:)
+      real(wp), allocatable :: values(:), lost(:)
+      real(wp) :: room, by
+      integer :: i, j, n, side
+
+      frame%resting = .true.
+      frame%rest = family
+      allocate (frame%edges(12))
+      do i = 1, 6
+         do side = 1, -1, -2
+            frame%edges(2*i - (side + 1)/2) = condition_type(edge, i, side, &
+               bound=c(i) - side*0.1_wp*i)
+         end do
+      end do
+      n = condition_count(frame)
+      allocate (values(n), lost(n), found(n))
+      call rest_conditions(frame, unknowns, c, values, found)
+      do i = 1, n
+         associate (condition => found(i))
+            call check_close(rest_condition(frame, unknowns, c, condition), values(i), &
+               1e-14_wp*abs(values(i)), 'rest: one condition and all')
+            if (condition%kind <= neimark_sacker) cycle
+            measure = measure_in_period(period, c, condition)
+            if (condition%kind /= edge) cycle
+            room = 0.1_wp*condition%index
+            call check_close(values(i), room, 1e-14_wp, 'rest: the room up to an edge')
+            do j = 1, size(unknowns) + 2
+               by = 0
+               if (j == size(unknowns) + condition%index) by = condition%side
+               call check_close(measure%by(j), by, 0.0_wp, 'rest: how it changes')
+            end do
+         end associate
+      end do
+      ! impacts in the wrong order
+      call rest_conditions(frame, [unknowns(:2), unknowns(3:) - 100], c, lost, found)
+      do i = 1, n
+         call check_close(lost(i), merge(values(i), -1.0_wp, found(i)%kind == edge), 0.0_wp, &
+            'rest: edges alone have a value where no motion is')
+      end do
+   end subroutine check_conditions
+
    !> Derivatives of one period against differences, and the map of the plane against its symbols.
    subroutine check_period(family, release, c, followed)
       type(rest_family_type), intent(in) :: family
@@ -59,6 +110,7 @@ contains
       if (.not. good(1)) return
       call rest_period(family, unknowns, c, period)
       call check(period%right, 'rest: what was followed is a period')
+      call check_conditions(family, unknowns, c, period)
       if (.not. period%right .or. .not. is_generic(period)) return
       followed = followed + 1
       call check_stability(period)

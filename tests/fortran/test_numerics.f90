@@ -7,6 +7,7 @@ program test_numerics
    use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
+   use vi_linear, only: eliminate, most
    use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
    use vi_lapack_routines, only: geev, gels, gesv
@@ -19,6 +20,7 @@ program test_numerics
    call test_kinds()
    call test_solve()
    call test_least_squares()
+   call test_eliminate()
    call test_eigenvalues()
    call test_known_eigenvalues()
    call test_eigenvector()
@@ -191,6 +193,57 @@ contains
          deallocate (a, b, work)
       end do
    end subroutine test_least_squares
+
+   !> Both solutions, the sign of the determinant, and the scaled size of the right side; what is
+   !! singular is reported.
+   subroutine test_eliminate()
+      real(wp) :: a(most, most), copy(most, most), b(2, most), right(2, most), residual, wanted
+      logical :: regular
+      integer :: i, j, n, orientation
+
+      do i = 1, 500
+         n = draw_integer(random, 1, merge(most, 8, mod(i, 50) == 0))
+         a = huge(1.0_wp)
+         call random_matrix(a(:n, :n))
+         call random_matrix(b)
+         do j = 1, n
+            a(:n, j) = a(:n, j)*10.0_wp**draw_integer(random, -9, 9)
+         end do
+         copy = a
+         right = b
+         wanted = maxval([(abs(b(1, j))/maxval(abs(a(:n, j))), j=1, n)])
+         call eliminate(n, a, b, regular, residual, orientation)
+         call check(regular, 'eliminate: a random matrix is regular')
+         call check_close(residual, wanted, 1e-14_wp*wanted, 'eliminate: residual')
+         call check(orientation == nint(sign(1.0_wp, determinant(copy(:n, :n)))), &
+            'eliminate: orientation')
+         do j = 1, n
+            call check(all(abs(matmul(b(:, :n), copy(:n, j)) - right(:, j)) <= &
+               1e-12_wp*maxval(abs(copy(:n, j)))*(1 + maxval(abs(b(:, :n))))), &
+               'eliminate: solution')
+         end do
+         ! two equations that say the same
+         if (n == 1) cycle
+         a = copy
+         a(:n, n) = 2*a(:n, 1)
+         b = right
+         call eliminate(n, a, b, regular, residual, orientation)
+         call check(.not. regular .and. orientation == 0, 'eliminate: dependent equations')
+         ! an equation without coefficients: the residual is that of the equations before it
+         a = copy
+         a(:n, n) = 0
+         b = right
+         wanted = maxval([(abs(b(1, j))/maxval(abs(a(:n, j))), j=1, n - 1)])
+         call eliminate(n, a, b, regular, residual, orientation)
+         call check(.not. regular .and. orientation == 0, 'eliminate: an empty equation')
+         call check_close(residual, wanted, 1e-14_wp*wanted, 'eliminate: residual before it')
+         a = copy
+         a(:n, 1) = 0
+         residual = 7
+         call eliminate(n, a, b, regular, residual)
+         call check_close(residual, 0.0_wp, 0.0_wp, 'eliminate: no equation before it')
+      end do
+   end subroutine test_eliminate
 
    !> Sum, sum of squares and product of the eigenvalues are invariants of the matrix.
    subroutine test_eigenvalues()

@@ -1,7 +1,7 @@
 !> Tests of studies: many points in one call, and the same in single precision.
 program test_studies
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use checks, only: check, finish
+   use checks, only: check, check_close, finish
    use random_numbers, only: draw_integer, draw_log, random_type
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides
@@ -16,12 +16,14 @@ program test_studies
    use studies_structure_slopes, only: test_structure_slopes
    use vi_assess, only: paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_flags, only: stability_flags
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
    use vi_motion, only: motion_type, unknown
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: new_pattern, pattern_type
    use vi_periodic, only: linear_system_type
+   use vi_plan, only: most_impacts
    use vi_points, only: equispaced_points, periodic_points, recall
    use vi_precision, only: periodic_in_single
    use vi_sample, only: sample_motion
@@ -41,6 +43,7 @@ program test_studies
    call test_equispaced_batch()
    call test_failed_point()
    call test_recall()
+   call test_flags()
    call test_single()
    call test_rings()
    call test_joints()
@@ -138,6 +141,46 @@ contains
          flights, results%impacts, results%scalars, results%multipliers, results%verdicts, &
          results%status)
    end function points
+
+   !> Verdicts on motions with about the most impacts that are computed side by side.
+   subroutine test_flags()
+      integer, parameter :: m = 70
+      type(oscillator_type) :: osc
+      type(pattern_type) :: pattern
+      type(linear_system_type) :: system
+      type(motion_type) :: motion
+      real(wp), allocatable :: phases(:, :), restitution(:)
+      real(wp) :: r(m), radius(m)
+      integer :: consistent(m), stable(m), status(m), i, j, k, n, referred
+
+      do i = 1, 12
+         n = most_impacts - 2 + mod(i, 4)
+         osc = oscillator_type(0.01_wp*i, 0.02_wp, [0.7_wp, 0.6_wp])
+         pattern = new_pattern(repeat('R', n), n/2)
+         call random_sides(random, pattern%sides)
+         allocate (phases(m, n))
+         restitution = osc%restitution(merge(1, 2, pattern%sides > 0))
+         do j = 1, m
+            r(j) = random_frequency(random)
+            call random_phases(random, pattern%cycles, phases(j, :))
+         end do
+         call stability_flags(osc, r, pattern, restitution, phases, paper_acceptance, mod(i, 2) == &
+            0, 2, i > 6, consistent, stable, radius, status, referred)
+         call check(merge(referred < m, referred == m, n <= most_impacts), &
+            'flags: most points are not referred')
+         do j = 1, m
+            call periodic_chain(osc, r(j), pattern, restitution, phases(j, :), paper_acceptance, &
+               .false., system, motion)
+            call check(status(j) == motion%status .and. consistent(j) == motion%consistent .and. &
+               stable(j) == motion%stable, 'flags: verdicts of the reference chain')
+            k = merge(1, 0, mod(i, 2) == 0 .and. motion%status == stat%ok)
+            call check((k == 0) .eqv. ieee_is_nan(radius(j)), 'flags: a radius where it is wanted')
+            if (k == 1) call check_close(radius(j), abs(motion%multipliers(1)), &
+               1e-9_wp*radius(j), 'flags: radius')
+         end do
+         deallocate (phases)
+      end do
+   end subroutine test_flags
 
    !> Equispaced points are those of the chain, two columns a point; missing motions are NaN.
    subroutine test_equispaced_batch()

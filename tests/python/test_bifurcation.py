@@ -206,3 +206,24 @@ def test_states_of_their_own():
     start = dict.fromkeys(("t", "x", "x_dot", "z", "z_dot"), 0.0)
     with pytest.raises(vi.errors.ParameterError, match=r"^state\['t'\] = 0.0: must be left out"):
         vi.bifurcation_diagram(FIGURE6, "r", [1, 1.1], clearance=9, sweep="states", state=start)
+
+
+@pytest.mark.parametrize("name", ["r", "clearance"])
+def test_parameter_is_not_given_twice(name):
+    with pytest.raises(
+        vi.errors.ParameterError, match=rf"^{name} = 1.2: must be left out, it is the parameter"
+    ):
+        vi.bifurcation_diagram(FIGURE6, name, [1.1, 1.3], r=1.2, clearance=1.2)
+
+
+def test_resonance_without_damping_among_the_values():
+    """A value of r that is 1 is refused wherever it stands; so is a fixed one where xi begins at 0."""
+    undamped = vi.Oscillator(xi=0.0, mu=0.1, restitution=0.7)
+    for values in ([1.0, 1.1], [0.9, 1.0, 1.1], [0.9, 1.0]):
+        with pytest.raises(vi.errors.ParameterError, match="resonance without damping"):
+            vi.bifurcation_diagram(undamped, "r", values, clearance=9.0)
+    with pytest.raises(vi.errors.ParameterError, match="resonance without damping"):
+        vi.bifurcation_diagram(FIGURE6, "xi", [0.0, 0.1], r=1.0, clearance=9.0)
+    options = {"settling": 3, "keep": 3, "sweep": "up"}
+    damped = vi.bifurcation_diagram(FIGURE6, "xi", [0.05, 0.1], r=1.0, clearance=9.0, **options)
+    assert damped.values.tolist() == [0.05, 0.1]

@@ -70,6 +70,15 @@ def test_unusual_but_right():
     assert vi.Pattern("RL", np.int64(2)).cycles == 2
 
 
+def test_no_attenuation_without_forced_motion(results):
+    """max|x|/A is left out where A is 0: free vibration between the walls."""
+    free = dataclasses.replace(results["motion"], A=0.0)
+    assert free._facts()["max|x|/A"] == "-"
+    assert results["motion"]._facts()["max|x|/A"] != "-"
+    assert free.to_dict()["attenuation"] is None
+    assert results["motion"].to_dict()["attenuation"] == results["motion"].attenuation
+
+
 def test_frozen():
     """Attributes of an oscillator, a pattern or a motion cannot be assigned."""
     motion = periodic()
