@@ -17,7 +17,7 @@ module vi_parse_cases
    use vi_sweep, only: sweep_keys
    use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
-   use vi_text, only: brief, lower, whole, whole_width
+   use vi_text, only: brief, lower, printable, whole, whole_width
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -119,7 +119,7 @@ contains
       end if
       if (present(fault_line)) fault_line = merge(line, 0, len(message) > 0)
       if (len(message) == 0) return
-      message = brief(message)
+      message = brief(printable(message))
       if (len(path) > 0) message = place(path, line)//message
    end subroutine parse_cases
 

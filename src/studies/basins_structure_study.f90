@@ -281,7 +281,7 @@ contains
       ! in the order of the attractors
       periodic = pack(numbers, numbers > 0)
       if (.not. allocated(list%motions)) allocate (list%motions(0))
-      call put_found(result, list%motions(periodic), n)
+      call put_found(result, list%motions, periodic, n)
       call result%open('attractors', 'attractor', [size(names)])
       call result%put_text('attractors', 'name', names)
       call result%put('attractors', 'fraction', shares)

@@ -119,7 +119,7 @@ contains
          if (is_stopped(progress)) cycle
          batches(i)%begun = .true.
          call begin_lines(patterns(i), c, request%guesses, request%max_impacts, lines(i), &
-            batches(i)%tried)
+            batches(i)%tried, progress)
          call add_done_work(int(real(pattern_work, wp)*size(patterns(i)%sides)**2/total), progress)
       end do
       !$omp end parallel do
@@ -408,7 +408,11 @@ contains
          end do
          order(j) = n
       end do
-      allocate (findings%motions, source=described(order))
+      ! not source=described(order): gfortran 12 counts its places from 0 and keeps a copy
+      allocate (findings%motions(size(order)))
+      do i = 1, size(order)
+         findings%motions(i) = described(order(i))
+      end do
    end subroutine describe_all
 
    !> Whether a motion is listed before another: stable ones first, then by load cycles, impacts,

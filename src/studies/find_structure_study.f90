@@ -155,7 +155,7 @@ contains
          ' sets of impact times were tried'
       call rank(list, settled, order)
       if (list%n == 0) allocate (list%motions(0))
-      call put_found(result, list%motions(order), case%coordinates)
+      call put_found(result, list%motions, order, case%coordinates)
       call result%put('motions', 'settled', settled(order))
       call result%open('search', '', [integer ::])
       call result%put('search', 'states', [reached])

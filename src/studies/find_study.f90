@@ -6,7 +6,7 @@ module vi_find_study
    use vi_find, only: find_motions, find_request_type, findings_type
    use vi_found_motion, only: described_type, found_type
    use vi_kinds, only: wp
-   use vi_motion, only: yes
+   use vi_motion, only: motion_type, yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
    use vi_settled_motion, only: longest, no_impacts, not_stable, settled, unconfirmed, unfinished, &
       wandering
@@ -117,7 +117,9 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(find_request_type) :: request
       type(findings_type) :: findings
+      type(motion_type), allocatable :: motions(:)
       character(:), allocatable :: text
+      integer :: i
 
       associate (s => case%study)
          request = find_request_type(new_forced_system(case%osc, case%r, s%number('load'), &
@@ -130,7 +132,11 @@ contains
          whole(findings%all_patterns)//' patterns were searched, '//whole(findings%releases)// &
          ' releases and '//whole(sum(findings%outcomes))//' of '//whole(request%states)// &
          ' states were tried'
-      call put_motions(findings%motions%motion, result)
+      allocate (motions(size(findings%motions)))       ! gfortran 12 would not free its own copy
+      do i = 1, size(motions)
+         motions(i) = findings%motions(i)%motion
+      end do
+      call put_motions(motions, result)
       call put_origin(case, exact_kind, .false., case%study%number('load'), result)
       call put_events(case%r, findings%motions, result)
       call put_search(findings, result)

@@ -423,7 +423,8 @@ contains
          i=1, n)])
       allocate (sides(n), owners(total), numbers(total), walls(total), impacts(8, total))
       numbers_of = ieee_value(1.0_wp, ieee_quiet_nan)
-      multipliers = cmplx(numbers_of(1, 1), numbers_of(1, 1), wp)
+      multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), ieee_value(1.0_wp, &
+         ieee_quiet_nan), wp)
       total = 0
       do i = 1, n
          sides(i)%text = ''

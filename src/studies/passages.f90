@@ -15,6 +15,7 @@ module vi_passages
    use vi_orbit, only: by_clearance, by_left, by_r, by_right, by_xi, orbit_type, set_orbit
    use vi_oscillator, only: gain
    use vi_pattern, only: pattern_type
+   use vi_progress, only: is_stopped
    use vi_search, only: search_pattern
    use vi_steps, only: place_type, stride_type, take_step
    implicit none (type, external)
@@ -23,6 +24,8 @@ module vi_passages
    public :: begin_lines, follow_birth
 
    real(wp), parameter :: pi = acos(-1.0_wp)
+   !> Guesses between two looks at the progress counters.
+   integer, parameter :: between = 256
    !> Units of length along r and log D, those of the 1983 charts, and how far a line is followed.
    real(wp), parameter :: unit(2) = [0.4_wp, log(100.0_wp)], reach = 0.3_wp
    !> Births are not sought on a motion that is farther beyond a wall (over D) than this. Lines of
@@ -66,7 +69,7 @@ module vi_passages
 contains
 
    !> The motions of a pattern at a point, admissible or not, and their lines.
-   pure subroutine begin_lines(pattern, c, guesses, symbols, lines, tried)
+   subroutine begin_lines(pattern, c, guesses, symbols, lines, tried, progress)
       !> Sides of the N impacts, and the load cycles k of a period.
       type(pattern_type), intent(in) :: pattern
       !> r, log(D), xi, mu, R1, R2
@@ -79,12 +82,21 @@ contains
       type(lines_type), intent(inout) :: lines
       !> Number of Newton iterations that were started.
       integer, intent(out) :: tried
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer :: done, more
 
       call new_lines(pattern, c, lines)
       lines%symbols = symbols
       lines%most_steps = min(most_steps, min(guesses, most_steps)**2)
       lines%alike = abs(c(by_right) - c(by_left)) <= 0
-      call search_pattern(pattern, c, guesses, lines%unknowns, lines%n, tried, 0)
+      tried = 0
+      do done = 0, guesses - 1, between
+         if (is_stopped(progress)) return
+         call search_pattern(pattern, c, min(between, guesses - done), lines%unknowns, lines%n, &
+            more, done)
+         tried = tried + more
+      end do
       call follow_all(lines, 1)
    end subroutine begin_lines
 

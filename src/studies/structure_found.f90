@@ -174,45 +174,50 @@ contains
    end function same_impacts
 
    !> Fills the tables of some motions.
-   pure subroutine put_found(result, found, n)
+   pure subroutine put_found(result, found, at, n)
       !> The result.
       type(result_type), intent(inout) :: result
-      !> The motions.
+      !> The motions, and places of those that are put, in this order. A copy of some of them would
+      !! not be freed by gfortran 12.
       type(settled_type), intent(in) :: found(:)
+      !> As in `found`.
+      integer, intent(in) :: at(:)
       !> Number of coordinates.
       integer, intent(in) :: n
-      integer :: impacts(size(found)), rests(size(found)), i, j, m
+      integer :: impacts(size(at)), rests(size(at)), i, j, m
 
-      m = size(found)
-      impacts = [(size(found(i)%gaps), i=1, m)]
-      rests = [(size(found(i)%resting), i=1, m)]
+      m = size(at)
+      impacts = [(size(found(at(i))%gaps), i=1, m)]
+      rests = [(size(found(at(i))%resting), i=1, m)]
       call result%open('motions', 'motion', [m])
       call result%put('motions', 'motion', [(i, i=1, m)])
-      call result%put('motions', 'cycles', [(found(i)%cycles, i=1, m)])
-      call result%put('motions', 'stable', [(found(i)%motion%verdicts%stable, i=1, m)])
-      call result%put('motions', 'residual', [(found(i)%motion%residual, i=1, m)])
-      call result%put('motions', 'determinant', [(found(i)%motion%verdicts%determinant, i=1, m)])
-      call result%put('motions', 'law', [(found(i)%motion%verdicts%law, i=1, m)])
-      call result%put('motions', 'consistent', [(found(i)%motion%verdicts%consistent, i=1, m)])
-      call result%put('motions', 'admissible', [(found(i)%motion%verdicts%admissible, i=1, m)])
+      call result%put('motions', 'cycles', [(found(at(i))%cycles, i=1, m)])
+      call result%put('motions', 'stable', [(found(at(i))%motion%verdicts%stable, i=1, m)])
+      call result%put('motions', 'residual', [(found(at(i))%motion%residual, i=1, m)])
+      call result%put('motions', 'determinant', [(found(at(i))%motion%verdicts%determinant, &
+         i=1, m)])
+      call result%put('motions', 'law', [(found(at(i))%motion%verdicts%law, i=1, m)])
+      call result%put('motions', 'consistent', [(found(at(i))%motion%verdicts%consistent, i=1, m)])
+      call result%put('motions', 'admissible', [(found(at(i))%motion%verdicts%admissible, i=1, m)])
       call result%open('impacts', 'impact', [sum(impacts)], 'motions', [(spread(i, 1, &
          impacts(i)), i=1, m)])
       call result%put('impacts', 'impact', [((j, j=1, impacts(i)), i=1, m)])
-      call result%put('impacts', 'gap', [(found(i)%gaps - 1, i=1, m)])
-      call result%put('impacts', 'phase', [(found(i)%motion%phases, i=1, m)])
-      call result%put('impacts', 'speed', [(found(i)%motion%speeds, i=1, m)])
-      call result%put('impacts', 'impulse', [(found(i)%motion%impulses, i=1, m)])
-      call result%put('impacts', 'q', [(found(i)%motion%states(:n, :), i=1, m)], n)
-      call result%put('impacts', 'q_dot', [(found(i)%motion%states(n + 1:, :), i=1, m)], n)
+      call result%put('impacts', 'gap', [(found(at(i))%gaps - 1, i=1, m)])
+      call result%put('impacts', 'phase', [(found(at(i))%motion%phases, i=1, m)])
+      call result%put('impacts', 'speed', [(found(at(i))%motion%speeds, i=1, m)])
+      call result%put('impacts', 'impulse', [(found(at(i))%motion%impulses, i=1, m)])
+      call result%put('impacts', 'q', [(found(at(i))%motion%states(:n, :), i=1, m)], n)
+      call result%put('impacts', 'q_dot', [(found(at(i))%motion%states(n + 1:, :), i=1, m)], n)
       call result%open('multipliers', 'multiplier', [2*n*m], 'motions', [(spread(i, 1, 2*n), &
          i=1, m)])
-      call result%put('multipliers', 'multiplier', [(found(i)%motion%verdicts%multipliers, i=1, m)])
+      call result%put('multipliers', 'multiplier', [(found(at(i))%motion%verdicts%multipliers, &
+         i=1, m)])
       call result%open('derivative', 'state_row', [2*n*m], 'motions', [(spread(i, 1, 2*n), i=1, m)])
-      call result%put('derivative', 'P', [(transpose(found(i)%motion%verdicts%p), i=1, m)], 2*n)
+      call result%put('derivative', 'P', [(transpose(found(at(i))%motion%verdicts%p), i=1, m)], 2*n)
       call result%open('rests', 'rest', [sum(rests)], 'motions', [(spread(i, 1, rests(i)), i=1, m)])
-      call result%put('rests', 'gap', [(found(i)%resting - 1, i=1, m)])
-      call result%put('rests', 'begin', [(found(i)%rests(1, :), i=1, m)])
-      call result%put('rests', 'end', [(found(i)%rests(2, :), i=1, m)])
+      call result%put('rests', 'gap', [(found(at(i))%resting - 1, i=1, m)])
+      call result%put('rests', 'begin', [(found(at(i))%rests(1, :), i=1, m)])
+      call result%put('rests', 'end', [(found(at(i))%rests(2, :), i=1, m)])
    end subroutine put_found
 
 end module vi_structure_found
