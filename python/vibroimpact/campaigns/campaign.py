@@ -12,22 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import checks
-from ..errors import ParameterError
+from ..errors import OutOfMemoryError, ParameterError
 from ..libraries import xarray
 from ..noun import Noun
-from ..tables import declared
-from .chunk import Chunk
-from .store import Store
+from ..tables import declared, language
+from .store import PARTS, Store
 from .sweep import Sweep
 
 __all__ = ["Campaign"]
 
 #: What becomes of the rows of a case in `Campaign.values`.
 REDUCTIONS: dict[str, Any] = {"min": np.minimum, "max": np.maximum, "sum": np.add}
-
-
-#: What a plan has besides its cases.
-HEAD = ("study", "size", "chunk", "core", "vibroimpact")
 
 
 class Campaign:
@@ -70,11 +65,16 @@ class Campaign:
         self._store = Store(store)
         plan = self._store.plan()
         self.study: str = plan["study"]
+        if self.study not in language()["results"]:
+            raise ParameterError(
+                f"store = {str(self._store.folder)!r}: holds cases of {self.study!r}, which this vibroimpact does "
+                f"not have; must be read with vibroimpact {plan['vibroimpact']}"
+            )
         self.size: int = plan["size"]
         self._chunk: int = plan["chunk"]
         self.sweep = None
         if "template" in plan:
-            self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in HEAD})
+            self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in PARTS})
         self._read = lru_cache(4)(self._store.read)
 
     @property
@@ -83,26 +83,38 @@ class Campaign:
         return self._store.failures
 
     def __repr__(self) -> str:
-        done = self.finished
         return (
-            f"<Campaign of {self.study}: {done.sum()} of {self.size} cases finished, "
-            f"{len(self.refused)} refused>"
+            f"<Campaign of {self.study}: {self._done()} of {self.size} cases finished, "
+            f"{self._store.failed()} refused>"
         )
 
     def __len__(self) -> int:
         return self.size
 
-    def _chunks(self) -> Iterator[tuple[int, Chunk]]:
-        """The chunks that are there, with the numbers of their first cases."""
+    def _chunks(self) -> Iterator[tuple[int, str]]:
+        """The numbers of the first cases of the chunks that are there, with their names."""
         for name in self._store.names():
-            yield int(name.partition("-")[0]), self._read(name)
+            yield int(name.partition("-")[0]), name
+
+    def _done(self) -> int:
+        """How many cases are finished."""
+        return sum(min(self._chunk, self.size - first) for first, _ in self._chunks())
+
+    def _array(self, value: Any) -> NDArray[Any]:
+        """A value for each case."""
+        try:
+            return np.full(self.size, value)
+        except MemoryError:
+            raise OutOfMemoryError(
+                f"store = {str(self._store.folder)!r}: one number for each of {self.size} cases takes more memory "
+                "than there is; read its parts in results.zarr"
+            ) from None
 
     @property
     def finished(self) -> NDArray[np.bool_]:
         """For each case whether its chunk is in the store."""
-        done = np.zeros(self.size, bool)
-        for name in self._store.names():
-            first = int(name.partition("-")[0])
+        done = self._array(False)
+        for first, _ in self._chunks():
             done[first : first + self._chunk] = True
         return done
 
@@ -110,8 +122,10 @@ class Campaign:
     def refused(self) -> dict[int, str]:
         """The cases that the study refused, by number, with the reason."""
         return {
-            first + i: error for first, chunk in self._chunks() for i, error in chunk.errors.items()
-        }
+            first + i: head["error"]
+            for first, name in self._chunks()
+            for i, head in enumerate(self._store.heads(name)["heads"]) if "error" in head
+        }  # fmt: skip
 
     def __getitem__(self, number: int) -> Noun:
         """The result of a case, by number from 0, as its study gives it."""
@@ -119,8 +133,8 @@ class Campaign:
             raise IndexError(f"case {number!r}: must be a whole number below {self.size}")
         place = int(number) % self.size
         first = place // self._chunk * self._chunk
-        for name in self._store.names():
-            if int(name.partition("-")[0]) == first:
+        for begin, name in self._chunks():
+            if begin == first:
                 return self._read(name).noun(place - first)
         raise ParameterError(
             f"case {place}: is not finished; continue the campaign by the same call"
@@ -162,15 +176,16 @@ class Campaign:
         item = declared(self.study)[table, column]
         if item["kind"] in ("complex", "word") or item["each"]:
             raise ParameterError(f"{table}.{column}: must be a column of single real numbers")
-        found = np.full(self.size, np.nan)
-        for first, chunk in self._chunks():
-            if column not in chunk.arrays.get(table, {}):
+        found = self._array(np.nan)
+        for first, name in self._chunks():
+            columns = self._store.columns(name, table, ("case", column, *(where or {})))
+            if not columns:
                 continue
-            cases = chunk.arrays[table]["case"] + first
-            values = chunk.arrays[table][column].astype(float)
+            cases = columns["case"].astype(int) + first
+            values = columns[column].astype(float)
             there = ~np.isnan(values)
-            for name, wanted in (where or {}).items():
-                there &= chunk.arrays[table][name] == wanted
+            for key, wanted in (where or {}).items():
+                there &= columns[key] == wanted
             found_here, starts, counts = np.unique(
                 cases[there], return_index=True, return_counts=True
             )

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import _core, door
 from ..case import case_of
-from ..errors import OutOfMemoryError, ParameterError, VibroimpactError
+from ..errors import ParameterError, VibroimpactError
 from ..interrupt import new_counters
 from ..noun import RESULTS, Noun
 from ..tables import STORED, Column, Found, Result, Table, declared, declared_column, language
@@ -101,10 +101,12 @@ def compute(
         counters[:2] = 0
         try:
             found.append(result_of(study, text, threads, counters))
-        except OutOfMemoryError:
+        except MemoryError:  # another call may have more
             raise
         except VibroimpactError as error:
             found.append(str(error))
+        except Exception as error:  # a defect costs its case alone
+            found.append(f"{type(error).__name__}: {error}")
         if counters[2]:
             raise KeyboardInterrupt
     return packed(study, texts, found)
@@ -172,7 +174,11 @@ def joined(
         return np.concatenate(parts)
     item = declared(study)[table, key]
     kind = STORED.get(item["kind"], "<i4")
-    width = max(values.shape[1] for _, values in parts)
+    widths = {values.shape[1] for _, values in parts}
+    width = max(widths)
+    if len(widths) == 1 and len(parts) == len(cases):  # nothing is to be filled
+        whole = np.concatenate([values for _, values in parts]).astype(kind, copy=False)
+        return whole if item["each"] else whole[:, 0]
     sizes = [len(part) for part in cases]
     numbers = [int(part[0]) if len(part) else -1 for part in cases]
     given = dict(parts)

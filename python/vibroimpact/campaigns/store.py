@@ -9,11 +9,13 @@ import os
 import secrets
 import shutil
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import ParameterError
 from ..libraries import zarr
@@ -23,8 +25,16 @@ __all__ = ["Store"]
 
 #: The campaign that a store holds.
 PLAN = "campaign.json"
+#: What each plan has.
+PARTS = {"study", "size", "chunk", "core", "vibroimpact"}
 #: The array of a chunk with what is not in its tables, as JSON in UTF-8.
 HEADS = "heads"
+#: The metadata of a Zarr group.
+GROUP = {"attributes": {}, "zarr_format": 3, "node_type": "group"}
+#: Names of types in Zarr, with the value of what is not written; everything is.
+TYPES: dict[str, tuple[str, Any]] = {
+    "|u1": ("uint8", 0), "<i4": ("int32", 0), "<f8": ("float64", 0.0), "<c16": ("complex128", [0.0, 0.0]),
+}  # fmt: skip
 
 
 class Store:
@@ -45,13 +55,17 @@ class Store:
         path = self.folder / PLAN
         try:
             found = json.loads(path.read_text())
-            if not isinstance(found, dict) or "study" not in found:
+            if not isinstance(found, dict) or not found.keys() >= PARTS:
                 raise ValueError
         except FileNotFoundError:
             raise ParameterError(
                 f"store = {str(self.folder)!r}: must be the store of a campaign; it has no {PLAN}"
             ) from None
-        except (ValueError, UnicodeDecodeError):
+        except NotADirectoryError:
+            raise ParameterError(
+                f"store = {str(self.folder)!r}: must be a folder; it is a file"
+            ) from None
+        except ValueError:
             raise ParameterError(f"{path}: is damaged; restore it, or use another store") from None
         return found
 
@@ -71,11 +85,13 @@ class Store:
                         f"store = {str(self.folder)!r}: must be an empty folder, a new one, or the store of this "
                         f"campaign; it holds {foreign[0]!r}"
                     )
-                write_whole(path, json.dumps(plan, indent=1))
-            for part in self.folder.glob("*.part"):
-                shutil.rmtree(part) if part.is_dir() else part.unlink()
+                write_whole(path, json.dumps(plan, indent=1), lasting=True)
+            for place in (self.folder, self.sums, self.failures):
+                for part in place.glob("*.part"):
+                    shutil.rmtree(part) if part.is_dir() else part.unlink()
             self.sums.mkdir(exist_ok=True)
-            zarr().open_group(str(self.chunks), mode="a", zarr_format=3)
+            self.chunks.mkdir(exist_ok=True)
+            write_whole(self.chunks / "zarr.json", json.dumps(GROUP))
             yield
 
     def _compare(self, plan: dict[str, Any]) -> None:
@@ -117,8 +133,13 @@ class Store:
         """Write a chunk, completely or not at all."""
         part = self.folder / f"{secrets.token_hex(8)}.part"
         try:
-            write_arrays(part, chunk)
-            write_whole(self._sums(name), json.dumps(checksums(part), indent=1))
+            part.mkdir()
+            sums = {}
+            for path, content in files_of(chunk):
+                (part / path).parent.mkdir(parents=True, exist_ok=True)
+                (part / path).write_bytes(content)
+                sums[path] = hashlib.sha256(content).hexdigest()
+            write_whole(self._sums(name), json.dumps(dict(sorted(sums.items())), indent=1))
             place = self.chunks / name
             if place.exists():  # damaged
                 shutil.rmtree(place)
@@ -129,24 +150,43 @@ class Store:
                 raise OSError(error.errno, os.strerror(error.errno), str(self.folder)) from None
             raise
 
+    def _contents(self, name: str) -> Contents:
+        """The files of a chunk."""
+        try:
+            sums = json.loads(self._sums(name).read_text())
+            if not isinstance(sums, dict):
+                raise ValueError
+        except (OSError, ValueError):
+            raise damaged(self.chunks / name) from None
+        return Contents(self.chunks / name, sums)
+
+    def columns(self, name: str, table: str, keys: Iterable[str]) -> dict[str, NDArray[Any]]:
+        """Some columns of a chunk; nothing if it lacks one, since none of its cases has it."""
+        files = self._contents(name)
+        if not all(f"{table}/{key}/zarr.json" in files.sums for key in keys):
+            return {}
+        return {key: files.array(f"{table}/{key}") for key in keys}
+
+    def heads(self, name: str) -> dict[str, Any]:
+        """What a chunk holds besides its tables."""
+        text = self._contents(name).array(HEADS).tobytes()
+        with foreign(self.chunks / name):
+            held: dict[str, Any] = json.loads(text)
+            if not held.keys() >= {"study", "heads", "words"}:
+                raise KeyError
+        return held
+
     def read(self, name: str) -> Chunk:
         """A chunk; an error if a file of it is damaged."""
-        place = self.chunks / name
-        if self.state(name) != "done":
-            raise ParameterError(
-                f"{place}: is {self.state(name)}; run the campaign again, which computes this part anew"
-            )
-        try:
-            # in format 2 a file may name pickle as what decodes an array
-            group = zarr().open_group(str(place), mode="r", zarr_format=3)
-            held = json.loads(np.asarray(group[HEADS][...]).tobytes())
-            arrays = {
-                name: {key: np.asarray(array[...]) for key, array in table.arrays()}
-                for name, table in group.groups()
-            }
-        except (OSError, LookupError, TypeError, ValueError) as error:
-            raise ParameterError(f"{place}: is no chunk that a campaign wrote; {error}") from None
-        words = {(table, key): tuple(words) for table, key, words in held["words"]}
+        held = self.heads(name)
+        files = self._contents(name)
+        arrays: dict[str, dict[str, NDArray[Any]]] = {}
+        for path in files.sums:
+            table, _, key = path.removesuffix("/zarr.json").rpartition("/")
+            if path.endswith("/zarr.json") and table:
+                arrays.setdefault(table, {})[key] = files.array(f"{table}/{key}")
+        with foreign(self.chunks / name):
+            words = {(table, key): tuple(words) for table, key, words in held["words"]}
         return Chunk(held["study"], held["heads"], arrays, words)
 
     def fail(self, number: int, text: str, message: str) -> None:
@@ -155,50 +195,130 @@ class Store:
         lines = "".join(f"! {line}\n" for line in message.splitlines())
         write_whole(self.failures / f"case_{number}.nml", lines + text)
 
+    def failed(self) -> int:
+        """How many cases were refused or failed."""
+        return sum(1 for _ in self.failures.glob("case_*.nml"))
 
-def write_arrays(folder: Path, chunk: Chunk) -> None:
-    """The arrays of a chunk as a Zarr group, in which each table is a group."""
-    library = zarr()
-    group = library.create_group(str(folder), zarr_format=3)
-    codec = library.codecs.ZstdCodec(level=3, checksum=True)
+    def clear(self, numbers: Iterable[int]) -> None:
+        """Remove the namelists of cases that failed before, as on a worker without memory, and now have not."""
+        if self.failures.is_dir():
+            for number in numbers:
+                (self.failures / f"case_{number}.nml").unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # others are there
+                self.failures.rmdir()
+
+
+class Contents(NamedTuple):
+    """The files of a chunk, with their checksums."""
+
+    place: Path
+    sums: dict[str, str]
+
+    def bytes(self, path: str) -> bytes:
+        """A file; an error if it is damaged."""
+        try:
+            content = (self.place / path).read_bytes()
+        except OSError:
+            raise damaged(self.place) from None
+        if hashlib.sha256(content).hexdigest() != self.sums.get(path):
+            raise damaged(self.place)
+        return content
+
+    def array(self, path: str) -> NDArray[Any]:
+        """An array that `array_files` gave."""
+        decode = codec().decode
+        with foreign(self.place):
+            about = json.loads(self.bytes(f"{path}/zarr.json"))
+            (kind,) = (kind for kind, (name, _) in TYPES.items() if name == about["data_type"])
+            if 0 in about["shape"]:
+                return np.empty(about["shape"], kind)
+            content = decode(self.bytes(f"{path}/{'.'.join('0' * len(about['shape']))}"))
+            return np.frombuffer(content, kind).reshape(about["shape"])
+
+
+def damaged(place: Path) -> ParameterError:
+    """The error of a chunk that is not as it was written."""
+    return ParameterError(
+        f"{place}: is damaged; run the campaign again, which computes this part anew"
+    )
+
+
+@contextlib.contextmanager
+def foreign(place: Path) -> Iterator[None]:
+    """One error for whatever files have that no campaign wrote, although their checksums are right."""
+    try:
+        yield
+    except ParameterError:
+        raise
+    except (AttributeError, LookupError, RuntimeError, TypeError, ValueError) as error:
+        raise ParameterError(f"{place}: is no chunk that a campaign wrote; {error}") from None
+
+
+def codec() -> Any:
+    """What packs the arrays."""
+    zarr()
+    return import_module("numcodecs.zstd").Zstd(level=3, checksum=True)  # zarr depends on it
+
+
+def files_of(chunk: Chunk) -> Iterator[tuple[str, bytes]]:
+    """The files of a chunk as a Zarr group, in which each table is a group.
+
+    They are written here, and not by the library, whose files depend on its release, and which takes 0.2 s for
+    these small arrays.
+    """
+    group = json.dumps(GROUP).encode()
     heads = json.dumps({
         "study": chunk.study, "heads": chunk.heads,
         "words": [[*place, list(words)] for place, words in sorted(chunk.words.items())],
     })  # fmt: skip
-    group.create_array(
-        HEADS,
-        data=np.frombuffer(heads.encode(), "u1"),
-        compressors=[codec],
-        dimension_names=["byte"],
-    )
+    yield "zarr.json", group
+    yield from array_files(HEADS, np.frombuffer(heads.encode(), "|u1"), ["byte"])
     for name, columns in chunk.arrays.items():
-        table = group.create_group(name)
+        yield f"{name}/zarr.json", group
         for key, values in columns.items():
             dims = [f"{name}_row", f"{name}_{key}_item"][: values.ndim]
-            words = chunk.words.get((name, key))
-            table.create_array(
-                key, data=np.ascontiguousarray(values), chunks=tuple(max(1, n) for n in values.shape),
-                compressors=[codec], dimension_names=dims,
-                attributes={"words": ["", *words]} if words else {},
-            )  # fmt: skip
+            yield from array_files(f"{name}/{key}", values, dims, chunk.words.get((name, key)))
+
+
+def array_files(
+    path: str, values: NDArray[Any], dims: list[str], words: tuple[str, ...] | None = None
+) -> Iterator[tuple[str, bytes]]:
+    """An array of Zarr in one piece: its metadata, and its values."""
+    name, fill = TYPES[values.dtype.str]
+    order = {} if values.itemsize == 1 else {"configuration": {"endian": "little"}}
+    shape = [max(1, size) for size in values.shape]
+    about = {
+        "zarr_format": 3, "node_type": "array", "shape": values.shape, "data_type": name, "fill_value": fill,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": shape}},
+        "chunk_key_encoding": {"name": "v2", "configuration": {"separator": "."}},
+        "codecs": [
+            {"name": "bytes", **order},
+            {"name": "zstd", "configuration": {"level": 3, "checksum": True}},
+        ],
+        "attributes": {"words": ["", *words]} if words else {}, "dimension_names": dims,
+    }  # fmt: skip
+    yield f"{path}/zarr.json", json.dumps(about).encode()
+    if values.size:
+        yield f"{path}/{'.'.join('0' * values.ndim)}", codec().encode(np.ascontiguousarray(values))
 
 
 def checksums(folder: Path) -> dict[str, str]:
     """SHA-256 of all files of a chunk."""
-    found = {}
-    for path in sorted(folder.rglob("*")):
-        if path.is_file():
-            found[path.relative_to(folder).as_posix()] = hashlib.sha256(
-                path.read_bytes()
-            ).hexdigest()
-    return found
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in folder.rglob("*") if path.is_file()
+    }  # fmt: skip
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file, completely or not at all."""
+def write_whole(path: Path, text: str, lasting: bool = False) -> None:
+    """Write a text file, completely or not at all; `lasting` also where the power fails."""
     part = path.with_name(f"{secrets.token_hex(8)}.part")
     try:
-        part.write_text(text)
+        with open(part, "w", encoding="utf-8") as file:
+            file.write(text)
+            if lasting:
+                file.flush()
+                os.fsync(file.fileno())
         os.replace(part, path)
     except BaseException:
         part.unlink(missing_ok=True)
@@ -213,7 +333,7 @@ def make_folder(folder: Path) -> None:
         raise ParameterError(f"store = {str(folder)!r}: must be a folder; it is a file") from None
 
 
-def take(lock: IO[str]) -> None:
+def take(lock: IO[bytes]) -> None:
     """Lock an open file for this process; an error if another one holds it."""
     try:
         import fcntl
@@ -229,18 +349,22 @@ def take(lock: IO[str]) -> None:
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Hold the store; the system gives it free when this process ends, however it ends."""
-    with open(folder / "lock", "a+", encoding="utf-8") as lock:
+    with open(folder / "lock", "a+b", buffering=0) as lock:
         try:
             take(lock)
         except (BlockingIOError, PermissionError):
             lock.seek(0)
-            holder = lock.read().strip() or "another process"
+            holder = lock.read().decode(errors="replace").strip() or "another process"
             raise ParameterError(
                 f"store = {str(folder)!r}: {holder} writes to it; wait for its end, or use another store"
             ) from None
+        except OSError as error:  # some network file systems have no locks
+            raise OSError(
+                error.errno, f"{error.strerror}: its disk must have file locks (flock)", str(folder)
+            ) from None
         lock.truncate(0)
-        lock.write(f"process {os.getpid()} on {socket.gethostname()}")
-        lock.flush()
+        with contextlib.suppress(OSError):  # a full disk is told by what needs the room
+            lock.write(f"process {os.getpid()} on {socket.gethostname()}".encode())
         try:
             yield
         finally:

@@ -69,8 +69,8 @@ def run(options: argparse.Namespace) -> int:
 
 def describe(found: Campaign, name: str) -> int:
     """Print how far it is; the exit status."""
-    done, refused = int(found.finished.sum()), len(found.refused)
+    done, refused = found._done(), found._store.failed()
     print(f"{name}: {done} of {found.size} cases of {found.study} finished")
     if refused:
-        print(f"{name}: {refused} refused; {found.failures} holds them, with the reasons")
+        print(f"{name}: {refused} refused or failed; {found.failures} holds them, with the reasons")
     return 1 if refused or done < found.size else 0
