@@ -9,6 +9,7 @@ from .campaigns.run import campaign
 from .campaigns.sweep import Sweep
 from .case import Case, read_namelist
 from .errors import (
+    ClusterError,
     MissingExtraError,
     OpenBoundaryWarning,
     OutOfMemoryError,
@@ -85,6 +86,7 @@ __all__ = [
     "Campaign",
     "Case",
     "Chart",
+    "ClusterError",
     "Decay",
     "Design",
     "Findings",

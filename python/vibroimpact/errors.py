@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 __all__ = [
+    "ClusterError",
     "MissingExtraError",
     "OpenBoundaryWarning",
     "OutOfMemoryError",
@@ -52,6 +53,12 @@ class MissingExtraError(VibroimpactError, ImportError):
 
 class OutOfMemoryError(VibroimpactError, MemoryError):
     """A case takes more memory, or more room on the stack, than there is; nothing was computed."""
+
+    status = 1
+
+
+class ClusterError(VibroimpactError, ConnectionError):
+    """The scheduler of a cluster is gone, or its workers cannot compute; the finished chunks are kept."""
 
     status = 1
 

@@ -18,6 +18,8 @@ class Progress:
         self.wanted = sys.stderr.isatty() if wanted is None else wanted
         self.begin = self.last = time.monotonic()
         self.reached = 0.0
+        #: The share at the first call: what a call before this one has done.
+        self.origin: float | None = None
         self.shown = False
 
     def __enter__(self) -> Progress:
@@ -34,6 +36,8 @@ class Progress:
         stays.
         """
         now = time.monotonic()
+        if self.origin is None:
+            self.origin = share
         self.reached = max(self.reached, min(1.0, share))
         if not self.wanted or now - self.begin < PATIENCE or now - self.last < INTERVAL:
             return
@@ -41,10 +45,19 @@ class Progress:
         self.shown = True
         bar = "#" * int(WIDTH * self.reached)
         spent = now - self.begin
-        left = f", about {spent * (1 / share - 1):.0f} s left" if 0 < share < 1 else ""
+        own = share - self.origin
+        left = f", about {span(spent * (1 - share) / own)} left" if own > 0 and share < 1 else ""
         print(
-            f"\r{self.label} [{bar:<{WIDTH}}] {spent:.0f} s{left} {note:<30}",
+            f"\r{self.label} [{bar:<{WIDTH}}] {span(spent)}{left} {note:<30}",
             end="",
             file=sys.stderr,
             flush=True,
         )
+
+
+def span(seconds: float) -> str:
+    """A time in seconds, or in hours and minutes."""
+    if seconds < 600:
+        return f"{seconds:.0f} s"
+    hours, minutes = divmod(round(seconds / 60), 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min"

@@ -93,6 +93,12 @@ contains
                if (.not. ends_in_case(studies, groups(:n_before))) then
                   call join_groups(studies%group, names)
                   message = '&'//groups(i)%name//': no '//names//' stands before it'
+                  if (n_before > 0 .and. groups(i)%name == 'sweep') then
+                     if (any(groups(n_before)%name == [character(6) :: 'sweep', 'output'])) then
+                        message = '&sweep: stands after &'//groups(n_before)%name// &
+                           '; must stand once, directly after the group of a study'
+                     end if
+                  end if
                end if
             case default
                if (.not. allocated(system%values%name)) then

@@ -119,6 +119,48 @@ def test_points_fill_the_box(method):
     np.testing.assert_array_equal(again.points, sweep.points)
 
 
+def test_points_are_made_in_blocks(monkeypatch):
+    """Blocks of any size, asked for in any order, give the same points; a billion are not held."""
+    box = {"r": (0.9, 1.1), "clearance": (2, 200)}
+    whole = vi.Sweep(equispaced_case(), box, samples=1000, seed=3)
+    points, texts = whole.points, [whole.text(i) for i in range(1000)]
+    monkeypatch.setattr("vibroimpact.campaigns.sweep.BLOCK", 64)
+    parts = vi.Sweep(equispaced_case(), box, samples=1000, seed=3)
+    np.testing.assert_array_equal(parts.points, points)
+    for i in (999, 0, 500, 63, 64, 128):
+        assert parts.text(i) == texts[i]
+    many = vi.Sweep(equispaced_case(), box, samples=10**9, seed=3)
+    assert list(many.point(999).values()) == points[999].tolist()
+    assert many.point(10**6) != many.point(10**6 + 1)
+    with pytest.raises(vi.ParameterError, match="samples = 1073741824: must be"):
+        vi.Sweep(equispaced_case(), box, samples=2**30, method="latin_hypercube")
+
+
+def test_a_huge_grid(tmp_path):
+    """Nothing holds all cases: a campaign of 10^12 starts, stops, and tells how far it is."""
+    keys = {"xi": (0.001, 0.1), "mu": (0.01, 0.1), "r": (0.9, 1.1), "clearance": (2, 200)}
+    sweep = vi.Sweep(
+        equispaced_case(), {key: np.linspace(*ends, 1000) for key, ends in keys.items()}
+    )
+    assert len(sweep) == 10**12
+    assert sweep.point(10**12 - 1) == {
+        key: end for key, (_, end) in zip(sweep.keys, keys.values(), strict=True)
+    }
+
+    def stop(share, note):
+        """Stop after the first chunk."""
+        if share:
+            raise RuntimeError(note)
+
+    with pytest.raises(RuntimeError, match="of 1000000000000 cases"):
+        vi.campaign(sweep, tmp_path / "store", chunk=4, threads=1, progress=stop)
+    found = vi.Campaign(tmp_path / "store")
+    assert repr(found).startswith("<Campaign of motion: 4 of 1000000000000 cases finished")
+    assert found[0].to_dict()
+    with pytest.raises(vi.OutOfMemoryError, match=r"10{12} cases takes more memory"):
+        found.values("motions", "attenuation")
+
+
 @pytest.mark.parametrize(
     ("values", "options", "message"),
     [
@@ -168,6 +210,12 @@ def test_a_template_that_is_no_case(case):
         ),
         ("keys = 'xi', 'mu', low = 1, 2, 3, high = 4", "low: has 3 values"),
         ("keys = 'xi', high = 4", "high"),
+        (
+            "keys = 'xi', values = 1\n/\n&sweep\n  keys = 'mu', values = 1",
+            "&sweep: stands after &sweep; must",
+        ),
+        ("keys = 'xi', values = nan", "nan"),
+        ("keys = 'xi', 'system.xi', values = 1, 2, counts = 1, 1", "system.xi is given twice"),
         ("keys = 'xi', values = 1, samples = 3", "samples"),
     ],
 )
@@ -180,6 +228,14 @@ def test_bad_groups(tmp_path, line, message):
     assert process.returncode == 2
     assert message in errors
     assert not (tmp_path / "store").exists()
+
+
+def test_a_sweep_after_the_output(tmp_path):
+    """The place of the group is named."""
+    path = tmp_path / "bad.nml"
+    path.write_text(SWEEP.replace("&sweep", "&output name = 'a' /\n&sweep"))
+    with pytest.raises(vi.ParameterError, match="stands after &output; must stand once"):
+        vi.read_namelist(path)
 
 
 @pytest.mark.parametrize(
@@ -307,6 +363,53 @@ def test_refused_cases_are_kept(tmp_path):
     (path,) = found.failures.iterdir()
     with pytest.raises(vi.ParameterError, match="resonance without damping"):
         vi.read_namelist(path)
+
+
+def test_failed_cases_run_again(tmp_path):
+    """What a campaign leaves of a refused case is run by the program, with the same message."""
+    sweep = vi.Sweep(equispaced_case(), {"xi": [0.0, 0.01], "r": [0.9, 1.0]})
+    found = vi.campaign(sweep, tmp_path / "store")
+    call = [Path(sys.executable).parent / "vibroimpact-batch", found.failures / "case_1.nml"]
+    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert found.refused[1] in done.stderr
+
+
+def test_a_case_that_failed_once(tmp_path, monkeypatch):
+    """A chunk without memory leaves its cases; the next call computes it, and they are gone."""
+    sweep = small_sweep()
+    vi.campaign(sweep, tmp_path / "whole", chunk=4)
+
+    def fail(*_):
+        """No memory."""
+        raise vi.OutOfMemoryError("no memory today")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("vibroimpact.campaigns.chunk.result_of", fail)
+        found = vi.campaign(sweep, tmp_path / "store", chunk=4)
+    assert not found.finished.any()
+    assert len(list(found.failures.iterdir())) == 12
+    assert "no memory today" in (found.failures / "case_3.nml").read_text()
+    vi.campaign(sweep, tmp_path / "store", chunk=4)
+    assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
+
+
+def test_a_defect_costs_its_case_alone(tmp_path, monkeypatch):
+    """An error that is none of the package's own is kept for its case, and the others are computed."""
+    from vibroimpact.campaigns import chunk
+
+    right = chunk.result_of
+
+    def fail(study, text, *rest):
+        """A defect in one case."""
+        if "500.0" in text and "r = 1.1" in text:
+            raise IndexError("a defect")
+        return right(study, text, *rest)
+
+    monkeypatch.setattr(chunk, "result_of", fail)
+    found = vi.campaign(small_sweep(), tmp_path / "store", chunk=4)
+    assert found.refused == {11: "IndexError: a defect"}
+    assert found[10].to_dict()
 
 
 def test_zarr_reads_it(tmp_path):
@@ -500,6 +603,25 @@ def test_bad_campaigns(tmp_path, cases, options, error, message):
     cases = small_sweep() if cases is None else cases
     with pytest.raises(error, match=message):
         vi.campaign(cases, tmp_path / "store", **options)
+
+
+def test_time_left(capsys):
+    """The time left counts what this call does, not what the store had."""
+    from vibroimpact.progress import Progress, span
+
+    with pytest.MonkeyPatch.context() as patch:
+        now = iter([0.0, 1.0, 101.0])
+        patch.setattr("vibroimpact.progress.time.monotonic", lambda: next(now))
+        bar = Progress("work", wanted=True)
+        bar.show(0.8)
+        bar.show(0.85, "85 of 100 cases")
+    assert "101 s, about 303 s left 85 of 100 cases" in capsys.readouterr().err
+    assert [span(x) for x in (599.4, 600, 3599, 90000)] == [
+        "599 s",
+        "10 min",
+        "1 h 0 min",
+        "25 h 0 min",
+    ]
 
 
 def test_progress_and_an_exception_of_it(tmp_path):

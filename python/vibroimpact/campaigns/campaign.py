@@ -217,7 +217,7 @@ class Campaign:
         if self.sweep is None:
             return xarray().DataArray(values, dims=["case"], name=column, attrs=about)
         axes = dict(zip(self.sweep.keys, self.sweep.axes, strict=True))
-        if self.sweep.points is not None:
+        if self.sweep._points is not None:
             points = {key: ("case", axis) for key, axis in axes.items()}
             return xarray().DataArray(values, points, ["case"], name=column, attrs=about)
         ends = {

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
 from concurrent.futures import wait as wait_for
 from importlib.metadata import version
+from importlib.util import find_spec
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -16,7 +18,14 @@ from numpy.typing import NDArray
 
 from .. import checks
 from ..case import Case, study_of
-from ..errors import MissingExtraError, ParameterError, ParameterTypeError, StudyInterrupted
+from ..errors import (
+    ClusterError,
+    MissingExtraError,
+    ParameterError,
+    ParameterTypeError,
+    StudyInterrupted,
+    VibroimpactError,
+)
 from ..interrupt import new_counters
 from .campaign import Campaign
 from .chunk import Chunk, compute, core_digest, name_of
@@ -26,7 +35,7 @@ from .sweep import CaseList, Sweep
 __all__ = ["campaign"]
 
 #: If their size is not given: most chunks of a campaign, cases of the smallest ones, and of the largest.
-CHUNKS, SMALLEST, LARGEST = 100, 4, 100_000
+CHUNKS, SMALLEST, LARGEST = 100, 4, 10_000
 #: Seconds between two looks at progress.
 INTERVAL = 0.2
 #: Chunks that wait for each worker.
@@ -55,6 +64,9 @@ class Workers(Protocol):
     def wait(self, futures: list[Any]) -> list[Any]:
         """Those that have ended, after a short time."""
 
+    def result(self, future: Any) -> Chunk:
+        """What a task has given, or its error: MemoryError if the task is to blame, and not the workers."""
+
     def stop(self) -> None:
         """Give up all tasks."""
 
@@ -79,7 +91,7 @@ def campaign(
         processes as this machine has processors. By default threads of this process compute them.
     chunk : int, optional
         Cases that are computed and written together. By default there are at most 100 chunks, of 4 to
-        100,000 cases. A chunk should take a second or longer.
+        10,000 cases. A chunk should take a second or longer.
     threads : int, optional
         Number of threads without a client; by default that of the processors.
     progress : callable, optional
@@ -98,6 +110,8 @@ def campaign(
         If zarr, or with a client distributed, is not installed.
     StudyInterrupted
         After Ctrl-C, with the results so far.
+    ClusterError
+        If the scheduler is lost, or the workers cannot compute; the chunks so far are kept.
     OSError
         If the store cannot be written; the chunks so far are kept.
 
@@ -145,34 +159,42 @@ def _run(
 ) -> bool:  # fmt: skip
     """Compute what the store lacks; whether Ctrl-C stopped it."""
     number = len(plan)
-    done = 0
+    done = sum(min(size, number - int(name.partition("-")[0])) for name in store.names())
     running: dict[Any, Task] = {}
 
-    def missing() -> Iterator[Task | int]:
-        """The tasks, and for each chunk that is there the number of its cases."""
+    def missing() -> Iterator[Task]:
+        """The tasks, in order; of those that are not computed yet a few are there at a time."""
+        nonlocal done
         for first in range(0, number, size):
             texts = [plan.text(i) for i in range(first, min(first + size, number))]
             name = name_of(study, first, texts)
-            yield len(texts) if store.state(name) == "done" else Task(name, first, texts)
+            state = store.state(name)
+            if state == "damaged":
+                done -= len(texts)
+            if state == "done":
+                tell()
+            else:
+                yield Task(name, first, texts)
+
+    def tell() -> None:
+        if progress is not None:
+            progress(done / number, f"{done} of {number} cases")
 
     source = missing()
     exhausted = False
     try:
+        tell()
         while running or not exhausted:
-            while not exhausted and len(running) < workers.capacity():
-                item = next(source, None)
-                if item is None:
+            for _ in range(workers.capacity() - len(running)):
+                task = next(source, None)
+                if task is None:
                     exhausted = True
-                elif isinstance(item, int):
-                    done += item
-                else:
-                    running[workers.submit(study, item)] = item
+                    break
+                running[workers.submit(study, task)] = task
             for future in workers.wait(list(running)) if running else ():
                 task = running.pop(future)
-                _keep(store, task, future)
-                done += len(task.texts)
-            if progress is not None:
-                progress(done / number, f"{done} of {number} cases")
+                done += _kept(store, task, workers, future)
+            tell()
     except KeyboardInterrupt:
         workers.stop()
         return True
@@ -182,28 +204,19 @@ def _run(
     return False
 
 
-def _keep(store: Store, task: Task, future: Any) -> None:
-    """Write what a task has given; its cases as namelists if it failed."""
+def _kept(store: Store, task: Task, workers: Workers, future: Any) -> int:
+    """Write what a task has given, or its cases as namelists if it failed; how many cases are finished."""
     try:
-        chunk: Chunk = future.result()
-    except ParameterError:
-        raise
-    except Exception as error:
-        if lost(error):
-            raise ConnectionError(
-                "the scheduler of the cluster is gone; the finished chunks are kept: run the campaign again"
-            ) from error
+        chunk = workers.result(future)
+    except MemoryError as error:
         for i, text in enumerate(task.texts):
             store.fail(task.first + i, text, f"{type(error).__name__}: {error}")
-        return
-    store.write(task.name, chunk)
+        return 0
     for i, message in chunk.errors.items():
         store.fail(task.first + i, task.texts[i], message)
-
-
-def lost(error: Exception) -> bool:
-    """Whether a task was given up because the scheduler is gone."""
-    return type(error).__name__ in ("CancelledError", "FutureCancelledError", "CommClosedError")
+    store.write(task.name, chunk)  # after these: a chunk that is there is not computed again
+    store.clear(task.first + i for i in range(len(task.texts)) if i not in chunk.errors)
+    return len(task.texts)
 
 
 class Threads:
@@ -232,11 +245,30 @@ class Threads:
             del self.running[future]
         return [future for future in futures if future in done]
 
+    def result(self, future: Future[Chunk]) -> Chunk:
+        """What a task has given."""
+        return future.result()
+
     def stop(self) -> None:
         """Give up all tasks."""
         for counters in self.running.values():
             counters[2] = 1
         self.pool.shutdown(cancel_futures=True)
+
+
+@contextlib.contextmanager
+def _trouble() -> Iterator[None]:
+    """One error for all that a lost scheduler gives."""
+    from distributed import CancelledError
+    from distributed.comm import CommClosedError
+
+    try:
+        yield
+    except (CancelledError, CommClosedError, OSError, RuntimeError) as error:
+        raise ClusterError(
+            f"the scheduler of the cluster is gone ({type(error).__name__}); the finished chunks are kept: run "
+            "the campaign again"
+        ) from error
 
 
 class Cluster:
@@ -245,15 +277,22 @@ class Cluster:
     def __init__(self, client: Any) -> None:
         self.client = client
         self.running: set[Any] = set()
+        link = None
+        with contextlib.suppress(Exception):  # a scheduler without it
+            link = client.dashboard_link
+        if link:
+            print(f"dashboard: {link}", file=sys.stderr)
 
     def capacity(self) -> int:
         """How many tasks they should have at a time."""
-        threads: int = sum(self.client.nthreads().values())
+        with _trouble():
+            threads: int = sum(self.client.nthreads().values())
         return AHEAD * max(1, threads)
 
     def submit(self, study: str, task: Task) -> Any:
         """Start a task."""
-        future = self.client.submit(compute, study, task.texts, core_digest(), pure=False)
+        with _trouble():
+            future = self.client.submit(compute, study, task.texts, core_digest(), pure=False)
         self.running.add(future)
         return future
 
@@ -262,11 +301,31 @@ class Cluster:
         from distributed import TimeoutError as Late
         from distributed import wait
 
-        with contextlib.suppress(Late):
+        with _trouble(), contextlib.suppress(Late):
             wait(futures, timeout=INTERVAL, return_when="FIRST_COMPLETED")
         done = [future for future in futures if future.done()]
         self.running.difference_update(done)
         return done
+
+    def result(self, future: Any) -> Chunk:
+        """What a task has given."""
+        from distributed import CancelledError, KilledWorker
+        from distributed.comm import CommClosedError
+
+        try:
+            chunk: Chunk = future.result()
+        except (VibroimpactError, MemoryError):
+            raise
+        except KilledWorker as error:  # several times, so probably by this task
+            raise MemoryError(f"each worker that computed it was killed: {error}") from error
+        except (CancelledError, CommClosedError) as error:
+            with _trouble():
+                raise error
+        except Exception as error:
+            raise ClusterError(
+                f"a worker failed: {type(error).__name__}: {error}; its vibroimpact must be that of this process"
+            ) from error
+        return chunk
 
     def stop(self) -> None:
         """Give up all tasks."""
@@ -308,9 +367,10 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
             # other users of this machine reach its ports, and would have their code run: TLS keeps them out; its
             # files are in a folder of its own, since dask's is known and shared
             folder = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
+            dashboard = "127.0.0.1:0" if find_spec("bokeh") else None
             address: Any = stack.enter_context(
                 distributed.LocalCluster(n_workers=os.cpu_count(), threads_per_worker=1, host="127.0.0.1",
-                                         dashboard_address=None, security=True, local_directory=folder)
+                                         dashboard_address=dashboard, security=True, local_directory=folder)
             )  # fmt: skip
         else:
             address = client

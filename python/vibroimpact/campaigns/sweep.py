@@ -22,8 +22,11 @@ __all__ = ["CaseList", "Sweep"]
 
 #: Ways to choose points in a box.
 METHODS = ("sobol", "latin_hypercube")
-#: Largest number of cases.
+#: Largest number of cases of a grid, and of points by each method.
 MOST = 10**12
+MOST_POINTS = {"sobol": 2**30, "latin_hypercube": 2**20}
+#: Points that are held at a time.
+BLOCK = 2**20
 
 
 class Sweep:
@@ -39,8 +42,8 @@ class Sweep:
         of the namelist, such as "xi", or with its group where two groups have it: "system.r".
         With `samples` for each key its lowest and largest value.
     samples : int, optional
-        Number of points in the box between these; without it the cases are all combinations of the values,
-        in the order of a C array.
+        Number of points in the box between these: at most 2^30, or 2^20 of a Latin hypercube. Without it the
+        cases are all combinations of the values, in the order of a C array.
     method : str
         How the points are chosen: "sobol" (scrambled, for which powers of 2 are best) or "latin_hypercube".
     seed : int
@@ -87,12 +90,11 @@ class Sweep:
         self._parts = _split(self.template, self.keys)
         #: Sizes of the grid of the cases: of each key, or of all.
         self.shape: tuple[int, ...]
+        self._points: Points | None = None
         if samples is None:
             if geometric:
                 raise ParameterError("geometric: needs samples; the values of a grid are given")
-            self.axes = tuple(given.values())
-            self.shape = tuple(map(len, self.axes))
-            self.points: NDArray[np.float64] | None = None
+            self.shape = tuple(map(len, given.values()))
             if math.prod(self.shape) > MOST:
                 raise ParameterError(
                     f"values: give {math.prod(self.shape)} cases; must be at most {MOST}"
@@ -102,13 +104,24 @@ class Sweep:
             if logs - set(self.keys):
                 raise ParameterError(f"geometric = {list(geometric)!r}: must be keys of values")
             boxes = [_box(ends, key, key in logs) for key, ends in given.items()]
-            self.points = _points(boxes, [key in logs for key in self.keys], samples, method, seed)
-            self.axes = tuple(column.tolist() for column in self.points.T)
-            self.shape = (len(self.points),)
+            self._points = Points(boxes, [key in logs for key in self.keys], samples, method, seed)
+            self.shape = (self._points.size,)
             self.record |= {
                 "samples": samples, "method": method, "seed": seed, "geometric": sorted(logs),
-                "points": hashlib.sha256(self.points.tobytes()).hexdigest(),
+                "points": hashlib.sha256(self._points.block(0).tobytes()).hexdigest(),
             }  # fmt: skip
+
+    @property
+    def points(self) -> NDArray[np.float64] | None:
+        """The points (samples, keys) in the box; None for a grid."""
+        return None if self._points is None else self._points.all()
+
+    @property
+    def axes(self) -> tuple[list[Any], ...]:
+        """For each key its values: those of the grid, or those of all points."""
+        if self._points is None:
+            return tuple(self.record["values"].values())
+        return tuple(self._points.all().T.tolist())
 
     @classmethod
     def of_case(cls, case: Case) -> Sweep:
@@ -149,13 +162,10 @@ class Sweep:
 
     def point(self, number: int) -> dict[str, Any]:
         """The values of the keys in a case, by number from 0."""
-        if self.points is not None:
-            places: Sequence[Any] = [number] * len(self.keys)
-        else:
-            places = [int(i) for i in np.unravel_index(number, self.shape)]
-        return {
-            key: axis[i] for key, axis, i in zip(self.keys, self.axes, places, strict=True)
-        }  # fmt: skip
+        if self._points is not None:
+            return dict(zip(self.keys, self._points[number], strict=True))
+        places = np.unravel_index(number, self.shape)
+        return {key: axis[i] for key, axis, i in zip(self.keys, self.axes, places, strict=True)}
 
     def text(self, number: int) -> str:
         """A case as a namelist, by number from 0."""
@@ -348,23 +358,55 @@ def _box(ends: list[Any], key: str, geometric: bool) -> tuple[float, float]:
     return low, high
 
 
-def _points(
-    boxes: Sequence[tuple[float, float]], logs: Sequence[bool], samples: int, method: str, seed: int
-) -> NDArray[np.float64]:
-    """Points (samples, keys) in the box."""
-    samples = checks.integer(samples, "samples", 1, 2**30)
-    seed = checks.integer(seed, "seed", 0, 2**63 - 1)
-    if method not in METHODS:
-        raise ParameterError(f"method = {method!r}: must be {' or '.join(map(repr, METHODS))}")
-    qmc = scipy("stats.qmc", "samples", "campaign")
-    generator = np.random.default_rng(seed)
-    if method == "sobol":
-        size = 1 << max(0, samples - 1).bit_length()
-        unit = qmc.Sobol(len(boxes), seed=generator).random(size)[:samples]
-    else:
-        unit = qmc.LatinHypercube(len(boxes), seed=generator).random(samples)
-    columns = [
-        low * (high / low) ** share if log else low + (high - low) * share
-        for (low, high), log, share in zip(boxes, logs, unit.T, strict=True)
-    ]  # fmt: skip
-    return np.stack(columns, axis=1)
+class Points:
+    """Points in a box. They are made in blocks, of which one is held."""
+
+    def __init__(
+        self, boxes: Sequence[tuple[float, float]], logs: Sequence[bool], samples: int, method: str, seed: int
+    ) -> None:  # fmt: skip
+        if method not in METHODS:
+            raise ParameterError(f"method = {method!r}: must be {' or '.join(map(repr, METHODS))}")
+        self.size = checks.integer(samples, "samples", 1, MOST_POINTS[method])
+        self.seed = checks.integer(seed, "seed", 0, 2**63 - 1)
+        self.boxes, self.logs, self.method = boxes, logs, method
+        self._engine()
+        #: A block, its number, and what gives the next one.
+        self._held: tuple[int, NDArray[np.float64], Any] = (-1, np.empty(0), None)
+
+    def _engine(self) -> Any:
+        """A source of points in the unit cube, before its first one."""
+        qmc = scipy("stats.qmc", "samples", "campaign")
+        kind = qmc.Sobol if self.method == "sobol" else qmc.LatinHypercube
+        return kind(len(self.boxes), seed=np.random.default_rng(self.seed))
+
+    def block(self, number: int) -> NDArray[np.float64]:
+        """The points (at most BLOCK, keys) of a block."""
+        held, points, engine = self._held
+        if held == number:
+            return points
+        if held + 1 != number or engine is None:
+            engine = self._engine()
+            if number:
+                engine.fast_forward(number * BLOCK)
+        left = min(BLOCK, self.size - number * BLOCK)
+        # Sobol's sequence in powers of 2, of which the rest is left out
+        unit = engine.random(
+            left if self.method != "sobol" else 1 << max(0, left - 1).bit_length()
+        )[:left]
+        columns = [
+            low * (high / low) ** share if log else low + (high - low) * share
+            for (low, high), log, share in zip(self.boxes, self.logs, unit.T, strict=True)
+        ]  # fmt: skip
+        points = np.stack(columns, axis=1)
+        self._held = (number, points, engine)
+        return points
+
+    def __getitem__(self, number: int) -> list[float]:
+        """A point."""
+        block, place = divmod(range(self.size)[number], BLOCK)
+        point: list[float] = self.block(block)[place].tolist()
+        return point
+
+    def all(self) -> NDArray[np.float64]:
+        """All points (samples, keys)."""
+        return np.concatenate([self.block(i) for i in range(-(-self.size // BLOCK))])

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import signal
+from collections.abc import Iterator
 
 from ..campaigns.campaign import Campaign
 from ..campaigns.run import campaign
@@ -54,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
             f"{options.file}: has {len(cases)} cases; must have one, with its &sweep"
         )
     sweep = Sweep.of_case(cases[0])
-    with Progress(cases[0].name) as bar:
+    with Progress(cases[0].name) as bar, terminable():
         try:
             found = campaign(
                 sweep, options.store, options.cluster, chunk=options.chunk, threads=options.threads,
@@ -65,6 +68,20 @@ def run(options: argparse.Namespace) -> int:
             raise KeyboardInterrupt from None
     options.record.files.append(options.store)
     return describe(found, cases[0].name)
+
+
+@contextlib.contextmanager
+def terminable() -> Iterator[None]:
+    """SIGTERM, which batch systems send before they kill, has the effect of Ctrl-C."""
+    try:
+        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    except ValueError:  # in another thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def describe(found: Campaign, name: str) -> int:
