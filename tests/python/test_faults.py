@@ -146,7 +146,9 @@ def test_campaigns_stopped_at_random_instants(
         status, output = nursery.end()
         stopped += "80 of 80" not in output
         assert "Traceback" not in output
-        if number != signal.SIGKILL:
+        if (
+            number != signal.SIGKILL and status != -number
+        ):  # before and after the work it ends at once
             assert status == 1
             assert "80 of 80" in output or "interrupted" in output
         if store.exists():

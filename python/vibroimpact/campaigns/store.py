@@ -215,12 +215,14 @@ class Contents(NamedTuple):
     sums: dict[str, str]
 
     def bytes(self, path: str) -> bytes:
-        """A file; an error if it is damaged."""
+        """A file; an error if it is damaged, or KeyError if the chunk has none of this name."""
+        if path not in self.sums:
+            raise KeyError(path)
         try:
             content = (self.place / path).read_bytes()
         except OSError:
             raise damaged(self.place) from None
-        if hashlib.sha256(content).hexdigest() != self.sums.get(path):
+        if hashlib.sha256(content).hexdigest() != self.sums[path]:
             raise damaged(self.place)
         return content
 
@@ -230,6 +232,8 @@ class Contents(NamedTuple):
         with foreign(self.place):
             about = json.loads(self.bytes(f"{path}/zarr.json"))
             (kind,) = (kind for kind, (name, _) in TYPES.items() if name == about["data_type"])
+            if about["codecs"] != codecs(kind):
+                raise ValueError("its arrays are packed otherwise")
             if 0 in about["shape"]:
                 return np.empty(about["shape"], kind)
             content = decode(self.bytes(f"{path}/{'.'.join('0' * len(about['shape']))}"))
@@ -260,6 +264,15 @@ def codec() -> Any:
     return import_module("numcodecs.zstd").Zstd(level=3, checksum=True)  # zarr depends on it
 
 
+def codecs(kind: str) -> list[dict[str, Any]]:
+    """How Zarr describes the packing of values of this type."""
+    order = {} if np.dtype(kind).itemsize == 1 else {"configuration": {"endian": "little"}}
+    return [
+        {"name": "bytes", **order},
+        {"name": "zstd", "configuration": {"level": 3, "checksum": True}},
+    ]
+
+
 def files_of(chunk: Chunk) -> Iterator[tuple[str, bytes]]:
     """The files of a chunk as a Zarr group, in which each table is a group.
 
@@ -285,16 +298,12 @@ def array_files(
 ) -> Iterator[tuple[str, bytes]]:
     """An array of Zarr in one piece: its metadata, and its values."""
     name, fill = TYPES[values.dtype.str]
-    order = {} if values.itemsize == 1 else {"configuration": {"endian": "little"}}
     shape = [max(1, size) for size in values.shape]
     about = {
         "zarr_format": 3, "node_type": "array", "shape": values.shape, "data_type": name, "fill_value": fill,
         "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": shape}},
         "chunk_key_encoding": {"name": "v2", "configuration": {"separator": "."}},
-        "codecs": [
-            {"name": "bytes", **order},
-            {"name": "zstd", "configuration": {"level": 3, "checksum": True}},
-        ],
+        "codecs": codecs(values.dtype.str),
         "attributes": {"words": ["", *words]} if words else {}, "dimension_names": dims,
     }  # fmt: skip
     yield f"{path}/zarr.json", json.dumps(about).encode()
