@@ -22,10 +22,12 @@ _Complex = NDArray[np.complex128]
 GOOD, WEAK = 4.0, 0.02
 LEAST_GAIN, LEAST_SHARE = 40.0, 0.15
 #: Misfit above which impulses explain nothing.
-HOPELESS = 1000.0
+HOPELESS = 200.0
 #: Relative error of the acceleration of a free mass for that of one on a spring, times w/omega.
 BOUND = 0.05
 MOST_IMPACTS = 12
+#: Modes from which a fit starts where the harmonics do not tell one.
+LIKELY = 4
 
 
 class Refined(NamedTuple):
@@ -124,8 +126,11 @@ class Impulses:
         background = [np.median(smooth[max(0, i - wide) : i + wide + 1]) for i in range(size.size)]
         return float(self.frequencies[np.argmax(smooth / np.maximum(background, 1e-300))])
 
-    def refined(self, angles: _Array, ring: _Array | None) -> Refined:
-        """Angles, jumps and ringing by least squares from approximate angles; of several starts the best one."""
+    def refined(self, angles: _Array, ring: _Array | None, near: bool = False) -> Refined:
+        """Angles, jumps and ringing by least squares from approximate angles; of several starts the best one.
+
+        By few harmonics first, unless both are `near`, since these do not hold the mode.
+        """
         N, n = angles.size, self.orders.size
         few = slice(0, min(n, max(2 * N + 4, n // 4)))
         peak = self.peak()
@@ -142,7 +147,7 @@ class Impulses:
             scales = np.concatenate(
                 [np.full(N, 0.01), np.full(N, 0.1 * size), [0.005 * peak, 0.005, 0.1][: begin.size]]
             )
-            for used in (few, slice(0, n)):
+            for used in (slice(0, n),) if near else (few, slice(0, n)):
                 x, f, J, _ = levenberg(partial(self.residuals, N=N, used=used), x, scales)
             square, freedom = float(f @ f), f.size - x.size
             if best is not None and square > 0.9 * best.square:
@@ -163,34 +168,69 @@ class Impulses:
 
     def next_angle(self, left: _Complex) -> float:
         """Where one more impulse takes most of what is left."""
+        return self.strongest(left * self.free.real / self.errors)
+
+    def strongest(self, matched: _Complex) -> float:
+        """The angle at which harmonics add up to most."""
         size = 16 * int(self.orders[-1] * self.k)
         spectrum = np.zeros(size, dtype=np.complex128)
-        places = np.rint(self.orders * self.k).astype(int)
-        spectrum[places] = left * self.free.real / self.errors
+        spectrum[np.rint(self.orders * self.k).astype(int)] = matched
         gain = np.fft.ifft(spectrum).real
         return float(2 * math.pi * self.k * np.argmax(abs(gain)) / size)
+
+    def pursued(self, ring: _Array, count: int) -> tuple[float, _Array]:
+        """Angles of impulses after which a given mode rings, taken one by one, and the sum of squares left."""
+        response = (self.free + ring[2] * resonance(self.frequencies, ring)[0]) / self.errors
+        target = self.values / self.errors
+        left, angles = target, np.empty(0)
+        for _ in range(count):
+            angles = np.append(angles, self.strongest(left * response.conj()))
+            each = self.each(angles) * response[:, None]
+            stacked = np.vstack([each.real, each.imag])
+            flat = np.concatenate([target.real, target.imag])
+            left = target - each @ np.linalg.lstsq(stacked, flat, rcond=None)[0]
+        return float(np.sum(abs(left) ** 2)), angles
+
+    def rung(self) -> list[tuple[_Array, _Array]]:
+        """The most likely impulses and modes, of modes all over the band."""
+        found = []
+        for w in np.arange(self.frequencies[0], self.frequencies[-1], 0.25 * self.Omega):
+            for share in (0.1, 0.3, 1.0):
+                ring = np.array([w, 0.02, share])
+                square, angles = self.pursued(ring, min(self.most, 5 * self.k))
+                found.append((square, angles, ring))
+        return [
+            (angles, ring) for _, angles, ring in sorted(found, key=lambda one: one[0])[:LIKELY]
+        ]
 
 
 def refine(data: Measured, omega: float) -> Refined:
     """The impacts of a period from their approximate angles, which may lack some or have too many.
 
     One impact after another is added while it explains much of what is left, and those that explain little are
-    taken away. Where the approximate angles lead to no good fit, none is used.
+    taken away. Where the approximate angles lead to no good fit, none is used, and then modes all over the band.
     """
     system = Impulses(data, omega)
     if system.most < max(2, data.angles.size):
         raise ParameterError(
             f"record with {data.orders.size} harmonics for {data.angles.size} impacts in {data.k} load cycles: "
-            "must "
-            "have a larger sampling rate or bandwidth"
+            "must have a larger sampling rate or bandwidth"
         )
+
     best: Refined | None = None
-    for angles in (data.angles, np.empty(0)):
-        if best is not None and best.misfit < GOOD:
-            break
-        found = completed(system, angles)
+
+    def better(angles: _Array, ring: _Array | None = None) -> None:
+        nonlocal best
+        found = completed(system, angles, ring)
         if found is not None and (best is None or found.square < best.square):
             best = found
+
+    for angles in (data.angles, np.empty(0)):
+        if best is None or best.misfit > GOOD:
+            better(angles)
+    for angles, ring in system.rung() if best is None or best.misfit > HOPELESS else ():
+        if best is None or best.misfit > GOOD:
+            better(angles, ring)
     if best is None:
         raise SingularError("no impacts stand out from the noise of the harmonics")
     if best.misfit > HOPELESS:
@@ -202,12 +242,13 @@ def refine(data: Measured, omega: float) -> Refined:
     return best
 
 
-def completed(system: Impulses, angles: _Array) -> Refined | None:
+def completed(system: Impulses, angles: _Array, ring: _Array | None = None) -> Refined | None:
     """Impacts refined, with those that are missing and without those that are not there."""
     weights = 1 / system.errors
     found: Refined | None = None
     if angles.size:
-        found = pruned(system, system.refined(angles, None))
+        near = ring is not None
+        found = pruned(system, system.refined(angles, ring, near), near)
     while found is None or (
         found.misfit > 1.5 and found.angles.size < min(system.most, MOST_IMPACTS * system.k)
     ):
@@ -226,7 +267,7 @@ def completed(system: Impulses, angles: _Array) -> Refined | None:
     return found
 
 
-def pruned(system: Impulses, found: Refined) -> Refined:
+def pruned(system: Impulses, found: Refined, near: bool = False) -> Refined:
     """Without impacts of nearly no jump, and with one where two are nearer than harmonics can tell."""
     whole = 2 * math.pi * system.k
     apart = math.pi / system.orders[-1]
@@ -241,4 +282,4 @@ def pruned(system: Impulses, found: Refined) -> Refined:
         kept[i] = all(gap > apart for gap in off)
     sizes = np.median(abs(found.jumps[kept]))
     kept &= abs(found.jumps) > WEAK * sizes
-    return found if kept.all() else system.refined(found.angles[kept], found.ring)
+    return found if kept.all() else system.refined(found.angles[kept], found.ring, near)
