@@ -93,11 +93,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
     for _ in range(ROUNDS):
         best = archive.best
         limit = math.inf if order.limit is None else order.sign * order.limit
-        if (
-            not order.samples
-            or archive.level[best] > limit
-            or (order.limit is None and not problem.limited)
-        ):
+        if archive.level[best] > limit or (order.limit is None and not problem.limited):
             break
         chosen = dict(zip(problem.free, archive.values[best], strict=True))
         tried, bands = confirmed(problem, order, chosen, FEW, order.seed + 2, None)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import checks
 from .errors import ParameterError, ParameterTypeError
-from .gradient import FOLD, GRAZE, NOT_SMOOTH, Gradient, frozen
+from .gradient import FOLD, NOT_SMOOTH, Gradient, frozen
 from .record import Record
 from .restitution import TabulatedRestitution
 from .status import raise_status, status_text
@@ -97,9 +97,9 @@ def structure_gradient(motion: StructureMotion, parameters: Sequence[Wanted] | N
     names = names_of(wanted)
     run = motion._run()
     start = np.concatenate(run.first_state)
-    base = carried(system, run, start)
-    if base.good < len(run.events):
-        raise_status(GRAZE)
+    base = carried(system, run, start, int(motion.gaps[0]))
+    if base.code:
+        raise_status(base.code)
     scale = np.repeat([np.abs(part).max() + 1e-300 for part in (motion.q, motion.states[:, 1])], n)
     matrix = (base.matrix * scale / scale[:, None]).real
     inverse = inverse_of(system, motion, matrix, scale)
@@ -177,8 +177,9 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
     columns = np.stack(tables, axis=-1)
     final = np.stack(ends, axis=-1) + np.outer(base.rate.real, times)
     status = {}
-    if base.good < count:
-        status[f"events[{base.good}:]"] = status_text(GRAZE)
+    if base.code:
+        where = f"events[{base.good}:]" if base.good < count else "final_q"
+        status[where] = status_text(base.code)
         columns[base.good :] = final[:] = np.nan
     slopes = by_name(columns, n, ("time", "speed", "impulse", "q", "q_dot"))
     slopes |= {"final_time": np.array(times), "final_q": final[:n], "final_q_dot": final[n:]}
@@ -189,7 +190,7 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
     dimensions: dict[str, tuple[str, ...]] = dict.fromkeys(("time", "speed", "impulse"), ("event",))
     dimensions |= dict.fromkeys(("q", "q_dot"), ("event", "coordinate")) | {"final_time": ()}
     dimensions |= dict.fromkeys(("final_q", "final_q_dot"), ("coordinate",))
-    if base.good < count:
+    if base.code:
         slopes["final_time"][:] = np.nan
     of = f"a trajectory of a structure with {count} events"
     values, slopes = (

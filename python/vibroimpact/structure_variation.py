@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .gradient import NOT_EXACT
+from .gradient import GRAZE, NOT_EXACT
 from .record import Record
 from .restitution import PowerLaw, TabulatedRestitution
 from .status import raise_status
@@ -46,8 +46,10 @@ STEP = 1e-30
 EXACT, TOUCHING = 1e-8, 1e-9
 #: Flights whose exponentials are computed at once.
 CHUNK = 256
-#: Code of the core's vi_status.
-UNSOLVABLE = 1
+#: Codes of the core's vi_status.
+UNSOLVABLE, COUPLED = 1, 19
+#: Distance from a wall, over the largest coordinate, at a touch; instants of a flight between which it is sought.
+TOUCH, NODES = 1e-12, 32
 
 
 class System:
@@ -200,8 +202,9 @@ class Carried:
     matrix: _Array
     rate: _Array
     first_rate: _Array | None
-    #: Events that have derivatives: the first that has none is a graze.
+    #: Events that have derivatives, and why the next one has none: a graze, or a coupled impact.
     good: int
+    code: int = 0
 
 
 def exponentials(matrices: _Array) -> _Array:
@@ -253,8 +256,92 @@ def flights(
             yield part[0], part[1], part[2], part[3] * pace, growth
 
 
-def carried(system: System, run: StructureTrajectory, start: _Array) -> Carried:
-    """The motion from a start, complex in its small changes; its real part is that of a trajectory."""
+def coupled(
+    system: System, run: StructureTrajectory, i: int, sizes: _Array, first: int | None
+) -> bool:
+    """Whether an impact and one on another gap are at one instant and act on each other.
+
+    They do by the masses, or by dashpots, so that the order of both matters to first order. `first` is the gap of
+    an impact at the start.
+    """
+    earlier = run.events[["kind", "gap", "time"]][max(0, i - len(system.openings)) : i][
+        ::-1
+    ].tolist()
+    if first is not None and i < len(system.openings):
+        earlier.append(("impact", first, run.start))
+    gap, speed, time = run.events[["gap", "speed", "time"]][i].tolist()
+    kick = system.mobility[gap].real
+    reach = TOUCHING * float(np.abs(system.directions[gap]) @ sizes)
+    for kind, other, before in earlier:
+        if abs(speed) * (time - before) > reach:
+            return False
+        if kind != "impact" or other == gap:
+            continue
+        size = np.abs(system.directions[other]) @ np.abs(system.mobility[other])
+        damped = system.damping.real @ kick
+        by_dashpots = system.mobility[other].real @ damped
+        most = np.abs(system.mobility[other]) @ np.abs(damped)
+        by_masses = abs(system.directions[other].real @ kick)
+        if by_masses > TOUCHING * size or abs(by_dashpots) > TOUCHING * most > 0:
+            return True
+    return False
+
+
+def touch_of(run: StructureTrajectory) -> int:
+    """Number of the event after the first flight in which a gap closes without an impact; -1 if none does."""
+    gaps, times = run.structure.gaps, run.events["time"]
+    directions = np.array([gap.direction for gap in gaps]).reshape(len(gaps), -1)
+    openings = np.array([gap.opening for gap in gaps])[:, None]
+    edges = np.concatenate([[run.start], times, [run.end]])
+    shares = np.concatenate([[1e-6], (np.arange(NODES) + 0.5) / NODES, [1 - 1e-6]])
+    nodes = np.clip(edges[:-1, None] + np.diff(edges)[:, None] * shares, run.start, run.end)
+    q, q_dot = run.sample(nodes.ravel())
+    closing = (directions @ q_dot).reshape(len(gaps), *nodes.shape)
+    distance = (openings - directions @ q).reshape(closing.shape)
+    # from approach to departure, so near that the gap may close between
+    reach = np.diff(nodes) * np.maximum(closing[..., :-1], -closing[..., 1:])
+    # impacts at one instant have flights of the size of rounding between them
+    long = (np.diff(edges) > TOUCHING * np.abs(edges).max())[:, None]
+    turns = long & (closing[..., :-1] > 0) & (closing[..., 1:] <= 0) & (distance[..., :-1] < reach)
+    gap, flight, node = np.nonzero(turns)
+    low, high = nodes[flight, node], nodes[flight, node + 1]
+    for _ in range(60 if gap.size else 0):
+        middle = 0.5 * (low + high)
+        nearing = np.einsum("ij,ji->i", directions[gap], run.sample(middle)[1]) > 0
+        low, high = np.where(nearing, middle, low), np.where(nearing, high, middle)
+    if not gap.size:
+        return -1
+    left = openings[gap, 0] - np.einsum("ij,ji->i", directions[gap], run.sample(low)[0])
+    size = np.abs(directions[gap]) @ np.abs(q).max(axis=1)
+    rests = resting_in(run)
+    found = [
+        i
+        for i, j, close in zip(flight, gap, np.abs(left) < TOUCH * size, strict=True)
+        if close and j not in rests[i]
+    ]
+    return int(min(found, default=-1))
+
+
+def resting_in(run: StructureTrajectory) -> list[set[int]]:
+    """The gaps that rest in each flight, or come to rest at its end, or were released at its beginning."""
+    found: list[set[int]] = [set()]
+    resting: set[int] = set()
+    for kind, gap in run.events[["kind", "gap"]].tolist():
+        if kind == "stick":
+            resting = resting | {gap}
+            found[-1] = found[-1] | {gap}
+        found.append(resting)
+        resting = resting - {gap} if kind == "release" else resting
+    return found
+
+
+def carried(
+    system: System, run: StructureTrajectory, start: _Array, first: int | None = None
+) -> Carried:
+    """The motion from a start, complex in its small changes; its real part is that of a trajectory.
+
+    `first` is the gap of an impact just before it.
+    """
     n, events, pace = system.n, run.events, system.pace
     clocks = np.append(events["time"], run.end) * pace.real
     states = np.concatenate([run.states, [run.first_state, run.final_state]])
@@ -269,8 +356,12 @@ def carried(system: System, run: StructureTrajectory, start: _Array) -> Carried:
     #: departure speed.
     left: tuple[int, float, _Array, float] | None = None
     touched: dict[int, tuple[float, _Array]] = {}
+    whole_flights = touch_of(run)
     for i, group in groupby(flights(system, run), key=itemgetter(0)):
         kind, gap = ("end", -1) if i == len(events) else events[["kind", "gap"]][i].tolist()
+        if kind == "impact" and coupled(system, run, i, sizes[:n], first):
+            found.good, found.code = i, COUPLED
+            return found
         moved, turned = np.zeros(2 * n, complex), np.zeros_like(matrix)
         stopped = False
         for _, resting, interval, clock, growth in group:
@@ -290,7 +381,9 @@ def carried(system: System, run: StructureTrajectory, start: _Array) -> Carried:
             )
         whole = np.append(state, system.load_at(clocks[i], interval))
         found.state, found.matrix, found.rate = state, matrix, (rate @ whole)[: 2 * n]
-        if kind == "end":
+        if i == whole_flights:
+            found.good, found.code = i, GRAZE
+        if kind == "end" or found.code:
             return found
         # the change of the clock at the event, in imaginary steps and by the state at the start
         later, row = touched.get(gap, (0.0, np.zeros(2 * n, complex)))
@@ -312,7 +405,7 @@ def carried(system: System, run: StructureTrajectory, start: _Array) -> Carried:
                 size = TOUCHING * np.abs(condition[:n]) @ sizes[n:] / pace.real
             accumulates = left and left[0] == gap and abs(left[3]) < 10 * size
             if not accumulates and not abs(closing) > size:
-                found.good = i
+                found.good, found.code = i, GRAZE
                 return found
             later = -residual / closing
         whole = whole + 1j * later * (rate @ whole)

@@ -104,7 +104,9 @@ contains
          associate (study => studies(i))
             call append(lines, quoted(study%name)//': {"group": '//quoted(study%group)// &
                ', "of_structure": '//truth(study%of_structure)//', "in_python": '//truth( &
-               study%in_python)//', "meaning": '//quoted(study%meaning)// &
+               study%in_python)//', "takes_r": '//truth( &
+               study%has_load .and. .not. study%finds_r)// &
+               ', "meaning": '//quoted(study%meaning)// &
                ', "row": '//quoted(study%row)//', "columns": [')
             call study%list(columns=columns)
             do j = 1, size(columns)

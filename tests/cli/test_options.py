@@ -265,3 +265,10 @@ def found_with(tool, option, value):
     """`vibroimpact find` with one option changed."""
     words = {"--xi": "0.01", "--mu": "0.1", "--r": "0.9", "--clearance": "9"} | {option: value}
     return tool("find", "--restitution", "0.7", *[f"{name}={text}" for name, text in words.items()])
+
+
+@pytest.mark.parametrize("command", ["identify", "design", "decay"])
+def test_studies_without_a_given_frequency_ratio_have_no_option(command):
+    """A study that finds the frequency ratio, has a band of them, or no load, does not offer --r."""
+    assert "--r " not in tool(command, "--help").stdout
+    assert "--r " in tool("bifurcation", "--help").stdout

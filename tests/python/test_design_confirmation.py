@@ -117,3 +117,11 @@ def test_over_basins_each_attractor_counts_by_its_share():
     lower, upper = (vi.design(osc, over="basins", quantile=q, **kwargs).level for q in quantiles)
     assert lower == pytest.approx(levels[levels <= limit].min(), rel=1e-4)
     assert upper == pytest.approx(levels[levels > limit].max(), rel=1e-4)
+
+
+def test_a_later_confirmation_is_the_same():
+    """Without samples the chosen values are checked by the same few samples; a confirmation may come later."""
+    kwargs = QUICK | {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 0.5, "seed": 3}
+    at_once = vi.design(OSC, **kwargs | {"samples": 100})
+    later = vi.design(OSC, **kwargs | {"samples": 0}).confirm(100, seed=4)
+    assert repr(later) == repr(at_once)

@@ -232,10 +232,11 @@ def test_what_two_speeds_tell_of_a_table_is_named():
      ("tables", [piecewise([0.5, 0.9], [0.78, 0.72]), piecewise([0.1, 0.6], [0.76, 0.64])])],
 )  # fmt: skip
 def test_intervals_of_a_law(law, walls):
-    """Over 40 triples of records the 95 % intervals cover."""
+    """Over some triples of records the 95 % intervals cover."""
+    count, least = (40, 34) if law == "power" else (12, 9)
     loads = {"power": LOADS, "knee": (5.4, 5.8, 6.4), "tables": (5.6, 6.0, 6.4)}[law]
     inside = {}
-    for seed in range(40):
+    for seed in range(count):
         found = vi.identify(records_of(walls, loads, 100 * seed), known=KNOWN, law=law)
         v0 = found.values["v0"]
         true = {"xi": 0.01143, "d": 0.006} | {
@@ -249,5 +250,5 @@ def test_intervals_of_a_law(law, walls):
         for name, value in true.items():
             low, high = found.interval(name)
             inside.setdefault(name, []).append(low < value < high)
-    # 33 of 40 or fewer have a probability of 0.3 % each
-    assert all(sum(covered) > 33 for covered in inside.values())
+    # fewer have a probability of 0.3 % each
+    assert all(sum(covered) >= least for covered in inside.values())

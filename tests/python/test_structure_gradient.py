@@ -234,3 +234,52 @@ def test_shows_itself(pair):
     assert "q[1, 0]" in str(gradient)
     assert gradient.parameters[:2] == ("frequency", "load")
     assert gradient.to_xarray()["q_dot"].dims == ("impact", "coordinate", "parameter")
+
+
+@pytest.mark.parametrize(
+    ("damping", "kind"), [(0.05, "coupled gaps"), (0.0, None)], ids=["dashpots", "uncoupled"]
+)
+def test_impacts_at_one_instant(damping, kind):
+    """Two impacts at once have derivatives only if their order does not matter: dashpots join them, too."""
+    joined = np.array([[3.0, -1.0], [-1.0, 3.0]])
+    structure = vi.Structure(
+        np.diag([2.0, 2.0]), damping * joined + np.diag([0.1, 0.1]), joined,
+        [vi.Gap([1, 0], 0.5, 0.7), vi.Gap([0, 1], 0.5, 0.7)],
+    )  # fmt: skip
+    load = vi.Load(1.0, sine=[1, 1])
+    run = vi.simulate(structure, load, cycles=2)
+    motion = vi.exact(structure, load, ([1.6, 1.6], [0, 1], 1))
+    assert motion.phases[1] == pytest.approx(motion.phases[0], abs=1e-12)
+    if kind:
+        assert kind in run.gradient().status["events[1:]"]
+        with pytest.raises(vi.SingularError, match=kind):
+            motion.gradient()
+        return
+    assert run.gradient().status == {}
+    phases = motion.gradient()["phases", "opening_0"]
+    moved = []
+    for h in (-1e-5, 1e-5):
+        gaps = [vi.Gap([1, 0], 0.5 + h, 0.7), structure.gaps[1]]
+        other = vi.Structure(structure.mass, structure.damping, joined, gaps)
+        moved.append(vi.exact(other, load, ([1.6, 1.6], [0, 1], 1)).phases)
+    assert phases == pytest.approx((moved[1] - moved[0]) / 2e-5, rel=1e-5)
+
+
+def test_a_touch_between_impacts():
+    """A motion that touches a wall without an impact, and its trajectory, have no derivatives: by name."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    three = next(m for m in vi.find(osc, 1.0, 20.0, max_impacts=3) if m.pattern.sides == "RLL")
+    gaps = np.where(three.pattern.signs > 0, 0, 1)
+    load = vi.Load(1.0, sine=[1, 0])
+    motion = vi.exact(osc.structure(20.0), load, (three.phases + three.load_phase, gaps, 1))
+    branch = vi.branch(motion, "opening", (2, 40))
+    point = next(point for point in branch.special_points if point.type == "grazing")
+    at = branch[point.index]
+    hard = at.speeds > 1e-9
+    assert hard.sum() == 2
+    touching = vi.exact(at.structure, load, (at.phases[hard], at.gaps[hard], 1))
+    assert touching.consistent
+    assert touching.speeds.min() > 1
+    for item in (at, touching):
+        with pytest.raises(vi.SingularError, match="at such a graze"):
+            item.gradient()

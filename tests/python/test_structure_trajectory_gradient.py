@@ -205,6 +205,17 @@ def test_a_graze(monkeypatch):
         assert np.isnan(gradient[name]).all(), name
 
 
+def test_a_touch():
+    """A flight that touches a wall without an impact has no derivatives at its end; one off the wall has."""
+    wall = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.7)])
+    for speed, touches in ((1 - 1e-14, True), (1 - 1e-8, False)):
+        run = vi.simulate(wall, vi.Load(constant=[-0.5]), duration=5, state=([0], [speed]))
+        assert len(run.events) == 0
+        gradient = run.gradient()
+        assert np.isnan(gradient["final_q"]).all() == touches
+        assert ("at such a graze" in gradient.status.get("final_q", "")) == touches
+
+
 def test_a_bounce():
     """The place after a bounce by hand, and what is refused."""
     wall = vi.Structure(mass=[2], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.7)])

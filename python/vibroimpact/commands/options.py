@@ -127,7 +127,9 @@ def options_of(
 ) -> dict[str, Option]:
     """The options of a study by name: of &system, of some keys of groups before its own, and of its own."""
     groups = language()["groups"]
-    keys = [("system", key) for key in groups["system"]]
+    # those whose frequency ratio the study finds or does not need have no --r
+    takes_r = language()["results"][study]["takes_r"]
+    keys = [("system", key) for key in groups["system"] if takes_r or key["name"] != "r"]
     keys += [
         (group, key) for group in before for key in groups[group] if key["name"] in before[group]
     ]

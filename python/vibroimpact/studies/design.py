@@ -30,7 +30,10 @@ _Array = NDArray[np.float64]
 #: Arguments that have no meaning for free vibration, and under a load: they must have their defaults.
 DRIVEN = {"load": [1.0], "settling": 400, "keep": 32}
 FREE = {"cycles": 5}
-EXAMPLE = "--xi .0114 --mu .028 --restitution .75 --band 1 1.02 --free-clearance 20 40 --limit .55 --samples 1000"
+EXAMPLE = (
+    "--xi .0114 --mu .028 --restitution .75 --band 1 1.02 --free-clearance 20 40 --limit .55 --quantile .9 "
+    "--samples 1000"
+)
 
 
 class Design(Noun, study="design", example=EXAMPLE):
