@@ -13,13 +13,13 @@ WIDTH = 30
 class Progress:
     """A bar on standard error, if that is a terminal; used with `with`, it is removed at the end."""
 
-    def __init__(self, label: str, wanted: bool | None = None) -> None:
+    def __init__(self, label: str, wanted: bool | None = None, resumed: bool = False) -> None:
         self.label = label
         self.wanted = sys.stderr.isatty() if wanted is None else wanted
         self.begin = self.last = time.monotonic()
         self.reached = 0.0
-        #: The share at the first call: what a call before this one has done.
-        self.origin: float | None = None
+        #: The share that was done before; that of the first call if an earlier run is resumed.
+        self.origin = None if resumed else 0.0
         self.shown = False
 
     def __enter__(self) -> Progress:

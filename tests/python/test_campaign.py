@@ -613,7 +613,7 @@ def test_time_left(capsys):
     with pytest.MonkeyPatch.context() as patch:
         now = iter([0.0, 1.0, 101.0])
         patch.setattr("vibroimpact.progress.time.monotonic", lambda: next(now))
-        bar = Progress("work", wanted=True)
+        bar = Progress("work", wanted=True, resumed=True)
         bar.show(0.8)
         bar.show(0.85, "85 of 100 cases")
     assert "101 s, about 303 s left 85 of 100 cases" in capsys.readouterr().err

@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
             f"{options.file}: has {len(cases)} cases; must have one, with its &sweep"
         )
     sweep = Sweep.of_case(cases[0])
-    with Progress(cases[0].name) as bar, terminable():
+    with Progress(cases[0].name, resumed=True) as bar, terminable():
         try:
             found = campaign(
                 sweep, options.store, options.cluster, chunk=options.chunk, threads=options.threads,
