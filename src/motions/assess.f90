@@ -4,20 +4,22 @@
 !! it a motion lies; they give no verdicts.
 module vi_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_doubt, only: modulus_doubt
+   use vi_doubt, only: modulus_doubt, unknowns_doubt
    use vi_exact, only: exact_acceptance
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
-   use vi_motion, only: flight_of, motion_type, no, unknown, yes
+   use vi_law, only: holds
+   use vi_motion, only: audited, flight_of, motion_type, no, rounding_margin, unknown, &
+      worst_rounding, yes
    use vi_parting, only: in_contact, leaves_together, parting, uncertain
-   use vi_stability, only: multipliers
+   use vi_stability, only: multipliers_of_matrix, stability_matrix
    use vi_status, only: stat
    implicit none (type, external)
    private
 
    public :: admission, assess_exact, assess_flights, assess_linear, assess_rest, consistency, &
-      is_near_circle, stability
+      is_doubtful, is_near_circle, refuse_rounding, stability
 
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
@@ -39,17 +41,36 @@ contains
       type(motion_type), intent(inout) :: motion
       !> Largest relative residual of (26), (30) that counts as consistent.
       real(wp), intent(in) :: acceptance
+      real(wp) :: p(4, 4)
       integer :: status
+      logical :: lawful
 
       if (motion%status /= stat%ok) return
       motion%consistent = consistency(motion%residual, acceptance)
-      call multipliers(motion, motion%multipliers, status)
-      if (status /= stat%ok) then
-         motion%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
-      else
-         motion%stable = stability(abs(motion%multipliers(1)))
-      end if
+      motion%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
+      call stability_matrix(motion, p, status)
+      if (status /= stat%ok) return
+      ! phases that are not those of a motion obey no law
+      lawful = motion%consistent /= yes .or. .not. audited
+      if (.not. lawful) lawful = holds(motion, p)
+      call multipliers_of_matrix(p, motion%multipliers, status)
+      if (lawful .and. status == stat%ok .and. .not. is_doubtful(motion%multipliers(1), &
+         motion%rounding)) motion%stable = stability(abs(motion%multipliers(1)))
    end subroutine assess_linear
+
+   !> Refuses an exact motion of which rounding leaves too few digits.
+   !!
+   !! Near a fold or a pitchfork, where a multiplier is near 1, positions are uncertain by nature;
+   !! there `modulus_doubt` decides about the verdict.
+   pure subroutine refuse_rounding(motion)
+      !> With the verdicts of `assess_exact`; out: `stat%lost_digits` where it is refused.
+      type(motion_type), intent(inout) :: motion
+
+      if (motion%status /= stat%ok .or. motion%stable == unknown) return
+      if (any(abs(motion%multipliers - 1) <= near_circle)) return
+      motion%rounding = unknowns_doubt(motion)
+      if (.not. motion%rounding <= worst_rounding) motion%status = stat%lost_digits
+   end subroutine refuse_rounding
 
    !> The verdicts of `assess_linear` on a motion that Newton's method has found.
    pure subroutine assess_exact(motion)
@@ -89,6 +110,16 @@ contains
 
       is_near_circle = abs(abs(multiplier) - 1) <= near_circle
    end function is_near_circle
+
+   !> Whether rounding of the motion may move its leading multiplier across the unit circle.
+   elemental logical function is_doubtful(multiplier, rounding)
+      !> The leading multiplier.
+      complex(wp), intent(in) :: multiplier
+      !> Estimated relative error of the motion.
+      real(wp), intent(in) :: rounding
+
+      is_doubtful = .not. abs(abs(multiplier) - 1) > reserve*rounding_margin*rounding
+   end function is_doubtful
 
    !> Sets `stable` to `unknown` where rounding may move the leading multiplier to the unit circle.
    pure subroutine doubt_stability(doubt, motion)

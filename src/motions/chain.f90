@@ -1,10 +1,10 @@
 !> From parameters to an assessed motion: the whole chain of the 1983 theory in one call.
 module vi_chain
-   use vi_assess, only: assess_exact, assess_flights, assess_linear
+   use vi_assess, only: assess_exact, assess_flights, assess_linear, refuse_rounding
    use vi_equispaced, only: solve_equispaced
    use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
-   use vi_motion, only: motion_type
+   use vi_motion, only: motion_type, rounding_margin, worst_rounding
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
    use vi_periodic, only: linear_system_type, solve_periodic
@@ -41,6 +41,8 @@ contains
       type(motion_type), intent(inout) :: motion
 
       call solve_periodic(osc, r, pattern, restitution, phases, system, motion)
+      if (motion%status == stat%ok) motion%status = merge(stat%ok, stat%lost_digits, &
+         rounding_margin*motion%rounding <= worst_rounding)
       call assess_linear(motion, acceptance)
       if (flights) call assess_flights(motion)
    end subroutine periodic_chain
@@ -108,6 +110,7 @@ contains
          motion%restitution)
       call solve_exact(setting, x, theta, most_iterations, none, motion, iterations)
       call assess_exact(motion)
+      call refuse_rounding(motion)
       call assess_flights(motion)
    end subroutine refine
 

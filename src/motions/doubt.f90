@@ -15,7 +15,7 @@ module vi_doubt
    implicit none (type, external)
    private
 
-   public :: greater, modulus_doubt, worst_change
+   public :: greater, modulus_doubt, unknowns_doubt, worst_change
 
    !> Assumed error of a residual, over the sum of the residual itself and the rounding of its
    !! terms.
@@ -42,8 +42,7 @@ contains
 
       n = size(motion%x)
       modulus = abs(motion%multipliers(1))
-      setting = setting_type(motion%osc, motion%r, motion%amplitude/gain(motion%osc%xi, motion%r), &
-         motion%clearance, motion%pattern, motion%restitution)
+      setting = setting_of(motion)
       unknowns = [motion%x, motion%phases + motion%tau]
       call change_of_unknowns(setting, unknowns, motion%amplitude, change, regular)
       doubt = huge(1.0_wp)
@@ -61,6 +60,50 @@ contains
       end do
    end function modulus_doubt
 
+   !> Estimated error of the unknowns of an exact motion: positions relative to the largest of them
+   !! and the clearance, and phases.
+   pure real(wp) function unknowns_doubt(motion) result(doubt)
+      !> An exact motion.
+      type(motion_type), intent(in) :: motion
+      real(wp) :: jacobian(2*size(motion%x), 2*size(motion%x)), pivots(2)
+      real(wp), dimension(2*size(motion%x)) :: unknowns, residual, rounding
+      integer :: i, n, status
+
+      n = size(motion%x)
+      unknowns = [motion%x, motion%phases + motion%tau]
+      call newton_equations(setting_of(motion), unknowns, residual, jacobian)
+      rounding = rounding_of(motion%amplitude*(1 + motion%r), unknowns, residual, jacobian)
+      jacobian(:, :n) = jacobian(:, :n)*max(motion%clearance, maxval(abs(motion%x)))
+      do i = 1, 2*n
+         jacobian(i, :) = jacobian(i, :)/rounding(i)
+      end do
+      call solve(jacobian, residual, status, pivots)
+      doubt = huge(1.0_wp)
+      if (pivots(1) > 0) doubt = 1/pivots(1)
+   end function unknowns_doubt
+
+   !> The given data of an exact motion.
+   pure type(setting_type) function setting_of(motion) result(setting)
+      !> The motion.
+      type(motion_type), intent(in) :: motion
+
+      setting = setting_type(motion%osc, motion%r, motion%amplitude/gain(motion%osc%xi, motion%r), &
+         motion%clearance, motion%pattern, motion%restitution)
+   end function setting_of
+
+   !> Possible errors of the residuals.
+   pure function rounding_of(speed, unknowns, residual, jacobian) result(rounding)
+      !> Position and velocity of the forced motion; unknowns, residuals and their derivatives.
+      real(wp), intent(in) :: speed, unknowns(:), residual(:), jacobian(:, :)
+      real(wp) :: rounding(size(residual))
+      integer :: i
+
+      do i = 1, size(residual)
+         rounding(i) = caution*(epsilon(1.0_wp)*(dot_product(abs(jacobian(i, :)), abs(unknowns)) &
+            + speed) + abs(residual(i)))
+      end do
+   end function rounding_of
+
    !> The worst change of the unknowns x_i, theta_i of an exact motion.
    pure subroutine change_of_unknowns(setting, unknowns, amplitude, change, regular)
       !> Given data of the motion: oscillator, r, load, clearance, pattern, restitution.
@@ -74,14 +117,11 @@ contains
       logical, intent(out) :: regular
       real(wp) :: jacobian(size(unknowns), size(unknowns))
       real(wp), dimension(size(unknowns)) :: residual, rounding, units
-      integer :: i, n
+      integer :: n
 
       n = size(unknowns)
       call newton_equations(setting, unknowns, residual, jacobian)
-      do i = 1, n
-         rounding(i) = caution*(epsilon(1.0_wp)*(dot_product(abs(jacobian(i, :)), abs(unknowns)) &
-            + amplitude*(1 + setting%r)) + abs(residual(i)))
-      end do
+      rounding = rounding_of(amplitude*(1 + setting%r), unknowns, residual, jacobian)
       units(:n/2) = setting%clearance
       units(n/2 + 1:) = 1
       call worst_change(jacobian, rounding, units, change, regular)

@@ -6,7 +6,7 @@
 !! motions.
 module vi_equispaced
    use vi_kinds, only: wp
-   use vi_motion, only: complete_motion, motion_type, start_motion, worst_rounding
+   use vi_motion, only: audited, complete_motion, motion_type, start_motion, worst_rounding
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: new_pattern, pattern_type
    use vi_periodic, only: assemble, linear_system_type
@@ -23,6 +23,8 @@ module vi_equispaced
       real(wp) :: normal(2) = 0, distance = 0, amplitude = 0
       !> x_1 = x_forced . (A cos(tau), A sin(tau)) + x_walls * clearance
       real(wp) :: x_forced(2) = 0, x_walls = 0
+      !> Relative error of the normal that rounding causes.
+      real(wp) :: rounding = 0
       !> `stat%ok`; `stat%singular` at and `stat%lost_digits` near a resonance without damping.
       integer :: status = stat%ok
    end type line_type
@@ -60,6 +62,7 @@ contains
          motions(i)%status = status(i)
          if (status(i) /= stat%ok) cycle
          motions(i)%residual = 0
+         if (audited) motions(i)%rounding = line%rounding
          call complete_motion(motions(i), [x(i), -x(i)], forced(1, i), forced(2, i), clearance)
          motions(i)%clearance = clearance           ! exactly as given, without rounding errors
       end do
@@ -90,6 +93,7 @@ contains
          if (.not. length*worst_rounding > noise) line%status = merge(stat%lost_digits, &
             stat%singular, length > 100*noise)
          if (line%status /= stat%ok) return
+         line%rounding = noise/length
          line%normal = normal/length
          line%distance = (x_row(2)*rhs(1) - x_row(1)*rhs(3))/length
          if (abs(x_row(1)) >= abs(x_row(2))) then

@@ -6,7 +6,7 @@ module vi_lane_half
    use vi_kinds, only: wp
    use vi_lane_motion, only: rows
    use vi_lane_peak, only: find_largest, raise
-   use vi_lane_spectrum, only: lane_circle, lane_polynomial
+   use vi_lane_spectrum, only: audit, lane_circle, lane_polynomial
    use vi_plan, only: lanes, plan_type, unsure
    implicit none (type, external)
    private
@@ -65,9 +65,11 @@ contains
       real(wp), intent(in) :: parts(lanes, 4)
       !> 1, 0 or `unsure`.
       integer, intent(out) :: stable(lanes)
-      real(wp), dimension(lanes) :: unit, ratio, place, x_dot, clear, largest, least, noise
+      real(wp), dimension(lanes) :: unit, ratio, place, x_dot, clear, largest, least, noise, &
+         terms
       real(wp) :: forced(lanes, 2), flight(lanes, 7), ahead(lanes, 2), t(lanes, 4), u(lanes, 4), &
          v(lanes, 4), q(lanes, 4, 4), e(lanes, 4)
+      real(wp) :: law
       integer :: j, l
 
       ! lengths in units of the clearance
@@ -96,11 +98,13 @@ contains
       end do
       q(:, 2, 3) = q(:, 2, 3) - plan%x_row(2, 1)
       q(:, 3, 3) = q(:, 3, 3) - plan%z_row(2, 1)
-      call lane_polynomial(q, e, largest)
+      call lane_polynomial(q, e, largest, terms)
       call lane_circle(e, largest, least, noise)
+      law = exp(-2*plan%xi*duration)*sqrt(plan%squares)
       do l = 1, lanes
          stable(l) = merge(1, 0, least(l) > 0)
          if (.not. abs(least(l))*clear(l) > noise(l)) stable(l) = unsure
+         if (.not. abs(e(l, 4) - law) <= audit*terms(l)) stable(l) = unsure
       end do
    end subroutine lane_stability
 

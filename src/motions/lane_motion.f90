@@ -39,6 +39,9 @@ contains
       call flights(plan, n, r, phases, flight, clear)
       call assemble(plan, n, m, r, flight, system)
       call lane_least_squares(m, n + 2, system, x, residual, total, quality)
+      ! as `rounding` of vi_periodic; what is near the limit is left to the reference chain
+      worst = quality*(quality*plan%accepted - 1)
+      where (.not. (worst > 0 .and. residual <= (total - residual)*worst**2)) quality = 0
       residual = residual/total
       quality = quality*clear
       call velocities(plan, n, x, flight, clear)

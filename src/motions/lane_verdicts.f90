@@ -4,7 +4,8 @@
 module vi_lane_verdicts
    use vi_kinds, only: wp
    use vi_lane_motion, only: lane_chain
-   use vi_lane_spectrum, only: lane_circle, lane_polynomial, lane_radius
+   use vi_lanes, only: largest_exponent, shrinkage
+   use vi_lane_spectrum, only: audit, lane_circle, lane_polynomial, lane_radius
    use vi_plan, only: lanes, plan_type, unsure
    implicit none (type, external)
    private
@@ -37,14 +38,18 @@ contains
       !! `unsure`.
       real(wp), intent(out) :: radius(lanes)
       real(wp) :: p(lanes, 4, 4), e(lanes, 4)
-      real(wp), dimension(lanes) :: residual, quality, largest, least, doubt, slope
+      real(wp), dimension(lanes) :: residual, quality, largest, least, doubt, slope, law, &
+         terms
       real(wp) :: noise, rest
       integer :: l
 
       call lane_chain(plan, n, m, r, phases, system, x, flight, p, residual, quality)
       if (n == 2) residual = 0                        ! as many equations as unknowns
-      call lane_polynomial(p, e, largest)
+      call lane_polynomial(p, e, largest, terms)
       call lane_circle(e, largest, least, doubt)
+      slope = min(plan%xi*plan%period/r, largest_exponent)
+      call shrinkage(slope, law)
+      law = law**2*plan%squares
       do l = 1, lanes
          rest = sqrt(residual(l))
          consistent(l) = merge(1, 0, rest <= plan%acceptance)
@@ -53,6 +58,9 @@ contains
          end if
          stable(l) = merge(1, 0, least(l) > 0)
          if (.not. abs(least(l))*quality(l) > doubt(l)) stable(l) = unsure
+         ! stricter than vi_law; phases that are not those of a motion obey no law
+         if (consistent(l) /= 0 .and. .not. abs(e(l, 4) - law(l)) <= 50*rest*law(l) &
+            + audit*terms(l)) stable(l) = unsure
       end do
       if (.not. with_radius) return
       call lane_radius(e, radius, slope)

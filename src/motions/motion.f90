@@ -33,6 +33,9 @@ module vi_motion
       real(wp) :: amplitude = 0, tau = 0
       !> Relative 2-norm of (26), (30): |left - right|/|right|.
       real(wp) :: residual = 0
+      !> Estimated error of positions, phases and clearance that rounding causes, relative to the
+      !! largest of them; 0 where it is not estimated.
+      real(wp) :: rounding = 0
       !> Eigenvalues of [P], in order of decreasing modulus.
       complex(wp) :: multipliers(4) = 0
       !> Extreme positions of the primary mass over the period.
@@ -46,6 +49,13 @@ module vi_motion
    !> Largest relative rounding error that a motion may have: six digits are left, three in single
    !! precision.
    real(wp), parameter, public :: worst_rounding = max(1.0e-6_wp, 1.0e4_wp*epsilon(1.0_wp))
+
+   !> Whether the effects of rounding are estimated. Single precision shows them: there the
+   !! computation is that of 1983.
+   logical, parameter, public :: audited = precision(1.0_wp) >= 15
+
+   !> Safety factor on the estimate `rounding` of a motion.
+   real(wp), parameter, public :: rounding_margin = 10
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
@@ -81,6 +91,7 @@ contains
       motion%consistent = unknown
       motion%admissible = unknown
       motion%stable = unknown
+      motion%rounding = 0
       motion%status = stat%ok
    end subroutine start_motion
 

@@ -2,6 +2,7 @@
 module vi_new_plan
    use vi_impact, only: impact, primary_velocities
    use vi_kinds, only: wp
+   use vi_motion, only: rounding_margin, worst_rounding
    use vi_oscillator, only: eta, oscillator_type
    use vi_pattern, only: pattern_type
    use vi_plan, only: plan_type
@@ -29,6 +30,8 @@ contains
       plan%frequency = eta(osc%xi)
       plan%period = 2*pi*pattern%cycles
       plan%acceptance = acceptance
+      plan%accepted = worst_rounding/(2*epsilon(1.0_wp)*rounding_margin)
+      plan%squares = product(restitution)**2
       do i = 1, plan%n
          plan%y(i) = 0.5_wp*pattern%sides(i)                                              ! (18)
          call primary_velocities(osc%mu, restitution(i), first, second, plan%x_dot_before(:, i), &

@@ -7,7 +7,7 @@
 module vi_periodic
    use vi_kinds, only: wp
    use vi_lapack, only: least_squares, least_squares_work, solve
-   use vi_motion, only: complete_motion, motion_type, start_motion
+   use vi_motion, only: audited, complete_motion, motion_type, start_motion
    use vi_oscillator, only: eta, oscillator_type
    use vi_pattern, only: pattern_type
    use vi_status, only: stat
@@ -40,7 +40,7 @@ contains
       type(linear_system_type), intent(inout) :: system
       !> Out: the motion, or its status; its arrays are reused between calls.
       type(motion_type), intent(inout) :: motion
-      real(wp) :: size_of_rhs, residual
+      real(wp) :: size_of_rhs, residual, pivots(2), condition
       integer :: n
 
       n = size(phases)
@@ -57,9 +57,10 @@ contains
       end if
       if (n == 2) then
          residual = 0
-         call solve(system%matrix, system%rhs, motion%status)
+         call solve(system%matrix, system%rhs, motion%status, pivots)
       else
-         call least_squares(system%matrix, system%rhs, system%work, residual, motion%status)
+         call least_squares(system%matrix, system%rhs, system%work, residual, motion%status, &
+            pivots)
       end if
       if (motion%status /= stat%ok) return
       if (.not. all(abs(system%rhs(:n + 2)) <= huge(1.0_wp))) then
@@ -67,6 +68,10 @@ contains
          return
       end if
       motion%residual = residual/size_of_rhs
+      ! the error of a least squares solution grows with the residual
+      condition = pivots(2)/pivots(1)
+      if (audited) motion%rounding = epsilon(1.0_wp)*condition*(1 + condition*residual/(pivots(2) &
+         *max(norm2(system%rhs(:n + 2)), tiny(1.0_wp))))
       call complete_motion(motion, system%rhs(:n), system%rhs(n + 1), system%rhs(n + 2), 1.0_wp)
    end subroutine solve_periodic
 

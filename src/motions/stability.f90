@@ -8,7 +8,7 @@ module vi_stability
    implicit none (type, external)
    private
 
-   public :: stability_matrix, multipliers, multipliers_of_half, leading_kind
+   public :: stability_matrix, multipliers, multipliers_of_half, multipliers_of_matrix, leading_kind
 
 contains
 
@@ -48,10 +48,21 @@ contains
 
       lambda = 0
       call stability_matrix(motion, p, status)
-      if (status /= stat%ok) return
+      if (status == stat%ok) call multipliers_of_matrix(p, lambda, status)
+   end subroutine multipliers
+
+   !> The eigenvalues of [P].
+   pure subroutine multipliers_of_matrix(p, lambda, status)
+      !> In: [P], finite. Out: overwritten.
+      real(wp), intent(inout), contiguous :: p(:, :)
+      !> (4) In order of decreasing modulus.
+      complex(wp), intent(out) :: lambda(:)
+      !> `stat%ok` or `stat%lapack_failed`.
+      integer, intent(out) :: status
+
       call eigenvalues(p, lambda, status)
       call sort_by_modulus(lambda)
-   end subroutine multipliers
+   end subroutine multipliers_of_matrix
 
    !> The four multipliers of a motion that is its own mirror image half a period later.
    !!

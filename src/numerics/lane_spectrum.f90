@@ -13,17 +13,22 @@ module vi_lane_spectrum
    !> Safety factor on estimates of rounding errors before a verdict is given.
    real(wp), parameter :: caution = 100.0_wp
 
+   !> A determinant whose error exceeds this times its terms is left to the audit of vi_law.
+   real(wp), parameter, public :: audit = 1000*epsilon(1.0_wp)
+
 contains
 
    !> The elementary symmetric functions of the eigenvalues, as in `characteristic`, and the largest
    !! entry of each matrix, with the last variable scaled so that its row and its column have equal
    !! largest entries; the eigenvalues do not depend on this scaling.
-   pure subroutine lane_polynomial(p, e, largest)
+   pure subroutine lane_polynomial(p, e, largest, terms)
       !> One matrix per lane, p(lane, row, column).
       real(wp), intent(in) :: p(lanes, 4, 4)
       !> e(lane, i): e_1 to e_4; largest(lane): largest absolute entry, row and column 4 scaled as
       !! described.
       real(wp), intent(out) :: e(lanes, 4), largest(lanes)
+      !> Sum of the moduli of the terms of e_4.
+      real(wp), intent(out) :: terms(lanes)
       real(wp), dimension(lanes) :: row, column
       real(wp) :: m12, m13, m14, m23, m24, m34, n12, n13, n14, n23, n24, n34
       integer :: i, j, l
@@ -50,6 +55,8 @@ contains
             - p(l, 4, 2)*m14 + p(l, 4, 1)*m24 + (p(l, 1, 1) + p(l, 2, 2))*n34 - p(l, 1, 3)*n14 &
             + p(l, 1, 4)*n13 - p(l, 2, 3)*n24 + p(l, 2, 4)*n23
          e(l, 4) = m12*n34 - m13*n24 + m14*n23 + m23*n14 - m24*n13 + m34*n12
+         terms(l) = abs(m12*n34) + abs(m13*n24) + abs(m14*n23) + abs(m23*n14) + abs(m24*n13) &
+            + abs(m34*n12)
       end do
       row = 0
       column = 0

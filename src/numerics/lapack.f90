@@ -27,13 +27,15 @@ module vi_lapack
 contains
 
    !> Solves the square system a x = b by Gaussian elimination (xGESV).
-   pure subroutine solve(a, b, status)
+   pure subroutine solve(a, b, status, pivots)
       !> In: the matrix (n, n). Out: its LU factors.
       real(wp), intent(inout), contiguous :: a(:, :)
       !> In: the right side (n). Out: the solution.
       real(wp), intent(inout), contiguous :: b(:)
       !> `stat%ok`, or `stat%singular` where the matrix does not have full rank.
       integer, intent(out) :: status
+      !> Smallest and largest diagonal entry of the triangular factor in modulus.
+      real(wp), intent(out), optional :: pivots(2)
       integer :: n, info, pivot(small)
       integer, allocatable :: long_pivot(:)
 
@@ -45,7 +47,7 @@ contains
          allocate (long_pivot(n))
          call gesv(n, 1, a, n, long_pivot, b, n, info)
       end if
-      status = rank_status(a, n, info)
+      call judge_rank(a, n, info, status, pivots)
    end subroutine solve
 
    !> The length of the work array that `least_squares` wants for m equations in n unknowns.
@@ -59,7 +61,7 @@ contains
    end function least_squares_work
 
    !> Minimises the 2-norm of a x - b (xGELS, QR with Householder reflections).
-   pure subroutine least_squares(a, b, work, residual, status)
+   pure subroutine least_squares(a, b, work, residual, status, pivots)
       !> In: the matrix (m, n), m >= n. Out: its QR factors.
       real(wp), intent(inout), contiguous :: a(:, :)
       !> In: the right side (m). Out: the solution in 1..n.
@@ -70,6 +72,8 @@ contains
       real(wp), intent(out) :: residual
       !> `stat%ok`, or `stat%singular` where the matrix does not have full rank.
       integer, intent(out) :: status
+      !> Smallest and largest diagonal entry of the triangular factor in modulus.
+      real(wp), intent(out), optional :: pivots(2)
       real(wp) :: tau(small)
       integer :: m, n, info
 
@@ -83,7 +87,7 @@ contains
          call gels('N', m, n, 1, a, m, b, m, work, size(work), info)
       end if
       residual = norm2(b(n + 1:m))
-      status = rank_status(a, n, info)
+      call judge_rank(a, n, info, status, pivots)
    end subroutine least_squares
 
    !> Whether the LAPACK drivers would not scale a matrix with this largest entry.
@@ -95,11 +99,15 @@ contains
    end function well_scaled
 
    !> Judges the rank from the diagonal of a triangular factor.
-   pure integer function rank_status(factor, n, info) result(status)
+   pure subroutine judge_rank(factor, n, info, status, pivots)
       !> Triangular factor; only its diagonal is read.
       real(wp), intent(in) :: factor(:, :)
       !> Number of diagonal entries, and LAPACK's error code.
       integer, intent(in) :: n, info
+      !> As in `solve`.
+      integer, intent(out) :: status
+      !> As in `solve`.
+      real(wp), intent(out), optional :: pivots(2)
       real(wp) :: smallest, largest
       integer :: i
 
@@ -109,13 +117,14 @@ contains
          smallest = min(smallest, abs(factor(i, i)))
          largest = max(largest, abs(factor(i, i)))
       end do
+      if (present(pivots)) pivots = [smallest, largest]
       status = stat%ok
       if (info < 0) then
          status = stat%lapack_failed
       else if (info > 0 .or. .not. smallest > rank_tolerance*largest) then
          status = stat%singular
       end if
-   end function rank_status
+   end subroutine judge_rank
 
    !> The eigenvalues of a real matrix, at most 4 x 4 (xGEEV), in the order LAPACK finds them.
    pure subroutine eigenvalues(a, lambda, status)

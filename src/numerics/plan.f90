@@ -19,6 +19,10 @@ module vi_plan
       real(wp) :: xi = 0, frequency = 1, period = 0
       !> Largest residual that counts as consistent.
       real(wp) :: acceptance = 0
+      !> Product of all R_i^2.
+      real(wp) :: squares = 0
+      !> A solution whose condition exceeds this may be refused.
+      real(wp) :: accepted = 0
       !> y_i for d = 1.
       real(wp), dimension(most_impacts) :: y = 0
       !> Weights of the velocities z' before and after an impact in x' after and before it: (28).

@@ -125,8 +125,8 @@ contains
       case (stat%budget)
          text = 'the step budget ran out in a flight of millions of oscillations'
       case (stat%lost_digits)
-         text = 'rounding leaves too few digits: near a resonance without damping free and &
-            &forced vibration cancel; move r away from it or add damping'
+         text = 'rounding leaves too few digits: large terms cancel near a resonance without &
+            &damping, far above it, and where phases nearly coincide; move r or add damping'
       case (stat%not_computed)
          text = 'it was stopped before this point was computed'
       case (stat%event_limit)

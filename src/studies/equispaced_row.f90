@@ -6,12 +6,14 @@
 !! the general procedures.
 module vi_equispaced_row
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_assess, only: admission, assess_flights, consistency, paper_acceptance, stability
+   use vi_assess, only: admission, assess_flights, consistency, is_doubtful, paper_acceptance, &
+      stability
    use vi_bernstein, only: sag, stays_within
    use vi_equispaced, only: line_type, new_line, symmetric_pair
    use vi_impact, only: primary_velocities
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
+   use vi_law, only: holds
    use vi_motion, only: complete_motion, motion_type, start_motion, unknown
    use vi_lane_half, only: lane_halves
    use vi_lane_half_wide, only: lane_halves_wide => lane_halves
@@ -38,6 +40,9 @@ module vi_equispaced_row
       type(motion_type) :: motion
       !> What the lanes of a block have in common.
       type(plan_type) :: plan
+      !> Whether rounding has no effect on the motions of the row: far from a resonance without
+      !! damping.
+      logical :: certain = .false.
       !> Time from an impact to the next one, and the nodes of such a flight.
       real(wp) :: flight_time = 0
       type(nodes_type) :: nodes
@@ -80,6 +85,7 @@ contains
          [0.0_wp, cycles*pi])
       call new_line(row%motion, system, row%line)
       row%plan = new_plan(osc, row%motion%pattern, osc%restitution, paper_acceptance)
+      row%certain = row%line%rounding < 1.0e-11_wp
       row%flight_time = cycles*pi/r
       call new_nodes(osc%xi, r, row%flight_time, row%nodes)
    end subroutine new_row
@@ -156,7 +162,7 @@ contains
          block(l, :) = block(n, :)
       end do
       admissible = unsure
-      if (row%nodes%n > 0) then
+      if (row%nodes%n > 0 .and. row%certain) then
          if (wide) then
             call lane_halves_wide(row%plan, row%motion%r, row%flight_time, row%line%amplitude, &
                [row%motion%c1(1), row%motion%c2(1)], row%nodes%n, row%nodes%step, &
@@ -251,8 +257,9 @@ contains
       !> Mirror: positions and velocities change sign, phases do not.
       real(wp), parameter :: mirror(4) = [-1, -1, -1, 1]
       real(wp) :: q(4, 4), unit(4)
+      real(wp) :: clear
       integer :: j, place, status
-      logical :: regular
+      logical :: regular, lawful
 
       summary%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
       associate (m => row%motion, forced => half%parts(3:4))
@@ -266,14 +273,18 @@ contains
       do j = 1, 4
          q(:, j) = q(:, j)*mirror*(unit(j)/unit)
       end do
+      clear = abs(half%z_dot + half%x_dot_before)/max(abs(half%z_dot), abs(half%x_dot_before))
+      lawful = holds(q, exp(-2*row%motion%osc%xi*row%flight_time)*row%motion%restitution(1)**2, &
+         row%line%rounding/clear)
       place = near_circle
       if (.not. with_multipliers) place = locate_spectrum(q)
-      if (place /= near_circle) then
+      if (place /= near_circle .and. lawful .and. row%certain) then
          summary%stable = stability(merge(0.0_wp, huge(1.0_wp), place == all_inside))
          return
       end if
       call multipliers_of_half(q, summary%multipliers, status)
-      if (status == stat%ok) summary%stable = stability(abs(summary%multipliers(1)))
+      if (status == stat%ok .and. lawful .and. .not. is_doubtful(summary%multipliers(1), &
+         row%line%rounding)) summary%stable = stability(abs(summary%multipliers(1)))
       if (with_multipliers) return
       summary%multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
    end subroutine find_stability

@@ -10,7 +10,7 @@
 !! What could not be computed is NaN.
 module vi_points
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_assess, only: assess_exact, assess_flights
+   use vi_assess, only: assess_exact, assess_flights, refuse_rounding
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_exact, only: member, setting_type, solve_exact
    use vi_kinds, only: wp
@@ -129,6 +129,7 @@ contains
       theta_now = theta
       call solve_exact(setting, x_now, theta_now, most, none, motion, iterations)
       call assess_exact(motion)
+      call refuse_rounding(motion)
       call assess_flights(motion)
       phases = motion%phases
       call store_motion(motion, .true., impacts, scalars, multipliers, verdicts, status)

@@ -93,7 +93,8 @@ contains
 
    !> Polynomial, Jury's conditions and radius of matrices of every size, against eigenvalues.
    subroutine test_spectra()
-      real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), least(lanes), radius(lanes), &
+      real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), terms(lanes), least(lanes), &
+         radius(lanes), &
          slope(lanes), doubt(lanes), one(4, 4), scale, noise
       complex(wp) :: lambda(4)
       integer :: i, j, k, l, status, given
@@ -108,7 +109,7 @@ contains
                end do
             end do
          end do
-         call lane_polynomial(p, e, largest)
+         call lane_polynomial(p, e, largest, terms)
          call lane_circle(e, largest, least, doubt)
          call lane_radius(e, radius, slope)
          do l = 1, lanes
@@ -139,6 +140,7 @@ contains
       type(plan_type) :: plan
       real(wp) :: r(lanes), phases(lanes, n), system(lanes, 2*n, n + 3), x(lanes, n + 2), &
          flight(lanes, 7, n), p(lanes, 4, 4), reference(4, 4), e(lanes, 4), largest(lanes), &
+         terms(lanes), &
          residual(lanes), quality(lanes), radius(lanes, 2), unit(4), error
       complex(wp) :: lambda(4)
       integer :: i, j, l, status, verdicts(lanes, 2, 2)
@@ -151,7 +153,7 @@ contains
             call random_phases(random, motion%pattern%cycles, phases(l, :))
          end do
          call lane_chain(plan, n, 2*n, r, phases, system, x, flight, p, residual, quality)
-         call lane_polynomial(p, e, largest)
+         call lane_polynomial(p, e, largest, terms)
          do l = 1, lanes
             call solve_periodic(motion%osc, r(l), motion%pattern, motion%restitution, &
                phases(l, :), linear, motion)

@@ -7,6 +7,7 @@ module motions_maps
    use vi_impact, only: impact
    use vi_impact_map, only: impact_maps
    use vi_kinds, only: wp
+   use vi_law, only: holds
    use vi_motion, only: motion_type, start_motion
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: new_pattern
@@ -25,6 +26,7 @@ contains
       call test_differences()
       call test_flux()
       call test_determinant()
+      call test_audit()
       call test_order_of_maps()
       call test_multipliers()
       call test_zero_approach()
@@ -169,6 +171,45 @@ contains
       end do
       call check(examined > 1000, 'many determinants were examined')
    end subroutine test_determinant
+
+   !> [P] passes the audit in any units, and does not with an entry that is twice as large.
+   subroutine test_audit()
+      type(motion_type) :: motion
+      real(wp) :: p(4, 4), corrupt(4, 4), scale(4), slope, law
+      integer :: examined, status, i, j, k, l
+
+      examined = 0
+      do k = 1, 1000
+         call random_motion(random, 2, motion)
+         call stability_matrix(motion, p, status)
+         if (status /= stat%ok) cycle
+         call check(holds(motion, p), '[P] of a motion passes the audit')
+         law = determinant(p)
+         do l = 1, 4
+            scale(l) = 10**draw(random, -8.0_wp, 8.0_wp)
+         end do
+         do j = 1, 4
+            do i = 1, 4
+               corrupt(i, j) = p(i, j)*scale(i)/scale(j)
+            end do
+         end do
+         call check(holds(corrupt, law, 1.0e-12_wp), 'units do not matter to the audit')
+         if (.not. (law > 1.0e-3_wp .and. maxval(abs(p)) < 30)) cycle
+         do j = 1, 4
+            do i = 1, 4
+               ! what this entry contributes to the determinant, which is linear in it
+               corrupt = p
+               corrupt(i, j) = 0
+               slope = law - determinant(corrupt)
+               if (.not. abs(slope) > 0.1_wp*law) cycle
+               corrupt(i, j) = 2*p(i, j)
+               examined = examined + 1
+               call check(.not. holds(motion, corrupt), 'a wrong entry of [P] fails the audit')
+            end do
+         end do
+      end do
+      call check(examined > 100, 'many wrong entries were examined')
+   end subroutine test_audit
 
    !> [P] carries a small change through the impacts in the order in which they happen.
    subroutine test_order_of_maps()
