@@ -17,12 +17,16 @@ contains
    subroutine check(condition, what)
       logical, intent(in) :: condition
       character(*), intent(in) :: what
+      integer :: asked
 
       if (condition) then
          passed = passed + 1
       else
          failed = failed + 1
          if (failed <= printed) print '(2a)', 'FAILED: ', what
+         ! a mutant is killed by its first failure
+         call get_environment_variable('STOP_AT_FAILURE', length=asked)
+         if (asked > 0) stop 1, quiet=.true.
       end if
    end subroutine check
 

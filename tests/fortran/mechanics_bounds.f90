@@ -168,14 +168,14 @@ contains
 
    !> What `falls` proves of k = gap/t is true, and what is clearly true it proves.
    subroutine check_falls()
-      integer, parameter :: samples = 300
+      integer, parameter :: samples = 200
       type(both_type) :: b
       real(wp) :: k(0:8), end, speed, t, steepest, last, value, d(0:5), doubt
       integer :: i, j, n, side, proved, clear
 
       proved = 0
       clear = 0
-      do i = 1, 20000
+      do i = 1, 8000
          call draw_system(b)
          side = 2*draw_integer(random, 0, 1) - 1
          ! much longer than a bounce: there the bound on the remainder decides
@@ -211,7 +211,7 @@ contains
                'bounce: what is clear is proved')
          end if
       end do
-      call check(proved > 2000 .and. clear > 2000, 'bounce: both were seen')
+      call check(proved > 800 .and. clear > 400, 'bounce: both were seen')
    end subroutine check_falls
 
    !> A short flight that is proved to return to its wall is found by its own series, to the last
@@ -222,7 +222,7 @@ contains
       integer :: i, n, side, found
 
       found = 0
-      do i = 1, 20000
+      do i = 1, 10000
          call draw_system(b)
          side = merge(1, -1, acceleration(b) > 0)
          speed = draw_log(random, 1e-9_wp, 0.06_wp)*0.5_wp*abs(acceleration(b))/max(1.0_wp, b%m%r)
@@ -252,7 +252,7 @@ contains
          end do
          call check(abs(back) <= rounding, 'bounce: the gap is closed')
       end do
-      call check(found > 10000, 'bounce: most are found')
+      call check(found > 5000, 'bounce: most are found')
    end subroutine check_bounces
 
    !> A flight of a forced oscillator: here the load has to be that of the forced motion.
@@ -292,7 +292,7 @@ contains
       integer :: i, j, idle
 
       idle = 0
-      do i = 1, 5000
+      do i = 1, 2000
          call draw_system(b)
          bounds = bounds_after(b%m, b%at)
          half = bounds(0)*draw(random, 0.8_wp, 3.0_wp)
@@ -305,13 +305,13 @@ contains
          idle = idle + 1
          call check(abs(abs(b%at%z + b%at%z_dot*time) - reach) < 1e-12_wp*half, &
             'idle: until one may be')
-         do j = 0, 100
-            t = j*time/100
+         do j = 0, 50
+            t = j*time/50
             d = derivatives(b%flight, t)
             call check(abs(b%at%z + b%at%z_dot*t - d(0)) < half*(1 + 1e-12_wp), 'idle: no contact')
          end do
       end do
-      call check(idle > 500, 'idle: such times were seen')
+      call check(idle > 200, 'idle: such times were seen')
    end subroutine check_idle
 
 end module mechanics_bounds

@@ -11,7 +11,7 @@ program test_mechanics
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_impact, only: impact, primary_velocities
    use vi_kinds, only: wp
-   use vi_oscillation, only: derivative_bound
+   use vi_oscillation, only: derivative_bound, derivatives, square_integral
    use vi_oscillator, only: eta, gain, lag, oscillator_type
    implicit none (type, external)
 
@@ -22,6 +22,7 @@ program test_mechanics
    call test_flight()
    call test_equation_of_motion()
    call test_derivative_bound()
+   call test_square_integral()
    call test_extrema()
    call test_march()
    call test_bounds()
@@ -79,6 +80,26 @@ contains
       call check(after(1) >= 1 .and. after(1) <= 1, 'mu = 0: the primary mass feels nothing')
       call check_close(after(2), 0.0_wp, 1e-15_wp, 'mu = 0: the free mass bounces')
    end subroutine test_impact
+
+   !> The integral of x^2 by Simpson's rule, over short and long times.
+   subroutine test_square_integral()
+      integer, parameter :: n = 2000
+      type(flight_type) :: flight
+      real(wp) :: d(0:5), total, t
+      integer :: i, j
+
+      do i = 1, 300
+         call random_flight(random, flight)
+         t = flight%duration*10.0_wp**draw(random, -6.0_wp, 0.0_wp)
+         total = 0
+         do j = 0, n
+            d = derivatives(flight, j*t/n)
+            total = total + d(0)**2*merge(1, 2 + 2*mod(j, 2), j == 0 .or. j == n)*t/(3*n)
+         end do
+         call check_close(square_integral(flight%oscillation_type, t), total, &
+            1e-7_wp*t*derivative_bound(flight, 0, 0.0_wp)**2, 'integral of x^2')
+      end do
+   end subroutine test_square_integral
 
    !> A flight starts in its state, and continues as the flight from any later state of it.
    subroutine test_flight()

@@ -1,0 +1,335 @@
+"""Mutation testing of the Fortran core: does a test fail where one place of one line is wrong?
+
+A mutant is one source, compiled alone and linked before the library, which gives all the rest: that takes
+seconds, and no build. The Fortran tests are tried first. What they let pass is linked into a copy of the Python
+package, for the tests that `python_tests.txt` names for the file. A test that fails, crashes or exceeds its
+limits kills the mutant. One that no test kills must be in `survivors.txt`, with the reason. Results are kept
+(build/mutation), so that a run can be stopped and continued: a mutant that was killed is not tried again until
+its file changes, one that survived until the tests do.
+"""
+
+import argparse
+import contextlib
+import functools
+import gzip
+import hashlib
+import json
+import os
+import random
+import re
+import resource
+import shlex
+import subprocess
+import sys
+import tempfile
+import threading
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from fnmatch import fnmatch
+from pathlib import Path
+
+from mutants import Mutant, mutants_of
+from package import copy_package, core_of, variables
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+#: The folders that are tried, and the Fortran tests that see a change there: their own first.
+ROOMS = {
+    "numerics": ("numerics", "mechanics", "motions", "studies"),
+    "mechanics": ("mechanics", "motions", "studies"),
+    "motions": ("motions", "studies"),
+    "cases": ("cases", "studies"),
+    "studies": ("studies",),
+}
+
+
+class Build:
+    """A folder with a build, whose commands are repeated with another source."""
+
+    def __init__(self, folder: Path):
+        if not (folder / "compile_commands.json").exists():
+            sys.exit(f"mutate: nothing is built in {folder}; ./run test builds")
+        self.folder = folder
+        self.commands: dict[str, list[list[str]]] = {}
+        for entry in json.loads((folder / "compile_commands.json").read_text(encoding="utf-8")):
+            # files of the core are compiled again in single precision, those of lanes for wide registers
+            name = re.sub(r"_(single|wide)\.f90$", ".f90", Path(entry["file"]).name)
+            self.commands.setdefault(name, []).append(shlex.split(entry["command"]))
+
+    @functools.cache  # noqa: B019
+    def linking(self, target: str) -> tuple[str, ...]:
+        """Return the command that links a target."""
+        ask = ["ninja", "-C", self.folder, "-t", "commands", "-s", target]
+        said = subprocess.run(ask, check=True, capture_output=True, text=True).stdout
+        return tuple(shlex.split(said.splitlines()[-1]))
+
+    def compile(self, mutant: Mutant, folder: Path) -> list[str] | None:
+        """Return the objects of a mutant; None if it does not compile, or changes what its users see."""
+        objects = []
+        folder.mkdir()
+        plain = folder / Path(mutant.file).name
+        plain.write_text(mutant.source(ROOT), encoding="utf-8")
+        for words in self.commands[plain.name]:
+            source = plain
+            for twin in ("single", "wide"):
+                if words[-1].endswith(f"_{twin}.f90"):
+                    source = folder / Path(words[-1]).name
+                    subprocess.run(
+                        [sys.executable, ROOT / f"src/{twin}_source.py", plain, source], check=True
+                    )
+            modules = folder / f"{source.stem}.modules"
+            modules.mkdir()
+            objects.append(str(source.with_suffix(".o")))
+            kept = [word for word in words[:-1] if not word.startswith(("-J", "-W"))]
+            kept[kept.index("-o") + 1] = objects[-1]
+            if subprocess.run(
+                [*kept, str(source), "-O1", "-w", f"-J{modules}"],
+                cwd=self.folder,
+                capture_output=True,
+            ).returncode:
+                return None
+            there = self.folder / next(word[2:] for word in words if word.startswith("-J"))
+            if any(
+                declared(module) != declared(there / module.name) for module in modules.iterdir()
+            ):
+                return None
+        return objects
+
+    def link(self, target: str, objects: list[str], out: Path) -> None:
+        """Link a target, with these objects in the place of the library's."""
+        words = list(self.linking(target))
+        words[words.index("-o") + 1] = str(out)
+        first = next(
+            i for i, word in enumerate(words) if word.endswith(".a") or word == "-Wl,--start-group"
+        )
+        subprocess.run(
+            [*words[:first], *objects, *words[first:]],
+            cwd=self.folder,
+            capture_output=True,
+            check=True,
+        )
+
+
+def declared(module: Path) -> bytes:
+    """Return what a module file tells others, without the name of its source."""
+    return gzip.decompress(module.read_bytes()).split(b"\n", 1)[1]
+
+
+def passes(command: list, folder: Path, cpu: int) -> bool:
+    """Return whether a command ends well within so many CPU seconds and 8 GiB."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (cpu, cpu))
+        resource.setrlimit(resource.RLIMIT_AS, (2**33, 2**33))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, preexec_fn=limit, timeout=30 * cpu, stdin=subprocess.DEVNULL,
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1"},
+        )  # fmt: skip
+        return done.returncode == 0
+    return False
+
+
+class Trial:
+    """What tries a mutant: the builds, and the Python tests of each file."""
+
+    def __init__(self, fortran: Path, package: Path | None):
+        self.fortran = Build(fortran)
+        self.package = Build(package) if package else None
+        self.chosen: list[tuple[str, list[str]]] = []
+        for line in (HERE / "python_tests.txt").read_text(encoding="utf-8").splitlines():
+            if line and not line.startswith("#"):
+                pattern, tests = line.split(":")
+                self.chosen.append((pattern, tests.split()))
+
+    def python_tests(self, file: str) -> list[str]:
+        """Return the Python tests of a file."""
+        return next((tests for pattern, tests in self.chosen if fnmatch(file, pattern)), [])
+
+    def __call__(self, mutant: Mutant) -> str:
+        """Return what became of a mutant: killed by some test, survived, or not valid."""
+        with tempfile.TemporaryDirectory(prefix="mutant-") as made:
+            folder = Path(made)
+            objects = self.fortran.compile(mutant, folder / "fortran")
+            if objects is None:
+                return "not valid"
+            for room in ROOMS[mutant.file.split("/")[1]]:
+                program = folder / f"test_{room}"
+                self.fortran.link(f"tests/fortran/test_{room}", objects, program)
+                if not passes([program], folder, 60):
+                    return f"killed by {room}"
+                program.unlink()
+            if self.package is None:
+                return "survived"
+            objects = self.package.compile(mutant, folder / "package")
+            for test in self.python_tests(mutant.file) if objects else ():
+                if not passes(*self.pytest(objects, folder, test)):
+                    return f"killed by {test}"
+        return "survived"
+
+    def pytest(self, objects: list[str], folder: Path, test: str) -> tuple[list, Path, int]:
+        """Return the command that runs a file of Python tests with the mutant, its folder, and its CPU seconds."""
+        site = folder / "site"
+        if not site.exists():
+            core = copy_package(site, self.package.folder)
+            self.package.link(f"python/{core_of(self.package.folder).name}", objects, core)
+            self.package.link("src/vibroimpact-batch", objects, site / "vibroimpact-batch")
+        return (
+            [
+                "env", *(f"{name}={value}" for name, value in variables(site, site / "vibroimpact-batch").items()),
+                sys.executable, "-m", "pytest", "-x", "-q", "--once", "-p", "no:cacheprovider",
+                "-m", "not slow and not browser", test,
+            ], ROOT, 600,
+        )  # fmt: skip
+
+
+def digest(*paths: Path) -> str:
+    """Return a fingerprint of files."""
+    made = hashlib.sha256()
+    for path in sorted(paths):
+        made.update(path.read_bytes())
+    return made.hexdigest()[:16]
+
+
+def listed() -> dict[tuple[str, str, str], str]:
+    """Return the survivors that are known: file, line and mutated line, and the reason."""
+    known = {}
+    for entry in re.split(r"\n\s*\n", (HERE / "survivors.txt").read_text(encoding="utf-8")):
+        lines = [line for line in entry.splitlines() if line.strip() and not line.startswith("#")]
+        if lines:
+            file, before, after, *reason = lines
+            known[file.strip(), before[2:].strip(), after[2:].strip()] = " ".join(reason)
+    return known
+
+
+def sample(files: list[str], size: int | None, seed: int) -> list[Mutant]:
+    """Return mutants of files, `size` of them drawn by the seed."""
+    every = [mutant for file in files for mutant in mutants_of(ROOT, file)]
+    random.Random(seed).shuffle(every)
+    return every[:size]
+
+
+def arguments() -> argparse.Namespace:
+    """Return what the command line asks for."""
+    parser = argparse.ArgumentParser(
+        prog="./run mutate",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--sample", type=int, metavar="N", help="so many mutants, drawn at random (default: all)"
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="S", help="seed of the sample (1)")
+    parser.add_argument(
+        "--file",
+        action="append",
+        default=[],
+        metavar="PATTERN",
+        help="files, such as 'src/studies/zone*.f90'",
+    )
+    parser.add_argument(
+        "--fortran-only",
+        action="store_true",
+        help="leave the Python tests out; then survivors need no reason",
+    )
+    parser.add_argument(
+        "--least",
+        type=float,
+        default=95,
+        metavar="P",
+        help="percentage of mutants to be killed at least (95)",
+    )
+    parser.add_argument(
+        "-j", "--jobs", type=int, default=1, metavar="N", help="mutants at a time (1)"
+    )
+    parser.add_argument(
+        "--build", type=Path, default=ROOT / "build/fortran", help=argparse.SUPPRESS
+    )
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Try mutants, and tell what became of them."""
+    asked = arguments()
+    files = [
+        str(path.relative_to(ROOT))
+        for folder in ROOMS
+        for path in sorted((ROOT / "src" / folder).glob("*.f90"))
+    ]
+    files = [
+        file
+        for file in files
+        if not asked.file or any(fnmatch(file, pattern) for pattern in asked.file)
+    ]
+    if not files:
+        sys.exit(f"mutate: no file of {', '.join(ROOMS)} is named so: {', '.join(asked.file)}")
+    trial = Trial(asked.build, None if asked.fortran_only else ROOT / "build/editable")
+    tests = digest(
+        *(ROOT / "tests").glob("*/*.py"),
+        *(ROOT / "tests/fortran").glob("*.f90"),
+        HERE / "python_tests.txt",
+    )
+    store = ROOT / "build/mutation/results.jsonl"
+    store.parent.mkdir(parents=True, exist_ok=True)
+    kept = {}
+    if store.exists():
+        for line in store.read_text(encoding="utf-8").splitlines():
+            key, outcome, under = json.loads(line)
+            if not outcome.startswith("survived") or under == tests + str(asked.fortran_only):
+                kept[key] = outcome
+    known, lock = listed(), threading.Lock()
+    prints = {file: digest(ROOT / file) for file in files}
+
+    def run(mutant: Mutant) -> tuple[Mutant, str]:
+        key = f"{mutant} {prints[mutant.file]}"
+        outcome = kept.get(key)
+        if outcome is None:
+            outcome = trial(mutant)
+            with lock, store.open("a", encoding="utf-8") as out:
+                print(json.dumps([key, outcome, tests + str(asked.fortran_only)]), file=out)
+            if outcome == "survived":
+                print(f"{mutant}\n", flush=True)
+        return mutant, outcome
+
+    with ThreadPoolExecutor(asked.jobs) as pool:
+        outcomes = list(pool.map(run, sample(files, asked.sample, asked.seed)))
+    return report(outcomes, known, asked)
+
+
+def report(outcomes: list[tuple[Mutant, str]], known: dict, asked: argparse.Namespace) -> int:
+    """Print the table by folder and the survivors that are not listed; return the exit status."""
+    counts: dict[str, Counter] = {folder: Counter() for folder in (*ROOMS, "all")}
+    new = []
+    for mutant, outcome in outcomes:
+        word = outcome.split(" by ")[0]
+        if word == "survived":
+            reason = known.get((mutant.file, mutant.before.strip(), mutant.after.strip()))
+            word = (
+                "unlisted"
+                if reason is None
+                else "equivalent"
+                if reason.startswith("equivalent")
+                else "listed"
+            )
+            if reason is None:
+                new.append(mutant)
+        for row in (mutant.file.split("/")[1], "all"):
+            counts[row][word] += 1
+    words = ("killed", "listed", "unlisted", "equivalent", "not valid")
+    print(f"{'folder':<10}" + "".join(f"{word:>12}" for word in words) + f"{'ratio':>9}")
+    for folder, count in counts.items():
+        real = count["killed"] + count["listed"] + count["unlisted"]
+        ratio = f"{100 * count['killed'] / real:8.1f}%" if real else ""
+        print(f"{folder:<10}" + "".join(f"{count[word]:>12}" for word in words) + ratio)
+    if not asked.fortran_only:
+        for mutant in new:
+            print(f"\nno test fails, and survivors.txt gives no reason:\n{mutant}")
+    count = counts["all"]
+    real = count["killed"] + count["listed"] + count["unlisted"]
+    return int(100 * count["killed"] < asked.least * real or (bool(new) and not asked.fortran_only))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

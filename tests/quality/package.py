@@ -1,0 +1,33 @@
+"""A copy of the Python package around another build of the core, which no editable install hides."""
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Python reads this file before anything else: the editable package, which would be found first, is hidden.
+HIDE = "import sys; sys.meta_path[:] = [f for f in sys.meta_path if type(f).__name__ != 'MesonpyMetaFinder']\n"
+
+
+def copy_package(site: Path, build: Path, first: str = "") -> Path:
+    """Link the package's files into a folder for PYTHONPATH; return where the module _core belongs.
+
+    `build` is a folder with a build that has what meson writes of the package, and `first` what else every
+    interpreter does.
+    """
+    package = site / "vibroimpact"
+    package.mkdir(parents=True)
+    (site / "sitecustomize.py").write_text(HIDE + first, encoding="utf-8")
+    written = (path for path in (build / "python").glob("_*.py"))
+    for path in (*(ROOT / "python/vibroimpact").iterdir(), *written):
+        (package / path.name).symlink_to(path)
+    (site / "vibroimpact_start.py").symlink_to(ROOT / "python/vibroimpact_start.py")
+    return package / core_of(build).name
+
+
+def core_of(build: Path) -> Path:
+    """Return the module _core of a build."""
+    return next((build / "python").glob("_core.*.so"))
+
+
+def variables(site: Path, program: Path) -> dict[str, str]:
+    """Return the environment of tests with such a copy."""
+    return {"PYTHONPATH": str(site), "VIBROIMPACT_BATCH": str(program), "VIBROIMPACT_BUILT": "1"}
