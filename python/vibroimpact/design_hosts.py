@@ -17,6 +17,7 @@ from .errors import ParameterError, ParameterTypeError, SingularError
 from .model import Oscillator
 from .record import Record
 from .structure import Load, Structure
+from .structure_motion import exact_structure
 from .structure_trajectory import StructureTrajectory, simulate_structure
 from .studies.decay import decay
 
@@ -24,8 +25,8 @@ _Array = NDArray[np.float64]
 #: Samples in a cycle of the load from which extremes are refined, and least number of samples of a record.
 SAMPLES, LEAST = 200, 5_000
 #: Figures of a structure that can be limited or minimised.
-FIGURES = ("displacement", "rms", "speed")
-TARGETS = ("attenuation", "displacement", "rms")
+FIGURES = ("displacement", "rms", "speed", "acceleration", "force", "multiplier", "least_speed")
+TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,8 @@ class StructureHost:
     target : str
         One of `TARGETS`; the attenuation is the greatest displacement over that of the structure without gaps.
     limits : mapping
-        Greatest displacement, rms, or approach speed.
+        Greatest of `FIGURES`: the force is that of springs and dashpots on the coordinate, and the multiplier the
+        greatest modulus of those of the motion that is reached. The least speed is the least allowed one.
     settling, keep : int
         Load cycles before those that count, and those; a record counts whole.
     threads : int or None
@@ -94,7 +96,14 @@ class StructureHost:
             target = figures["displacement"] / self._figures(free, force, 0 * place)["displacement"]
         else:
             target = figures[self.target]
-        return target, max([0.0, *(figures[name] / limit for name, limit in self.limits.items())])
+        least = figures.get("least_speed", math.inf)
+        over = [
+            (limit / least if least > 0 else math.inf)
+            if name == "least_speed"
+            else figures[name] / limit
+            for name, limit in self.limits.items()
+        ]
+        return target, max([0.0, *over])
 
     def _built(
         self, values: Mapping[str, float], r: float, load: float
@@ -139,9 +148,32 @@ class StructureHost:
             return dict.fromkeys(FIGURES, math.inf)
         least, greatest, rms = extent(run, begin, many, self.coordinate)
         late = run.events[run.events["time"] >= begin]
-        return {
+        figures = {
             "displacement": max(-least, greatest), "rms": rms, "speed": float(late["speed"].max(initial=0.0)),
         }  # fmt: skip
+        hits = late[late["kind"] == "impact"]
+        figures["least_speed"] = (
+            float(hits["speed"].min(initial=math.inf)) if len(hits) == len(late) else 0.0
+        )
+        asked = {self.target, *self.limits}
+        if asked & {"acceleration", "force"}:
+            found = run.quantities(window=(begin, run.end))
+            for name, signal in {"acceleration": found.q_ddot, "force": found.transmitted}.items():
+                figures[name] = float(np.atleast_1d(signal.peak)[self.coordinate])
+        if "multiplier" in asked:
+            figures["multiplier"] = self._multiplier(run) if len(late) else 0.0
+        return figures
+
+    def _multiplier(self, run: StructureTrajectory) -> float:
+        """The greatest modulus of the multipliers of the motion that a simulation reached; inf without one."""
+        if not isinstance(run.load, Load):
+            raise ParameterError(
+                "limits: multiplier: must be left out for a record, which has no period"
+            )
+        try:
+            return float(np.abs(exact_structure(run.structure, run.load, run).multipliers[0]))
+        except (SingularError, ParameterError):
+            return math.inf
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,13 @@ def test_the_oscillator_as_a_structure_has_the_same_figures():
     values = {"clearance": np.array([10.0, 20.0, 30.0])}
     r, load = np.array([1.0, 1.01, 1.02]), np.array([1.0, 0.8, 1.2])
     places = np.random.default_rng(0).uniform(-1, 1, (4, 3))
-    for target in ("attenuation", "displacement", "rms"):
-        one = StructureHost(build, 0, target, {"speed": 20.0}, 400, 6, None)
-        other = OscillatorHost(osc, None, target, {"speed": 20.0}, 400, 6, None)
+    for target, limits in (
+        ("attenuation", {"speed": 20.0}), ("displacement", {"multiplier": 0.5}), ("rms", {"force": 3.0}),
+        ("acceleration", {"acceleration": 4.0}), ("force", {"multiplier": 0.9, "least_speed": 3.0}),
+        ("rms", {"least_speed": 3.0}),
+    ):  # fmt: skip
+        one = StructureHost(build, 0, target, limits, 400, 6, None)
+        other = OscillatorHost(osc, None, target, limits, 400, 6, None)
         found, expected = (host.outcome(values, r, load, places, None, "") for host in (one, other))
         np.testing.assert_allclose(found.target, expected.target, rtol=2e-3)
         np.testing.assert_allclose(found.excess, expected.excess, rtol=2e-3)
@@ -108,3 +112,18 @@ def test_errors_of_a_host_are_its_own():
         vi.design(lambda r, load, clearance: 3, **GOOD, **QUICK)
     with pytest.raises(TypeError, match="unexpected keyword argument 'clearance'"):
         vi.design(lambda r, load: 3, **GOOD, **QUICK)
+
+
+def test_a_record_has_no_multiplier():
+    """The error names the limit."""
+    wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 0.1, 0.7)])
+
+    def build(r, load, opening):
+        return wall, vi.Record(0.1, load * np.sin(np.arange(200) / 10)[:, None])
+
+    host = StructureHost(build, 0, "rms", {"multiplier": 0.9}, 1, 1, None)
+    one = np.ones(1)
+    with pytest.raises(
+        vi.ParameterError, match="limits: multiplier: must be left out for a record"
+    ):
+        host.outcome({"opening": one}, one, one, np.zeros((4, 1)), None, "")

@@ -421,7 +421,8 @@ def design(
     target : {'attenuation', 'displacement', 'rms', 'acceleration', 'force', 'damping'}
         What is minimised: max|X|/A, max|X|, root mean square of X, greatest acceleration of the primary mass
         between impacts, greatest force on the base; all but the first in F0/K, omega^2 F0/K and F0. The damping
-        ratio in free vibration is maximised. A function has the first three.
+        ratio in free vibration is maximised. A function has all but the damping, of one coordinate: the force is
+        that of springs and dashpots on it.
     limit : float, optional
         Value of the target that has to be reached.
     quantile : float
@@ -430,7 +431,8 @@ def design(
         Greatest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
         of the ``multiplier``; a simulation without a period is above a limit of the multiplier. Least allowed
         distances to boundaries: ``least_speed`` at an impact, and ``least_gap``, the distance from a wall that the
-        free mass approaches without an impact; a simulation with rest is below both.
+        free mass approaches without an impact; a simulation with rest is below both. A function has all but the
+        last one, and under a Record no multiplier.
     over : {'worst', 'basins'}
         Whether the worst attractor of a unit counts, or each by the share of initial states that reach it.
     amplitude : float or (float, float), optional
