@@ -1,4 +1,4 @@
-"""Put the licences of the libraries that a self-contained wheel carries into it.
+"""Put the licences of the libraries that a self-contained wheel carries into it, and its bill of materials.
 
     python packaging/licences.py FILE.whl
 
@@ -15,6 +15,8 @@ import sys
 from importlib.metadata import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import bill
 
 COMMON = Path("/usr/share/common-licenses")
 
@@ -41,12 +43,16 @@ def static_archives():
 
 def packages(wheel):
     """The packages of the system whose libraries are in an unpacked wheel."""
-    for bill in wheel.glob("*.dist-info/sboms/auditwheel.cdx.json"):
-        for component in json.loads(bill.read_text(encoding="utf-8"))["components"]:
+    for copied in wheel.glob("*.dist-info/sboms/auditwheel.cdx.json"):
+        for component in json.loads(copied.read_text(encoding="utf-8"))["components"]:
             if found := re.match(r"pkg:(?:deb|rpm)/[^/]+/([^@]+)@", component["purl"]):
                 yield found[1]
-    if lapack(wheel) == "reference LAPACK, static":
-        yield from map(owner, static_archives())
+    yield from static(wheel)
+
+
+def static(wheel):
+    """The packages of the system that are linked statically."""
+    return [*map(owner, static_archives())] if lapack(wheel) == "reference LAPACK, static" else []
 
 
 def lapack(wheel):
@@ -103,5 +109,8 @@ if __name__ == "__main__":
         subprocess.run([*tool, "unpack", "--dest", folder, file], check=True)
         (unpacked,) = Path(folder).iterdir()
         print(*sorted(add(unpacked)), sep="\n")
+        bill.add(unpacked, static(unpacked), lapack(unpacked))
+        for made in unpacked.glob(f"*.dist-info/sboms/{bill.NAME}"):
+            shutil.copyfile(made, file.with_suffix(".cdx.json"))
         # writes RECORD anew
         subprocess.run([*tool, "pack", "--dest-dir", file.parent, unpacked], check=True)

@@ -9,15 +9,21 @@ another that is named. Everything is in build/wheel.
 import base64
 import csv
 import hashlib
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+from fnmatch import filter as fnmatch_filter
 from fnmatch import fnmatch
 from pathlib import Path
 from zipfile import ZipFile
 
+import bill
+from cyclonedx.schema import SchemaVersion
+from cyclonedx.validation.json import JsonStrictValidator
+from elftools.elf.elffile import ELFFile
 from hide import HIDDEN, hidden
 
 ROOT = Path(__file__).parents[1]
@@ -113,10 +119,7 @@ def check_licences(wheel):
     }
     told = re.findall(r"^License-File: (.*)", held[f"{info}/METADATA"].decode(), re.MULTILINE)
     assert sorted(told) == sorted(texts)
-    paths = [Path(name) for name in held if re.search(r"\.libs/|/lib[^/]*\.(so|dylib)", name)]
-    carried = {re.match(r"lib[a-z_]+", path.name)[0] for path in paths}
-    if lapack(PYTHON) == "reference LAPACK, static":
-        carried |= {"liblapack", "libblas"}
+    carried = carried_by(held)
     for library in carried:
         key = next((key for key in LICENCES if library.startswith(key)), None)
         assert key, f"{library}: whose licence that is, test_wheel.py does not know"
@@ -132,6 +135,74 @@ def check_licences(wheel):
     sums = {name: sum256 for name, sum256, _ in csv.reader(record)}
     assert {**{name: digest(data) for name, data in held.items()}, f"{info}/RECORD": ""} == sums
     print("licences: of", *sorted(carried))
+
+
+def carried_by(names):
+    """The libraries among the files of a wheel."""
+    paths = [Path(name) for name in names if re.search(r"\.libs/|/lib[^/]*\.(so|dylib)", name)]
+    found = {re.match(r"lib[a-z_]+", path.name)[0] for path in paths}
+    return found | (
+        {"liblapack", "libblas"} if lapack(PYTHON) == "reference LAPACK, static" else set()
+    )
+
+
+def check_bill(wheel):
+    """The bill of materials is valid, and has each library with a version, a licence and a source."""
+    with ZipFile(wheel) as opened:
+        (name,) = fnmatch_filter(opened.namelist(), f"*.dist-info/sboms/{bill.NAME}")
+        text = opened.read(name).decode()
+        libraries = carried_by(opened.namelist())
+        sums = {
+            hashlib.sha256(opened.read(name)).hexdigest()
+            for name in opened.namelist() if ".libs/" in name
+        }  # fmt: skip
+    assert Path(wheel).with_suffix(".cdx.json").read_text(encoding="utf-8") == text
+    assert JsonStrictValidator(SchemaVersion.V1_6).validate_str(text) is None
+    parts = json.loads(text)["components"]
+    for library in libraries:
+        pattern = next(LICENCES[key][0] for key in LICENCES if library.startswith(key))
+        (part,) = (part for part in parts if fnmatch(part["name"], pattern))
+        assert all(part[key] for key in ("version", "licenses", "purl")), part
+    assert len(parts) == len(libraries)
+    assert sums == {one["content"] for part in parts for one in part.get("hashes", ())}
+    print("bill of materials:", *(f"{part['name']} {part['version']}" for part in parts))
+
+
+def check_checksums(wheel):
+    """SHA256SUMS has each file that was made, and nothing else."""
+    folder = Path(wheel).parent
+    lines = (folder / "SHA256SUMS").read_text().splitlines()
+    told = {name: number for number, name in (line.split("  ") for line in lines)}
+    made = {
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in folder.glob("vibroimpact-*")
+    }
+    assert told == made
+    print("checksums: of", *sorted(made))
+
+
+def glibc_of(file):
+    """The newest version of the C library that a file needs, as (2, 34)."""
+    needed = ELFFile(file).get_section_by_name(".gnu.version_r")
+    names = [item.name for _, items in needed.iter_versions() for item in items] if needed else []
+    found = [name.removeprefix("GLIBC_") for name in names if re.fullmatch(r"GLIBC_[\d.]+", name)]
+    return max((tuple(map(int, name.split("."))) for name in found), default=(2, 0))
+
+
+def check_glibc(wheel):
+    """What is compiled here needs no newer C library than what the compiler's libraries need."""
+    needs = {}
+    with ZipFile(wheel) as opened:
+        for name in opened.namelist():
+            with opened.open(name) as file:
+                if file.read(4) == b"\x7fELF":
+                    file.seek(0)
+                    needs[name] = glibc_of(file)
+    libraries = {name: need for name, need in needs.items() if ".libs/" in name}
+    newest = max(libraries.values())
+    assert all(need <= newest for need in needs.values()), needs
+    holding = sorted(Path(name).name for name, need in libraries.items() if need == newest)
+    print(f"needs glibc {newest[0]}.{newest[1]}, for:", *holding)
 
 
 def digest(data):
@@ -160,5 +231,6 @@ if __name__ == "__main__":
     install(*sys.argv[1:])
     check_in_clean_environment()
     check_results()
-    check_licences(sys.argv[1])
+    for check in (check_licences, check_bill, check_checksums, check_glibc):
+        check(sys.argv[1])
     check_types()

@@ -475,7 +475,7 @@ def test_a_killed_worker(tmp_path):
     """A worker that is killed: its cases are computed by another one, and the store is the undisturbed one."""
     distributed = pytest.importorskip("distributed")
     sweep = vi.Sweep(
-        equispaced_case(), {"r": np.linspace(0.9, 1.1, 40), "clearance": np.geomspace(2, 200, 25)}
+        equispaced_case(), {"r": np.linspace(0.9, 1.1, 12), "clearance": np.geomspace(2, 200, 25)}
     )
     vi.campaign(sweep, tmp_path / "whole", chunk=25)
     killed = []

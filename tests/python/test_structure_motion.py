@@ -284,7 +284,7 @@ def test_the_determinant_of_thousands_of_random_structures():
     """
     rng = np.random.default_rng(3)
     precise = rests = 0
-    for _ in range(9000):
+    for _ in range(3000):
         structure, load = structure_of_six_gaps(rng)
         try:
             motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=100))
@@ -302,8 +302,8 @@ def test_the_determinant_of_thousands_of_random_structures():
         assert motion.law == pytest.approx(law, rel=1e-11)
         assert abs(motion.determinant - law) <= 1e-11 * law + 1e-14 * scale
         precise += abs(motion.determinant / law - 1) < 1e-11
-    assert precise > 700
-    assert precise + rests > 2000
+    assert precise > 230
+    assert precise + rests > 660
 
 
 def squared(restitution, v):
