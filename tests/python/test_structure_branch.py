@@ -65,8 +65,8 @@ def test_symmetric_motions_are_followed_through_pitchforks():
     assert [2 * p.value for p in ours] == pytest.approx([p.clearance for p in theirs], rel=1e-9)
 
 
-def followed(seeds):
-    """Branches of random structures with drags, springs between bodies, and free hosts."""
+def followed(seeds, names=None):
+    """Branches of random structures with drags, springs and free hosts, in some parameters or in all."""
     for seed in seeds:
         rng = np.random.default_rng(seed)
         structure, load = random_structure(rng)
@@ -80,8 +80,9 @@ def followed(seeds):
             "restitution_1": (0.25, 0.95), "damping": (0.6, 1.8), "stiffness": (0.9, 1.1),
             f"mass_{last}_{last}": (0.8 * structure.mass[-1, -1], 1.3 * structure.mass[-1, -1]),
         }  # fmt: skip
-        for name, (low, high) in bounds.items():
-            yield name, vi.branch(motions[0], name, (low, high))
+        for name, ends in bounds.items():
+            if names is None or name in names:
+                yield name, vi.branch(motions[0], name, ends)
 
 
 def law_of(kind, branch, i):
@@ -110,9 +111,7 @@ def test_motions_of_branches_are_starts(pair):
     motion = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), shifted)
     assert motion.phases == pytest.approx(pair[0].phases, abs=1e-12)
     branches = [vi.branch(motion, "frequency", (0.8, 1.2))]
-    branches += [
-        branch for name, branch in followed([0, 1]) if name in ("frequency", "restitution_1")
-    ]
+    branches += [branch for _, branch in followed([0, 1], ("frequency", "restitution_1"))]
     kinds = set()
     for branch in branches:
         assert branch.phases.min() >= 0
@@ -137,7 +136,8 @@ def test_motions_of_branches_are_starts(pair):
 def test_special_points_of_random_structures():
     """Each special point meets its law; verdicts change only at special points; grazes touch."""
     kinds = set()
-    for name, branch in followed(range(0, 12)):
+    # others have no motion; 7, a large structure, takes as long as all of these
+    for name, branch in followed([0, 1, 3, 8, 9, 11]):
         special = {point.index: point for point in branch.special_points}
         assert branch.residual.max() < 1e-9, name
         for i, point in special.items():
