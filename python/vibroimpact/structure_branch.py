@@ -30,8 +30,9 @@ class StructureSpecialPoint:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, simultaneous (impacts on two gaps at one
-        instant, beyond which their order is another), or bound (of the parameter).
+        fold, pitchfork, branch_point (a pitchfork or transcritical point where impacts at one instant part), flip,
+        neimark_sacker, grazing, zero_approach, simultaneous (impacts on two gaps at one instant, beyond which
+        their order is another), or bound (of the parameter).
     index : int
         Its place among the points of the branch.
     value : float
@@ -267,8 +268,8 @@ def branch_structure(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     SingularError
-        If the motion rests, repeats itself, is symmetric at each instant with impacts on exchanged gaps, or
-        cannot be followed.
+        If the motion rests or repeats itself, if gaps close at one instant that would not for other values of
+        the parameter or that damping couples, or if it cannot be followed.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 

@@ -30,8 +30,9 @@ class StructurePiece:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, simultaneous (impacts on two gaps at one
-        instant), window (an edge of the window), or joint, a straight piece between two loose ends.
+        fold, pitchfork, branch_point (a pitchfork or transcritical point where impacts at one instant part), flip,
+        neimark_sacker, grazing, zero_approach, simultaneous (impacts on two gaps at one instant), window (an edge
+        of the window), or joint, a straight piece between two loose ends.
     x, y : ndarray (M,)
         Vertices in order; the first and the last are corners, unless the whole boundary is one piece.
     speeds, phases : ndarray (N, M)

@@ -11,12 +11,17 @@ module vi_structure_assess
    use vi_motion, only: no, unknown, yes
    use vi_status, only: stat
    use vi_structure, only: regime_type, structure_type
+   use vi_structure_exact, only: instant
    use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
    use vi_structure_motion, only: equations_type, impulse_of, since, state_after
    implicit none (type, external)
    private
 
-   public :: assess_multipliers, assess_structure
+   public :: assess_multipliers, assess_structure, coupling_at_instants
+
+   !> How impacts at one instant are coupled: an impulse changes nothing on the other gap, its
+   !! acceleration, or its speed.
+   integer, parameter, public :: none = 0, by_damping = 1, by_mass = 2
 
    !> The multipliers of a motion, and the verdicts: consistent, admissible, stable.
    type, public :: structure_verdicts_type
@@ -55,7 +60,7 @@ contains
       real(wp) :: flight, rounding, impulse, slope
       type(reached_type) :: reached
       logical :: first, complete
-      integer :: i, j, n, next, status
+      integer :: coupling, i, j, n, next, status
 
       n = size(speeds)
       allocate (verdicts%multipliers(2*size(x)), source=cmplx(ieee_value(1.0_wp, ieee_quiet_nan), &
@@ -98,12 +103,51 @@ contains
          end associate
          rounding = max(rounding, maxval(speeds)/speeds(next))
       end do
-      call to_coordinates(regime, d, verdicts%p)
-      call assess_multipliers(rounding*epsilon(1.0_wp), verdicts)
-      if (verdicts%consistent == yes) then
+      coupling = coupling_at_instants(structure, equations%gaps, [(findloc(are_together(equations, &
+         i), .true., dim=1), i=1, n)])
+      if (coupling == none) then
+         call to_coordinates(regime, d, verdicts%p)
+         call assess_multipliers(rounding*epsilon(1.0_wp), verdicts)
+      else
+         verdicts%determinant = ieee_value(1.0_wp, ieee_quiet_nan)
+      end if
+      if (verdicts%consistent == yes .and. coupling /= by_mass) then
          verdicts%admissible = admission(all(speeds > 0) .and. first, complete)
       end if
    end subroutine assess_structure
+
+   !> How impacts at one instant are coupled.
+   !!
+   !! If an impulse changes the acceleration of the other gap, the speed of an impact that comes
+   !! slightly later changes by the time between both, and a disturbance grows by a factor that
+   !! depends on the order: the period has no derivative.
+   pure integer function coupling_at_instants(structure, gaps, instants) result(coupling)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> (N) The gaps of the impacts; equal numbers for impacts at one instant.
+      integer, intent(in) :: gaps(:), instants(:)
+      real(wp), parameter :: rounding = 1.0e-12_wp
+      integer :: i, j
+
+      coupling = none
+      do i = 1, size(gaps)
+         do j = i + 1, size(gaps)
+            if (instants(i) /= instants(j)) cycle
+            associate (one => structure%mobility(:, gaps(i)), &
+               other => structure%mobility(:, gaps(j)), &
+               direction => structure%directions(:, gaps(i)), damping => structure%damping)
+               if (abs(dot_product(direction, other)) > rounding*dot_product(abs(direction), &
+                  abs(other))) then
+                  coupling = by_mass
+                  return
+               else if (abs(dot_product(one, matmul(damping, other))) > rounding*dot_product( &
+                  abs(one), matmul(abs(damping), abs(other)))) then
+                  coupling = by_damping
+               end if
+            end associate
+         end do
+      end do
+   end function coupling_at_instants
 
    !> The first contact of a flight of the motion.
    pure subroutine first_contact(structure, regime, equations, speeds, i, x, v, flight, reached)
@@ -155,11 +199,23 @@ contains
             reached%wall > 0)
          ! of impacts at one instant on gaps that are not coupled any may come first
          if (.not. agrees) agrees = any(equations%gaps == merge(regime%upper_gap(reached%row), &
-            regime%lower_gap(reached%row), reached%wall > 0) .and. abs(equations%times - &
-            equations%times(next)) <= 0)
+            regime%lower_gap(reached%row), reached%wall > 0) .and. are_together(equations, next))
          agrees = agrees .and. abs(reached%time - flight) <= agreement*equations%period
       end associate
    end function agrees
+
+   !> Which impacts are at the instant of a given one.
+   pure function are_together(equations, impact) result(together)
+      !> The equations of the motion.
+      type(equations_type), intent(in) :: equations
+      !> The impact.
+      integer, intent(in) :: impact
+      logical :: together(size(equations%times))
+      real(wp) :: apart(size(equations%times))
+
+      apart = abs(equations%times - equations%times(impact))
+      together = min(apart, abs(equations%period - apart)) <= instant*equations%period
+   end function are_together
 
    !> Eigenvalues of [P] (DGEEV), its determinant, and the verdict on stability.
    !!

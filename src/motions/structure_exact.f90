@@ -17,6 +17,8 @@ module vi_structure_exact
    !! are due to rounding.
    real(wp), parameter :: negligible = 16*epsilon(1.0_wp), small = 1.0e-7_wp, &
       at_rounding = 64*epsilon(1.0_wp)
+   !> Impacts nearer to each other, relative to the period, are at one instant.
+   real(wp), parameter, public :: instant = 1.0e-12_wp
 
 contains
 
@@ -77,7 +79,7 @@ contains
             flight = since(times, period, next, i)
             closing = step(i) - step(next)
             ! impacts at one instant keep their order
-            if (n > 1 .and. closing > 0.5_wp*flight .and. flight > 0) then
+            if (n > 1 .and. closing > 0.5_wp*flight .and. flight > instant*period) then
                share = min(share, 0.5_wp*flight/closing)
             end if
          end do
@@ -102,6 +104,12 @@ contains
          status = stat%no_convergence
          return
       end if
+      do i = 2, n
+         ! impacts at one instant keep their order in spite of rounding
+         if (abs(times(i) - times(i - 1)) > instant*period) cycle
+         if (abs(dot_product(structure%directions(:, gaps(i)), structure%mobility(:, &
+            gaps(i - 1)))) <= 0) times(i) = times(i - 1)
+      end do
       call new_equations(structure, regime, gaps, times, period, equations, status)
       if (status /= stat%ok) return
       call residuals(structure, equations, speeds, offsets, value, scale)

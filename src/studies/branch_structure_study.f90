@@ -251,8 +251,8 @@ contains
       type(change_type), intent(in) :: change
       character(*), intent(in) :: name
       type(line_type) :: special(size(motions)), detail(size(motions)), ends(2)
-      character(14), parameter :: names(7) = [character(14) :: 'fold', 'pitchfork', 'flip', &
-         'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous']
+      character(14), parameter :: names(8) = [character(14) :: 'fold', 'pitchfork', &
+         'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous']
       character(:), allocatable :: text
       real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions))
       real(wp), parameter :: turn = 2*acos(-1.0_wp)
@@ -316,19 +316,23 @@ contains
       character(*), intent(in) :: names(:)
       !> The text; empty if there is nothing to say.
       character(:), allocatable, intent(out) :: text
-      integer :: gap
+      integer :: gap, number
 
       text = ''
+      number = condition%index
+      associate (s => curve%frame%structure)
+         if (allocated(s%impact_of)) number = findloc(s%impact_of, number, dim=1, &
+            back=condition%kind == grazing)
+         gap = findloc(s%path%structure%channel*s%path%structure%wall, condition%side, dim=1)
+         if (allocated(s%impact_of) .and. gap > 0) gap = s%path%kept(gap)
+      end associate
       select case (condition%kind)
       case (grazing)
-         associate (structure => curve%frame%structure%path%structure)
-            gap = findloc(structure%channel*structure%wall, condition%side, dim=1)
-         end associate
-         text = 'flight '//whole(condition%index)//' touches gap '//whole(gap - 1)
+         text = 'flight '//whole(number)//' touches gap '//whole(gap - 1)
          if (condition%share >= 1) text = 'gap '//whole(gap - 1)// &
-            ' closes at the end of flight '//whole(condition%index)
+            ' closes at the end of flight '//whole(number)
       case (zero_approach)
-         text = 'impact '//whole(condition%index)
+         text = 'impact '//whole(number)
       case (edge)
          text = trim(merge('lowest ', 'highest', condition%side > 0))//' '// &
             trim(names(condition%index))

@@ -1,7 +1,7 @@
 !> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
    use vi_frame, only: edge, flip, fold, grazing, joint, neimark_sacker, repetition, &
-      rest_vanishes, zero_approach
+      rest_vanishes, together, zero_approach
    implicit none (type, external)
    private
 
@@ -30,8 +30,9 @@ contains
       select case (kind)
       case (fold)
          name = 'fold'
+         if (index > 0) name = merge('pitchfork   ', 'branch_point', index == together)
       case (flip)
-         name = merge('pitchfork', 'flip     ', symmetric)
+         name = merge('pitchfork', 'flip     ', symmetric .and. index == 0)
       case (neimark_sacker)
          name = 'neimark_sacker'
       case (zero_approach)

@@ -11,12 +11,16 @@ module vi_frame
 
    public :: condition_at, condition_count, is_inside, unknown_count, wrap_phases
 
-   !> Kinds of conditions; `flip` of a symmetric family is the pitchfork.
+   !> Kinds of conditions; `flip` of a symmetric family is the pitchfork. Those of stability have
+   !! the index 0, or `together` and `alike` for disturbances after which impacts at one instant
+   !! occur one by one: `together` where a symmetry exchanges their gaps.
    integer, parameter, public :: fold = 1, flip = 2, neimark_sacker = 3, zero_approach = 4, &
       grazing = 5, repetition = 6, edge = 7, rest_vanishes = 8
 
    !> Not a condition: the straight piece between two loose ends of a boundary that were joined.
    integer, parameter, public :: joint = 9
+
+   integer, parameter, public :: together = 1, alike = 2
 
    !> One condition. `index` is the impact, the flight, the repetition or the parameter.
    type, public :: condition_type
@@ -93,16 +97,26 @@ contains
          condition_count = 3 + 3*size(frame%rest%symbols) + size(frame%edges)
       else
          condition_count = 3 + 2*size(frame%family%sides) + size(frame%repetitions) &
-            + size(frame%edges)
+            + merge(3, 0, has_together(frame)) + size(frame%edges)
       end if
    end function condition_count
+
+   !> Whether several gaps of a structure close at one instant along the whole family.
+   pure logical function has_together(frame)
+      !> The family, of either kind.
+      type(frame_type), intent(in) :: frame
+
+      has_together = allocated(frame%structure)
+      if (has_together) has_together = allocated(frame%structure%impact_of)
+   end function has_together
 
    !> Condition number j of a frame, without the details that `all_conditions` finds.
    pure function condition_at(frame, j) result(condition)
       !> The family, its repetitions, and its edges.
       type(frame_type), intent(in) :: frame
       !> 1 to 3: fold, flip, Neimark-Sacker; then zero approach, grazing, and repetition or
-      !! vanishing rest, by impact, flight, symbol or repetition; then the edges.
+      !! vanishing rest, by impact, flight, symbol or repetition; then those of stability for
+      !! impacts at one instant, if there are any; then the edges.
       integer, intent(in) :: j
       type(condition_type) :: condition
       integer :: n, m
@@ -123,8 +137,11 @@ contains
       else if (j <= 3 + 2*n + m) then
          condition = condition_type(merge(rest_vanishes, repetition, frame%resting), j - 3 - 2*n, &
             bound=frame%apart)
+      else if (has_together(frame) .and. j <= 6 + 2*n + m) then
+         condition = condition_type(j - 3 - 2*n - m, merge(together, alike, &
+            frame%structure%exchanged))
       else
-         condition = frame%edges(j - 3 - 2*n - m)
+         condition = frame%edges(j - 3 - 2*n - m - merge(3, 0, has_together(frame)))
       end if
    end function condition_at
 

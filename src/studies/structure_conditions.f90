@@ -15,6 +15,7 @@ module vi_structure_conditions
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_family, only: flight_duration, member_multipliers, member_type, move_member, &
       set_flights, set_member
+   use vi_structure_together, only: multipliers_beside
    implicit none (type, external)
    private
 
@@ -38,7 +39,7 @@ contains
       !> The multipliers.
       type(spectrum_type), intent(out) :: spectrum
       type(member_type) :: member
-      real(wp) :: three(3)
+      real(wp) :: three(3, 0:1)
       integer :: j
 
       call set_member(frame%structure, frame%family, unknowns, c(:size( &
@@ -49,7 +50,8 @@ contains
          call stability_values(frame, unknowns, member, three, spectrum)
          if (.not. frame%every_crossing .and. all(three > 0)) then
             ! only stable motions are inside
-            if (outside_circle(spectrum, 0) > 0) three(neimark_sacker) = -three(neimark_sacker)
+            if (outside_circle(spectrum, 0) > 0) three(neimark_sacker, 0) = &
+               -three(neimark_sacker, 0)
          end if
       end if
       do j = 1, size(values)
@@ -62,7 +64,7 @@ contains
             else if (condition%kind == grazing) then
                call gap_of_flight(frame, member, condition, values(j))
             else if (condition%kind <= neimark_sacker) then
-               values(j) = three(condition%kind)
+               values(j) = three(condition%kind, min(condition%index, 1))
             else
                values(j) = simple_value(frame, unknowns, member, condition)
             end if
@@ -153,7 +155,7 @@ contains
       !> The value.
       real(wp), intent(out) :: value
       type(spectrum_type) :: spectrum
-      real(wp) :: three(3)
+      real(wp) :: three(3, 0:1)
 
       value = -1
       if (.not. member%exists) return
@@ -161,7 +163,7 @@ contains
       case (fold, flip, neimark_sacker)
          call set_flights(frame%family, member)
          call stability_values(frame, unknowns, member, three, spectrum)
-         value = three(condition%kind)
+         value = three(condition%kind, min(condition%index, 1))
       case (grazing)
          call set_flights(frame%family, member)
          value = touch_value(frame, member, condition)
@@ -197,43 +199,67 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> The motion, with its flights.
       type(member_type), intent(in) :: member
-      !> The numbers; 0 where an impact has no approach speed.
-      real(wp), intent(out) :: values(3)
+      !> (3, 0:1) The numbers of the family, and those of disturbances after which its impacts at
+      !! one instant occur one by one; 0 where an impact has no approach speed.
+      real(wp), intent(out) :: values(:, 0:)
       !> The multipliers.
       type(spectrum_type), intent(out) :: spectrum
-      real(wp) :: continued, least(2, 3)
-      logical :: one, two
-      integer :: i, j
+      complex(wp), allocatable :: beside(:)
+      real(wp) :: signs(size(frame%family%sides))
+      integer :: i
 
       values = 0
       call member_multipliers(frame%family, member, spectrum%multipliers, spectrum%regular)
       if (.not. spectrum%regular) return
-      values = 1
-      least = huge(1.0_wp)
-      associate (lambda => spectrum%multipliers)
-         do i = 1, size(lambda)
-            one = .not. abs(lambda(i)%im) > 0
-            call include(lambda(i), one, values(fold), least(:, fold))
-            call include(-lambda(i), one, values(flip), least(:, flip))
-            do j = i + 1, size(lambda)
-               two = one .and. .not. abs(lambda(j)%im) > 0
-               ! DGEEV gives conjugate pairs in succession
-               if (j == i + 1 .and. lambda(i)%im > 0) two = .true.
-               call include(lambda(i)*lambda(j), two, values(neimark_sacker), &
-                  least(:, neimark_sacker))
-            end do
-         end do
-      end associate
-      values = values*product(least, 1, least < huge(1.0_wp))
       ! where an approach speed passes zero, a multiplier passes infinity and another one zero
-      continued = product(sign(1.0_wp, member%speeds(:size(frame%family%sides))))
-      values([fold, flip]) = continued*values([fold, flip])
+      signs = sign(1.0_wp, member%speeds(:size(signs)))
+      call numbers_of(spectrum%multipliers, product(signs), values(:, 0))
+      values(:, 1) = 1
+      associate (s => frame%structure)
+         if (allocated(s%impact_of)) then
+            call multipliers_beside(s, member, beside, spectrum%regular)
+            if (.not. spectrum%regular) return
+            call numbers_of(beside, product([(signs(modulo(s%impact_of(i) - 1, size(signs)) + 1), &
+               i=1, size(s%impact_of))])*product(sign(1.0_wp, member%speeds)), values(:, 1))
+            spectrum%multipliers = [spectrum%multipliers, beside]
+         end if
+      end associate
       ! a multiplier approaches 1 where the motion repeats itself, as the square of the distance
       do i = 1, size(frame%repetitions)
-         values(fold) = values(fold)/max(0.1_wp*frame%apart, &
+         values(fold, 0) = values(fold, 0)/max(0.1_wp*frame%apart, &
             repetition_distance(frame%family, frame%repetitions(i), unknowns))**2
       end do
    end subroutine stability_values
+
+   !> The three numbers of some multipliers.
+   pure subroutine numbers_of(lambda, continued, values)
+      !> The multipliers; conjugate ones are in succession.
+      complex(wp), intent(in) :: lambda(:)
+      !> -1 where an odd number of them has passed infinity.
+      real(wp), intent(in) :: continued
+      !> Those of fold, flip and Neimark-Sacker.
+      real(wp), intent(out) :: values(3)
+      real(wp) :: least(2, 3)
+      logical :: one, two
+      integer :: i, j
+
+      values = 1
+      least = huge(1.0_wp)
+      do i = 1, size(lambda)
+         one = .not. abs(lambda(i)%im) > 0
+         call include(lambda(i), one, values(fold), least(:, fold))
+         call include(-lambda(i), one, values(flip), least(:, flip))
+         do j = i + 1, size(lambda)
+            two = one .and. .not. abs(lambda(j)%im) > 0
+            ! DGEEV gives conjugate pairs in succession
+            if (j == i + 1 .and. lambda(i)%im > 0) two = .true.
+            call include(lambda(i)*lambda(j), two, values(neimark_sacker), &
+               least(:, neimark_sacker))
+         end do
+      end do
+      values = values*product(least, 1, least < huge(1.0_wp))
+      values([fold, flip]) = continued*values([fold, flip])
+   end subroutine numbers_of
 
    !> Includes a factor 1 - z in the sign of a product and among its two least factors.
    pure subroutine include(z, alone, sign_of, least)

@@ -17,7 +17,7 @@ module vi_structure_family
    use vi_structure_map, only: apply_flight, apply_impact
    use vi_structure_motion, only: equations_type, impulse_of, new_equations, residuals, since, &
       state_after
-   use vi_structure_path, only: changed, structure_path_type
+   use vi_structure_path, only: changed, changed_whole, structure_path_type
    implicit none (type, external)
    private
 
@@ -40,6 +40,13 @@ module vi_structure_family
       !> (n, n) The symmetry q(t + T/2) = S q(t) that motions of the pattern can have, if it is not
       !! the mirror, -1.
       real(wp), allocatable :: symmetry(:, :)
+      !> Where several gaps close at one instant along the whole family (vi_structure_together): the
+      !! gaps of all impacts of a period and, for each, the impact of the family.
+      integer, allocatable :: gaps(:), impact_of(:)
+      !> (n, l) With the columns of `path%part`, a basis of all that these impacts reach one by one.
+      real(wp), allocatable :: beside(:, :)
+      !> Whether a symmetry exchanges the gaps that close together.
+      logical :: exchanged = .false.
    end type structure_family_type
 
    !> One member.
@@ -58,6 +65,9 @@ module vi_structure_family
       !> (m, n + 1) The pairs just before and just after the impacts of the family and the next one,
       !! if `set_flights` was called; the first columns of the former are not set.
       real(wp), allocatable, dimension(:, :) :: x_before, v_before, x_after, v_after
+      !> The whole structure, where the family is only a part of its motions.
+      type(structure_type) :: whole_structure
+      type(regime_type) :: whole_regime
    end type member_type
 
 contains
@@ -127,6 +137,14 @@ contains
       rows = member%regime%xq(pairs, :)
       member%turn = s%length*matmul(rows, s%free)
       if (family%mirror .and. allocated(s%symmetry)) call set_symmetry(s%symmetry, member)
+      if (allocated(s%impact_of)) then
+         call changed_whole(s%path, shares, member%whole_structure, load)
+         call check_structure(member%whole_structure, status)
+         if (status == stat%ok) call new_regime(member%whole_structure, load, [integer :: ], &
+            member%whole_regime, status, with_tables)
+         if (status /= stat%ok) return
+         member%whole_regime%frequency = load%frequency
+      end if
       call set_unknowns(s, family, unknowns, member)
    end subroutine set_member
 

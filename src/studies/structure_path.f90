@@ -4,13 +4,14 @@
 !! function of a parameter: then the entries that it changes are given as Chebyshev series.
 module vi_structure_path
    use vi_kinds, only: wp
-   use vi_restitution, only: table_law
+   use vi_restitution, only: restitution_type, table_law
    use vi_structure, only: load_type, structure_type
    use vi_text, only: counted, number_text, whole
    implicit none (type, external)
    private
 
-   public :: changed, is_odd, new_change, new_function, rates_of, same_law, value_at
+   public :: changed, changed_whole, is_odd, new_change, new_function, rates_of, reduce, same_law, &
+      value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
    !! load.
@@ -42,6 +43,12 @@ module vi_structure_path
       type(structure_type) :: structure
       type(load_type) :: load
       type(change_type), allocatable :: changes(:)
+      !> Only motions q = V y, where `part` is V (n, k): `structure` and `load` are those of y, with
+      !! the gaps `kept` of the whole structure, and the parameters change the latter.
+      real(wp), allocatable :: part(:, :)
+      integer, allocatable :: kept(:)
+      type(structure_type) :: whole
+      type(load_type) :: whole_load
    end type structure_path_type
 
    !> The derivatives of a structure and its load by a parameter.
@@ -79,17 +86,93 @@ contains
       type(structure_type), intent(out) :: structure
       !> The load.
       type(load_type), intent(out) :: load
+
+      call changed_whole(path, shares, structure, load)
+      if (allocated(path%part)) call reduce(path%part, path%kept, structure, load)
+   end subroutine changed
+
+   !> The same of all motions, also where only a part of them is followed.
+   pure subroutine changed_whole(path, shares, structure, load)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+      !> As in `changed`.
+      real(wp), intent(in) :: shares(:)
+      !> As in `changed`.
+      type(structure_type), intent(out) :: structure
+      !> The load.
+      type(load_type), intent(out) :: load
       integer :: i, k
 
-      structure = path%structure
-      load = path%load
+      if (allocated(path%part)) then
+         structure = path%whole
+         load = path%whole_load
+      else
+         structure = path%structure
+         load = path%load
+      end if
       do k = 1, size(path%changes)
          do i = 1, size(path%changes(k)%entries, 2)
             call set(structure, load, path%changes(k)%entries(:, i), entry_at(path%changes(k), &
                path%changes(k)%series(:, i), shares(k)))
          end do
       end do
-   end subroutine changed
+   end subroutine changed_whole
+
+   !> The structure and the load of the motions q = V y: V^T M V, .., V^T G_j and V^T f.
+   pure subroutine reduce(part, kept, structure, load)
+      !> (n, k) V; the gaps that are kept.
+      real(wp), intent(in) :: part(:, :)
+      integer, intent(in) :: kept(:)
+      !> In and out: M, C, K and gaps; what follows from them is not set.
+      type(structure_type), intent(inout) :: structure
+      !> In and out: the load.
+      type(load_type), intent(inout) :: load
+      real(wp) :: across(size(part, 2), size(part, 1))
+      real(wp), allocatable :: openings(:), restitution(:), gaps(:, :)
+      type(restitution_type), allocatable :: laws(:)
+      integer :: i
+
+      across = transpose(part)
+      structure%mass = between(structure%mass)
+      structure%damping = between(structure%damping)
+      structure%stiffness = between(structure%stiffness)
+      allocate (gaps(size(part, 1), size(kept)), openings(size(kept)), restitution(size(kept)), &
+         laws(size(kept)))
+      do i = 1, size(kept)
+         gaps(:, i) = structure%directions(:, kept(i))
+         openings(i) = structure%openings(kept(i))
+         restitution(i) = structure%restitution(kept(i))
+         laws(i) = structure%laws(kept(i))
+      end do
+      structure%directions = matmul(across, gaps)
+      call move_alloc(openings, structure%openings)
+      call move_alloc(restitution, structure%restitution)
+      call move_alloc(laws, structure%laws)
+      load%cosine = across_columns(load%cosine)
+      load%sine = across_columns(load%sine)
+      gaps = across_columns(reshape(load%constant, [size(part, 1), 1]))
+      load%constant = gaps(:, 1)
+   contains
+      !> V^T times a matrix, which the product may replace.
+      pure function across_columns(matrix) result(reduced)
+         !> (n, m)
+         real(wp), intent(in) :: matrix(:, :)
+         real(wp) :: reduced(size(part, 2), size(matrix, 2))
+
+         reduced = matmul(across, matrix)
+      end function across_columns
+
+      !> V^T A V, symmetric, without rounding where it is 0.
+      pure function between(matrix) result(reduced)
+         !> (n, n) A.
+         real(wp), intent(in) :: matrix(:, :)
+         real(wp) :: reduced(size(part, 2), size(part, 2))
+
+         reduced = matmul(across, matmul(matrix, part))
+         reduced = 0.5_wp*(reduced + transpose(reduced))
+         where (abs(reduced) <= 8*epsilon(1.0_wp)*maxval(abs(reduced))) reduced = 0
+      end function between
+   end subroutine reduce
 
    !> An entry at a value of the parameter.
    pure real(wp) function entry_at(change, series, share) result(value)
@@ -154,13 +237,19 @@ contains
       real(wp), intent(in) :: share
       !> The derivatives.
       type(rates_type), intent(out) :: rates
+      type(rates_type) :: all
       real(wp) :: rate
-      integer :: harmonics, m
+      integer :: gaps, harmonics, m, n
 
       harmonics = size(path%load%sine, 2)
-      allocate (rates%openings(size(path%structure%openings)), &
-         rates%restitution(size(path%structure%openings)), &
-         rates%forces(size(path%load%constant), 1 + 2*harmonics), source=0.0_wp)
+      gaps = size(path%structure%openings)
+      n = size(path%load%constant)
+      if (allocated(path%part)) then
+         gaps = size(path%whole%openings)
+         n = size(path%part, 1)
+      end if
+      allocate (rates%openings(gaps), rates%restitution(gaps), rates%forces(n, 1 + 2*harmonics), &
+         source=0.0_wp)
       do m = 1, size(path%changes(k)%entries, 2)
          rate = entry_rate(path%changes(k), path%changes(k)%series(:, m), share)
          associate (i => path%changes(k)%entries(2, m), j => path%changes(k)%entries(3, m))
@@ -182,6 +271,11 @@ contains
             end select
          end associate
       end do
+      if (.not. allocated(path%part)) return
+      all = rates
+      rates%openings = all%openings(path%kept)
+      rates%restitution = all%restitution(path%kept)
+      rates%forces = matmul(transpose(path%part), all%forces)
    end subroutine rates_of
 
    !> Sets an entry.

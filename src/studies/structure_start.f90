@@ -13,11 +13,13 @@ module vi_structure_start
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type, &
       to_pairs
    use vi_structure_extremes, only: coordinate_extremes
+   use vi_structure_together, only: are_multiple, multipliers_beside, set_together, whole_family, &
+      whole_member
    use vi_structure_family, only: member_type, set_flights, set_member, set_sides, &
       structure_family_type, whole_sides
    use vi_structure_path, only: change_type, is_odd, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
-   use vi_structure_motion, only: relative, residuals
+   use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
    use vi_structure_return, only: settled_type
    use vi_text, only: counted, whole
@@ -35,13 +37,14 @@ module vi_structure_start
 contains
 
    !> The curve or surface through a motion, and the point there.
-   subroutine start_curve(structure, load, found, changes, curve, point, mirrored, message)
+   subroutine start_curve(structure, load, start, changes, curve, point, mirrored, message)
       !> The structure at the start.
       type(structure_type), intent(in) :: structure
       !> Its load.
       type(load_type), intent(in) :: load
-      !> The motion.
-      type(settled_type), intent(in) :: found
+      !> In and out: the motion; of impacts at one instant the first one becomes the first of the
+      !! period.
+      type(settled_type), intent(inout) :: start
       !> The one or two parameters that change.
       type(change_type), intent(in) :: changes(:)
       !> The curve: each parameter is 0 at its lower bound and 1 at the upper one.
@@ -59,20 +62,26 @@ contains
       type(family_type) :: family
       type(repetition_type), allocatable :: repetitions(:)
       real(wp), allocatable :: unknowns(:), shares(:)
+      type(settled_type) :: found
       integer, allocatable :: pairs(:)
       integer :: i, n, status
       logical :: odd, possible, symmetric
 
       mirrored = .false.
-      n = size(found%gaps)
       message = ''
-      if (size(found%resting) > 0) then
+      if (size(start%resting) > 0) then
          message = 'the motion rests; only motions without rest can be followed'
          return
       end if
-      complete = structure
-      call check_structure(complete, status)
-      call new_regime(complete, load, [integer :: ], regime, status)
+      s%path%structure = structure
+      call check_structure(s%path%structure, status)
+      s%path%load = load
+      s%path%changes = changes
+      call set_together(s, start, found, message)
+      if (len(message) > 0) return
+      n = size(found%gaps)
+      complete = s%path%structure
+      call new_regime(complete, s%path%load, [integer :: ], regime, status)
       regime%frequency = load%frequency
       allocate (pairs, source=offset_pairs(regime))
       if (n > most_impacts .or. 2*n + size(pairs) + 2 > most) then
@@ -80,13 +89,10 @@ contains
             whole(min(most_impacts, (most - 2 - size(pairs))/2))//' can be followed'
          return
       end if
-      s%path%structure = complete
-      s%path%load = load
-      s%path%changes = changes
       s%speed = maxval(found%motion%speeds)
       s%length = s%speed/load%frequency
       s%p = size(pairs)
-      allocate (s%free(size(structure%mass, 1), s%p))
+      allocate (s%free(size(complete%mass, 1), s%p))
       s%free = regime%qx(:, pairs)
       do i = 1, s%p
          ! a displacement is the unit, whatever the unit of mass
@@ -102,12 +108,9 @@ contains
       mirrored = .false.
       if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
       if (.not. mirrored) call add_symmetry(found%gaps, s, family, repetitions)
-      if (is_synchronous(s%path, found)) then
-         message = 'impacts on gaps that a symmetry of the structure exchanges are at one instant, &
-            &and remain so; follow the motion of the smaller structure of symmetric motions'
-         return
-      end if
       call unknowns_of_motion(s, family, regime, found, shares, unknowns)
+      if (allocated(s%impact_of)) call check_parting(s, family, unknowns, shares, message)
+      if (len(message) > 0) return
       symmetric = .false.
       do i = 1, size(repetitions)
          if (repetition_distance(family, repetitions(i), unknowns) > same) cycle
@@ -188,35 +191,30 @@ contains
       end associate
    end subroutine add_symmetry
 
-   !> Whether a motion is its own image at each instant by a symmetry that exchanges gaps: impacts
-   !! on these are at one instant along its whole family, where their order means nothing.
-   logical function is_synchronous(path, found)
-      !> The structure, complete.
-      type(structure_path_type), intent(in) :: path
-      !> The motion.
-      type(settled_type), intent(in) :: found
-      real(wp), parameter :: instant = 1.0e-9_wp
-      real(wp), allocatable :: matrix(:, :), q(:, :)
-      integer, allocatable :: image(:)
-      integer :: partners(size(found%gaps)), i, n
+   !> Checks that each crossing of the unit circle by disturbances that part impacts at one instant
+   !! will be seen.
+   pure subroutine check_parting(s, family, unknowns, shares, message)
+      !> The structure.
+      type(structure_family_type), intent(in) :: s
+      !> The impacts.
+      type(family_type), intent(in) :: family
+      !> The motion at the start, and the parameters there as shares.
+      real(wp), intent(in) :: unknowns(:), shares(:)
+      !> In and out: what is wrong, if anything is.
+      character(:), allocatable, intent(inout) :: message
+      type(member_type) :: member
+      complex(wp), allocatable :: multipliers(:)
+      logical :: good
 
-      is_synchronous = .false.
-      n = size(found%gaps)
-      partners = found%gaps
-      i = 1
-      do while (i < n)
-         if (found%motion%phases(i + 1) - found%motion%phases(i) < instant) then
-            partners(i:i + 1) = found%gaps(i + 1:i:-1)
-            i = i + 1
-         end if
-         i = i + 1
-      end do
-      if (all(partners == found%gaps)) return
-      call find_symmetry(path, found%gaps, partners, 0, matrix, image)
-      if (.not. allocated(matrix)) return
-      q = found%motion%states(:size(matrix, 1), :)
-      is_synchronous = maxval(abs(matmul(matrix, q) - q)) < same*maxval(abs(q))
-   end function is_synchronous
+      call set_member(s, family, unknowns, shares, member)
+      if (.not. member%exists) return
+      call set_flights(family, member)
+      call multipliers_beside(s, member, multipliers, good)
+      if (.not. good) return
+      if (are_multiple(multipliers)) message = 'gaps close at one instant, and several multipliers &
+         &of disturbances that part these impacts are always equal, as for three equal units; such &
+         &motions cannot be followed'
+   end subroutine check_parting
 
    !> Moves a bound at which there are no motions of the family a little inwards.
    pure subroutine avoid_resonance(s, family, unknowns, shares, bound)
@@ -247,8 +245,13 @@ contains
       real(wp), allocatable :: phases(:), whole(:)
 
       allocate (whole, source=whole_unknowns(curve%frame%family, unknowns_of(curve, point)))
-      associate (n => size(curve%frame%family%sides)*merge(2, 1, curve%frame%family%mirror))
-         allocate (phases, source=whole(n + 1:2*n))
+      associate (n => size(curve%frame%family%sides)*merge(2, 1, curve%frame%family%mirror), &
+         s => curve%frame%structure)
+         if (allocated(s%impact_of)) then
+            allocate (phases, source=whole(n + s%impact_of))
+         else
+            allocate (phases, source=whole(n + 1:2*n))
+         end if
       end associate
    end function phases_at
 
@@ -265,16 +268,27 @@ contains
       !> (n, 2) Least and greatest value of each coordinate.
       real(wp), intent(out) :: extremes(:, :)
       type(family_type) :: family
-      type(member_type) :: member
+      type(member_type) :: member, all
       real(wp), allocatable :: value(:), scale(:)
       real(wp) :: c(n_parameters)
-      integer :: n
+      integer :: n, status
 
       c = parameters_of(curve, point)
       if (condition%kind == edge) c(condition%index) = condition%bound
       associate (frame => curve%frame)
          call set_member(frame%structure, frame%family, unknowns_of(curve, point), &
             c(:size(frame%structure%path%changes)), member, .true.)
+         family = frame%family
+         if (allocated(frame%structure%impact_of)) then
+            call set_flights(family, member)
+            call whole_member(frame%structure, member, all)
+            member = all
+            associate (equations => all%equations)
+               call new_equations(all%structure, all%regime, equations%gaps, equations%times, &
+                  equations%period, member%equations, status)
+            end associate
+            family = whole_family(frame%structure, family)
+         end if
          motion%speeds = member%speeds
          n = 2*size(member%speeds) + size(member%offsets)
          allocate (value(n), scale(n))
@@ -283,7 +297,6 @@ contains
          motion%residual = relative(value, scale)
          call describe_structure_motion(member%structure, member%regime, member%equations, &
             member%offsets, motion)
-         family = frame%family
          if (allocated(member%symmetry)) then
             ! the extremes of a motion are not those of its image
             family%sides = whole_sides(frame%family)

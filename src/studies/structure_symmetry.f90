@@ -1,5 +1,4 @@
-!> Symmetries of a structure that a motion can have, half a period later or at the same instant:
-!! q(t + T/2) = S q(t), or q(t) = S q(t).
+!> Symmetries of a structure that a motion can have half a period later: q(t + T/2) = S q(t).
 !!
 !! S is its own inverse. It keeps M, C and K, maps each gap onto one with the same opening and law,
 !! and the load onto the load at that time: exchanged units or a reversed chain, also with the
@@ -13,7 +12,7 @@ module vi_structure_symmetry
    implicit none (type, external)
    private
 
-   public :: even_and_odd, find_symmetry
+   public :: add_direction, even_and_odd, find_symmetry, near
 
    !> Directions that differ by less are the same, relative to their length, and matrices that
    !! differ by less.
@@ -92,24 +91,25 @@ contains
       if (info /= 0) return
       do j = 1, size(exchanged)
          if (exchanged(j) == 0) cycle
-         call include(path%structure%mass, path%structure%mobility(:, exchanged(j)), &
+         call add_direction(path%structure%mass, path%structure%mobility(:, exchanged(j)), &
             path%structure%mobility(:, j), y, z, m)
       end do
       do k = 1, size(signs)
-         call include(path%structure%mass, right(:, 2*n + k), signs(k)*right(:, 2*n + k), y, z, m)
+         call add_direction(path%structure%mass, right(:, 2*n + k), signs(k)*right(:, 2*n + k), y, &
+            z, m)
       end do
       k = 0
       do while (k < m)
          k = k + 1
          do h = 0, n, n
-            call include(path%structure%mass, matmul(right(:, h + 1:h + n), y(:, k)), &
+            call add_direction(path%structure%mass, matmul(right(:, h + 1:h + n), y(:, k)), &
                matmul(right(:, h + 1:h + n), z(:, k)), y, z, m)
          end do
       end do
    end subroutine reach
 
    !> Adds a direction and its image, unless it lies in the basis.
-   pure subroutine include(mass, direction, turned, y, z, m)
+   pure subroutine add_direction(mass, direction, turned, y, z, m)
       !> (n, n) M.
       real(wp), intent(in) :: mass(:, :)
       !> (n) The direction and its image.
@@ -139,7 +139,7 @@ contains
       m = m + 1
       y(:, m) = one/length
       z(:, m) = other/length
-   end subroutine include
+   end subroutine add_direction
 
    !> The length of a vector with respect to M.
    pure real(wp) function norm_of(mass, vector)
@@ -250,7 +250,7 @@ contains
             part = displacements(:, k) + i*matmul(s, displacements(:, k))
             ! rounding is no direction
             if (norm_of(mass, part) < same_direction*norm_of(mass, displacements(:, k))) cycle
-            call include(mass, part, part, y, unused, m)
+            call add_direction(mass, part, part, y, unused, m)
          end do
          if (i > 0) even = m
       end do

@@ -243,6 +243,9 @@ contains
                call to_parameters(piece%vertices(:, j))
             end do
             piece%x = surface%frame%structure%speed*abs(piece%x)
+            if (.not. allocated(surface%frame%structure%impact_of)) cycle
+            call repeat_rows(surface%frame%structure%impact_of, piece%x)
+            call repeat_rows(surface%frame%structure%impact_of, piece%theta)
          end associate
       end do
       do i = 1, size(found%rings)
@@ -251,6 +254,18 @@ contains
          end do
       end do
    contains
+      !> One row for each of the impacts at one instant.
+      pure subroutine repeat_rows(rows, values)
+         !> The row of each impact.
+         integer, intent(in) :: rows(:)
+         !> (impacts, vertices) In and out.
+         real(wp), allocatable, intent(inout) :: values(:, :)
+         real(wp), allocatable :: all(:, :)
+
+         allocate (all, source=values(rows, :))
+         call move_alloc(all, values)
+      end subroutine repeat_rows
+
       !> A place in the plane of the parameters.
       pure subroutine to_parameters(place)
          !> In: the share of x, and the exponential of that of y. Out: both parameters.

@@ -21,7 +21,7 @@ COLUMNS = (
 MARKERS = {
     "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),
     "neimark_sacker": ("^", style.REST), "grazing": ("D", style.IMPACT), "zero_approach": ("v", "k"),
-    "simultaneous": ("X", "#E69F00"),
+    "simultaneous": ("X", "#E69F00"), "branch_point": ("*", "k"),
 }  # fmt: skip
 STYLES = {"stable": "-", "unstable": "--", "inadmissible": ":"}
 
