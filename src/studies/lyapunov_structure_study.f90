@@ -2,7 +2,8 @@
 module vi_lyapunov_structure_study
    use vi_common_keys, only: max_events_key
    use vi_kinds, only: wp
-   use vi_status, only: stat, status_text
+   use vi_status, only: stat
+   use vi_structure_gaps, only: start_fault
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: load_frequency, most_coordinates, record_end, structure_of
    use vi_structure_keys, only: check_start_state, start_keys
@@ -116,7 +117,7 @@ contains
       type(load_type) :: load
       type(average_type) :: average
       type(exponents_type) :: found
-      character(:), allocatable :: cycle
+      character(:), allocatable :: cycle, text
       integer :: i, status
 
       associate (not_used => threads)    ! one simulation has one thread
@@ -136,7 +137,8 @@ contains
       if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped before its end'
       else if (status /= stat%ok) then
-         call result%fail('no exponents: '//status_text(status))
+         call start_fault(structure, case%study%numbers('q'), status, text)
+         call result%fail('no exponents: '//text)
       end if
       if (result%empty) return
       call result%open('exponents', 'direction', [average%directions])

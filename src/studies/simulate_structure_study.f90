@@ -3,6 +3,7 @@ module vi_simulate_structure_study
    use vi_kinds, only: wp
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
+   use vi_structure_gaps, only: start_fault
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: load_frequency, record_end, record_of, structure_of
    use vi_structure_keys, only: check_start_state, longest, start_keys
@@ -152,6 +153,7 @@ contains
       real(wp), allocatable :: table(:, :)
       integer, allocatable :: labels(:, :)
       real(wp), allocatable :: last_state(:)
+      character(:), allocatable :: text
       real(wp) :: start, end_time
       integer :: n, most, status
       logical :: room
@@ -179,7 +181,8 @@ contains
             impact_event), 'impact')
       else if (status /= stat%ok .and. status /= stat%more_events) then
          result%empty = .true.
-         call result%fail(status_text(status))
+         call start_fault(structure, case%study%numbers('q'), status, text)
+         call result%fail(text)
          return
       end if
       call put_events(result, table(:, :n), labels(:, :n))

@@ -3,13 +3,15 @@ module vi_structure_gaps
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
    use vi_restitution, only: constant_law, power_law, table_law
+   use vi_status, only: stat, status_text
+   use vi_structure, only: structure_type
    use vi_structure_matrices, only: most_coordinates
-   use vi_text, only: whole
+   use vi_text, only: number_text, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: check_gap, gaps_of
+   public :: check_gap, gaps_of, start_fault
 
    type(key_type), parameter, public :: gap_keys(*) = [ &
       key_type('direction', most=most_coordinates, &
@@ -117,5 +119,27 @@ contains
          law = [real(constant_law, wp), gap%number('restitution')]
       end if
    end subroutine law_of
+
+   !> Why a simulation failed; where a gap is less than closed at its start, with that gap.
+   pure subroutine start_fault(structure, q, status, text)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> (n) The coordinates at the start; empty for 0.
+      real(wp), intent(in) :: q(:)
+      !> The status of the simulation.
+      integer, intent(in) :: status
+      !> The text.
+      character(:), allocatable, intent(out) :: text
+      real(wp) :: apart(size(structure%openings))
+      integer :: gap
+
+      text = status_text(status)
+      if (status /= stat%gap_closed) return
+      apart = structure%openings
+      if (size(q) > 0) apart = apart - matmul(q, structure%directions)
+      gap = minloc(apart, dim=1)
+      text = text//': gap '//whole(gap - 1)//' is '//trim(number_text(apart(gap), .false., 6))// &
+         ', must be >= 0'
+   end subroutine start_fault
 
 end module vi_structure_gaps

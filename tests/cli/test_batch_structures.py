@@ -194,7 +194,8 @@ def test_closed_gap_fails_without_a_result(batch):
     """A state with a negative gap gives no result: the input is valid, since this depends on the whole case."""
     done = batch.case(CASE.replace("duration = 20", "duration = 20, q = 0, 3"))
     assert done.status == 1
-    assert done.faults == ["case: a gap is less than closed in the initial state"]
+    fault = "case: a gap is less than closed in the initial state: gap 0 is -2.5, must be >= 0"
+    assert done.faults == [fault]
 
 
 def test_result_is_an_input(batch):

@@ -694,3 +694,12 @@ def test_extreme_units_are_refused(scale, of):
         events = simulated(unit).events
         time = unit if of == "time" else 1.0
         assert np.array_equal(events["time"] / time, simulated(1.0).events["time"])
+
+
+def test_meta_impactor_cell():
+    """Impact times of one cell of the lattices of impact dampers, without load, from an independent program."""
+    gaps = [vi.Gap([-1, 1], 1), vi.Gap([1, -1], 1)]
+    cell = vi.Structure([1, 0.3], [0, 0], [1, 0], gaps)
+    run = vi.simulate(cell, duration=20, state=([0, 0], [0, -1]))
+    times = [1, 5.561717592, 7.505486386, 10.603458248, 12.795727055, 19.690919712]
+    assert run.events["time"] == pytest.approx(times, abs=6e-10)
