@@ -33,6 +33,7 @@ contains
       call test_functions()
       call test_equations()
       call test_spectra()
+      call test_equal_products()
       call test_maps(2)
       call test_maps(3)
       call test_maps(5)
@@ -130,6 +131,42 @@ contains
       end do
       call check(given > 20000, 'lanes: most radii are given')
    end subroutine test_spectra
+
+   !> Radii where both pairs of multipliers have nearly the same product, as with little damping.
+   subroutine test_equal_products()
+      real(wp) :: e(lanes, 4), radius(lanes), slope(lanes), wanted(lanes), f(2, 2), noise, largest
+      complex(wp) :: root
+      integer :: i, k, l, given
+
+      given = 0
+      do k = 1, 300
+         do l = 1, lanes
+            ! x^2 + f(1, i) x + f(2, i)
+            f(1, :) = [draw(random, -2.0_wp, 2.0_wp), draw(random, -2.0_wp, 2.0_wp)]
+            f(2, 1) = draw(random, -1.0_wp, 1.0_wp)
+            f(2, 2) = f(2, 1)*(1 - draw_log(random, 1e-14_wp, 0.1_wp))
+            e(l, :) = [-f(1, 1) - f(1, 2), f(2, 1) + f(2, 2) + f(1, 1)*f(1, 2), &
+               -f(1, 1)*f(2, 2) - f(1, 2)*f(2, 1), f(2, 1)*f(2, 2)]
+            wanted(l) = 0
+            do i = 1, 2
+               root = sqrt(cmplx(0.25_wp*f(1, i)**2 - f(2, i), 0.0_wp, wp))
+               wanted(l) = max(wanted(l), abs(root + 0.5_wp*f(1, i)), &
+                  abs(root - 0.5_wp*f(1, i)))
+            end do
+         end do
+         call lane_radius(e, radius, slope)
+         do l = 1, lanes
+            if (.not. slope(l) > 0) cycle
+            largest = max(1.0_wp, radius(l))
+            noise = largest**3*(radius(l) + largest)/(slope(l)*radius(l))
+            if (.not. noise < 1.0e3_wp) cycle
+            given = given + 1
+            call check_close(radius(l), wanted(l), 100*(1 + noise)*epsilon(1.0_wp)*radius(l), &
+               'lanes: radius of equal products')
+         end do
+      end do
+      call check(given > 8700, 'lanes: most of these radii are given')
+   end subroutine test_equal_products
 
    !> [P] is that of the scalar procedures; its determinant is the product of the multipliers, and
    !! of a motion with two impacts exp(-4 pi xi k/r) R_1^2 R_2^2; both builds give the same bits.

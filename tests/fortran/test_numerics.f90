@@ -11,6 +11,7 @@ program test_numerics
    use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
    use vi_lapack_routines, only: geev, gels, gesv
+   use vi_spacing, only: even, spaced
    use vi_status, only: stat, status_text
    use vi_unit_circle, only: all_inside, locate_spectrum, near_circle, some_outside
    implicit none (type, external)
@@ -27,6 +28,7 @@ program test_numerics
    call test_drivers()
    call test_unit_circle()
    call test_between_nodes()
+   call test_spacing()
    call test_status()
    call finish()
 
@@ -345,6 +347,31 @@ contains
          end do
       end do
    end subroutine test_known_eigenvalues
+
+   !> Equal differences or ratios, and both ends to the last bit.
+   subroutine test_spacing()
+      real(wp) :: low, high, place
+      real(wp), allocatable :: axis(:), ratios(:)
+      integer :: i, j, n
+
+      do i = 1, 300
+         n = draw_integer(random, 2, 40)
+         low = draw(random, 0.1_wp, 1.0_wp)
+         high = draw(random, 1.0_wp, 100.0_wp)
+         axis = even(low, high, n)
+         ratios = spaced(low, high, n, .true.)
+         call check(.not. any(abs(axis - spaced(low, high, n, .false.)) > 0), 'spacing: even')
+         call check(.not. any(abs([axis(1) - low, axis(n) - high, ratios(1) - low, ratios(n) &
+            - high]) > 0), 'spacing: both ends')
+         do j = 1, n
+            place = real(j - 1, wp)/(n - 1)
+            call check_close(axis(j), low + place*(high - low), 1e-14_wp*high, &
+               'spacing: equal differences')
+            call check_close(ratios(j), low*(high/low)**place, 1e-13_wp*high, &
+               'spacing: equal ratios')
+         end do
+      end do
+   end subroutine test_spacing
 
    !> Every code has its own text, within the 200 characters of the interface.
    subroutine test_status()
