@@ -176,6 +176,11 @@ def test_a_huge_grid(tmp_path):
         ({"xi": (0.1, 0.2)}, {"samples": 4, "method": "halton"}, "'sobol' or 'latin_hypercube'"),
         ({"xi": (0.1, 0.2)}, {"samples": 0}, "samples = 0"),
         ({"xi": [0.1]}, {"geometric": ["xi"]}, "geometric: needs samples"),
+        ({"xi": [float("nan")]}, {}, "nan must be a finite number"),
+        ({"xi": (0.1, float("inf"))}, {"samples": 3}, "inf must be a finite number"),
+        ({"xi": (0.1, 0.2)}, {"samples": 10**12}, "1 <= samples <= 1073741824"),
+        ({"XI": [0.1]}, {}, "'XI' is not a key of the case"),
+        ({"response.states": [3]}, {}, "'response.states' is not a key of the case"),
     ],
 )
 def test_bad_sweeps(values, options, message):
@@ -192,7 +197,22 @@ def test_values_of_a_wrong_type(value):
         vi.Sweep(equispaced_case(), {"xi": [value]})
 
 
-@pytest.mark.parametrize("case", ["", "&system\n/\n", "&system xi = 1 /", "nonsense"])
+@pytest.mark.parametrize("geometric", ["xi", None, 3])
+def test_geometric_is_a_sequence(geometric):
+    """A text is none."""
+    with pytest.raises(vi.ParameterTypeError, match="must be a sequence of keys"):
+        vi.Sweep(equispaced_case(), {"xi": (0.1, 0.2)}, samples=2, geometric=geometric)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        "", "&system\n/\n", "&system xi = 1 /", "nonsense", equispaced_case().upper(),
+        equispaced_case().replace("mu = ", "mu = 0.02 ! "), equispaced_case().replace("\n  mu", "  mu"),
+        equispaced_case().replace("'equispaced'", "'equispaced' ! kind"),
+        equispaced_case().replace("&motion", "&nonsense"),
+    ],
+)  # fmt: skip
 def test_a_template_that_is_no_case(case):
     """The template must be complete and canonical."""
     with pytest.raises(vi.ParameterError, match="must be a complete case"):
@@ -351,6 +371,10 @@ def test_values(tmp_path):
         found.values("motions", "nothing")
     with pytest.raises(vi.ParameterError, match="single real numbers"):
         found.values("motions", "multipliers")
+    with pytest.raises(vi.ParameterTypeError, match="'yes': must be a number, True or False"):
+        found.values("motions", "attenuation", where={"stable": "yes"})
+    with pytest.raises(vi.ParameterTypeError, match="must be a mapping"):
+        found.values("motions", "attenuation", where=["stable"])
 
 
 def test_refused_cases_are_kept(tmp_path):
@@ -579,6 +603,33 @@ def test_another_campaign_is_refused(tmp_path):
         vi.campaign(small_sweep(), tmp_path / "mine" / "thesis.txt")
 
 
+def test_what_is_no_store(tmp_path):
+    """Another Zarr store, paths that are none, plans of others, and folders among the chunks."""
+    import zarr
+
+    sweep = vi.Sweep(equispaced_case(), {"r": [0.9, 0.95]})
+    zarr.create_group(str(tmp_path / "other"))
+    with pytest.raises(vi.ParameterError, match=r"it holds 'zarr\.json'"):
+        vi.campaign(sweep, tmp_path / "other")
+    for path in (None, "", "a\0b", 3):
+        with pytest.raises(vi.ParameterTypeError, match="must be the path of a folder"):
+            vi.campaign(sweep, path)
+    store = tmp_path / "größe, 日本 \" '"
+    found = vi.campaign(sweep, store)
+    (store / "results.zarr" / "mine").mkdir()
+    assert len(vi.Campaign(store).refused) == 0
+    assert found[1].to_dict() == vi.Campaign(store)[1].to_dict()
+    plan = json.loads((store / "campaign.json").read_text())
+    for part, message in (
+        ({"size": "x"}, "is damaged"), ({"size": -3}, "is damaged"), ({"chunk": 0}, "is damaged"),
+        ({"study": "nonsense", "vibroimpact": "9.9"}, "must be read with vibroimpact 9.9"),
+        ({"values": {"r": [1]}}, "its plan is damaged"),
+    ):  # fmt: skip
+        (store / "campaign.json").write_text(json.dumps(plan | part))
+        with pytest.raises(vi.ParameterError, match=message):
+            vi.Campaign(store)
+
+
 def test_another_core_is_refused():
     """A worker with another build of the core computes nothing."""
     with pytest.raises(vi.ParameterError, match="install the same vibroimpact on both"):
@@ -596,6 +647,18 @@ def test_another_core_is_refused():
         (None, {"threads": 0}, vi.ParameterError, "threads = 0"),
         (None, {"client": "local", "threads": 2}, vi.ParameterError, "threads: must be left out"),
         (None, {"client": 3}, vi.ParameterTypeError, "client = 3"),
+        (
+            None,
+            {"client": "foo://x:1"},
+            vi.ParameterError,
+            "client = 'foo://x:1': no scheduler answers",
+        ),
+        (
+            None,
+            {"client": "nonsense"},
+            vi.ParameterError,
+            "must be an address such as tcp://node1:8786",
+        ),
         (None, {"progress": 3}, vi.ParameterTypeError, "progress = 3"),
     ],
 )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import checks
-from ..errors import OutOfMemoryError, ParameterError
+from ..errors import OutOfMemoryError, ParameterError, ParameterTypeError
 from ..libraries import xarray
 from ..noun import Noun
 from ..tables import declared, language
@@ -170,9 +170,19 @@ class Campaign:
         known = [f"{one}.{name}" for one, name in declared(self.study)]
         if f"{table}.{column}" not in known:
             raise ParameterError(f"{table}.{column}: must be one of {', '.join(known)}")
-        for name in where or {}:
+        if where is not None and not isinstance(where, Mapping):
+            raise ParameterTypeError(f"where = {where!r}: must be a mapping of columns to values")
+        for name, wanted in (where or {}).items():
             if f"{table}.{name}" not in known:
                 raise ParameterError(f"where: {table}.{name}: must be one of {', '.join(known)}")
+            if not isinstance(wanted, (bool, int, float, np.number, np.bool_)):
+                raise ParameterTypeError(
+                    f"where: {table}.{name} = {wanted!r}: must be a number, True or False"
+                )
+            if (one := declared(self.study)[table, name])["kind"] == "word" or one["each"]:
+                raise ParameterError(
+                    f"where: {table}.{name}: must be a column of single numbers or verdicts"
+                )
         item = declared(self.study)[table, column]
         if item["kind"] in ("complex", "word") or item["each"]:
             raise ParameterError(f"{table}.{column}: must be a column of single real numbers")

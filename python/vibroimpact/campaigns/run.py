@@ -376,8 +376,9 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
             address = client
         try:
             here = stack.enter_context(distributed.Client(address, timeout=10))
-        except (OSError, ValueError) as error:
+        except Exception as error:  # an address of no known form is an AssertionError
             raise ParameterError(
-                f"client = {client!r}: no scheduler answers there; {error}"
+                f"client = {client!r}: no scheduler answers there; must be an address such as tcp://node1:8786"
+                + (f" ({error})" if str(error) else "")
             ) from None
         yield Cluster(here)

@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import os
+import re
 import secrets
 import shutil
 import socket
@@ -17,7 +18,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ParameterError
+from ..errors import ParameterError, ParameterTypeError
 from ..libraries import zarr
 from .chunk import Chunk
 
@@ -27,6 +28,8 @@ __all__ = ["Store"]
 PLAN = "campaign.json"
 #: What each plan has.
 PARTS = {"study", "size", "chunk", "core", "vibroimpact"}
+#: The name of a chunk: its first case, and a hash.
+NAME = re.compile(r"\d{12,}-[0-9a-f]{40}")
 #: The array of a chunk with what is not in its tables, as JSON in UTF-8.
 HEADS = "heads"
 #: The metadata of a Zarr group.
@@ -45,6 +48,8 @@ class Store:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
+        if not isinstance(folder, (str, os.PathLike)) or not str(folder) or "\0" in str(folder):
+            raise ParameterTypeError(f"store = {folder!r}: must be the path of a folder")
         self.folder = Path(folder)
         self.chunks = self.folder / "results.zarr"
         self.sums = self.folder / "sums"
@@ -56,6 +61,8 @@ class Store:
         try:
             found = json.loads(path.read_text())
             if not isinstance(found, dict) or not found.keys() >= PARTS:
+                raise ValueError
+            if not all(type(found[key]) is int and found[key] > 0 for key in ("size", "chunk")):
                 raise ValueError
         except FileNotFoundError:
             raise ParameterError(
@@ -113,7 +120,7 @@ class Store:
         """The chunks that are there, in the order of their cases."""
         if not self.chunks.is_dir():
             return []
-        return sorted(item.name for item in self.chunks.iterdir() if item.is_dir())
+        return sorted(filter(NAME.fullmatch, os.listdir(self.chunks)))
 
     def state(self, name: str) -> str:
         """Whether a chunk is 'done', 'missing', or 'damaged', by the checksums of its files."""

@@ -72,6 +72,8 @@ class Sweep:
         self, case: str | Case, values: Mapping[str, Sequence[Any]], *, samples: int | None = None,
         method: str = "sobol", seed: int = 0, geometric: Sequence[str] = (),
     ) -> None:  # fmt: skip
+        if isinstance(geometric, str) or not isinstance(geometric, Sequence):
+            raise ParameterTypeError(f"geometric = {geometric!r}: must be a sequence of keys")
         text = case.text if isinstance(case, Case) else case
         if not isinstance(text, str):
             raise ParameterTypeError(f"case = {text!r}: must be a namelist as a text, or a Case")
@@ -150,7 +152,8 @@ class Sweep:
         found = cls(record["template"], record["values"], **options)
         if found.record != record:
             raise ParameterError(
-                "the points of the sweep are not those of the store: another release of scipy made them"
+                "the cases of the sweep are not those of the store: "
+                + ("another release of scipy made its points" if options else "its plan is damaged")
             )
         return found
 
@@ -259,7 +262,14 @@ class CaseList:
 def _groups(text: str, name: str = "case") -> list[str]:
     """The groups of a case; an error unless it is written with one key a line, as results give it."""
     groups = re.findall(r"(?m)^&(\w+)$", text)
-    if len(groups) < 2 or len(namelist.parts_of(text)) != len(groups):
+    about = language()
+    known = {*about["groups"], *(item["group"] for item in about["results"].values())}
+    try:
+        whole = len(namelist.parts_of(text)) == len(groups) > 1 and known.issuperset(groups)
+    except ValueError:  # a value with a comment, or with another key
+        whole = False
+    inside = re.sub(r"(?m)^!.*$|'[^'\n]*'", "", text)
+    if not whole or "!" in inside:
         raise ParameterError(
             f"{name} = {text[:60]!r}: must be a complete case with one `key = value` a line, as `to_namelist` of "
             "a result or `read_namelist` gives it"
@@ -332,7 +342,10 @@ def _plain(value: Any, key: str) -> Any:
         return value
     if isinstance(value, np.integer):
         return int(value)
-    return checks.to_float(value, f"values[{key!r}]", "numbers or texts")
+    found = checks.to_float(value, f"values[{key!r}]", "numbers or texts")
+    if not math.isfinite(found):
+        raise ParameterError(f"values[{key!r}]: {found!r} must be a finite number")
+    return found
 
 
 def _listed(values: Any, key: str) -> list[Any]:
