@@ -154,14 +154,40 @@ def foreign(folder, mark, form):
     return store, name
 
 
-@pytest.mark.parametrize("form", [2, "pickle", "numcodecs.pickle"])
-def test_stores_are_not_unpickled(mark, tmp_path, form):
-    """A chunk that a stranger wrote, with pickle as what decodes its arrays, is refused."""
+@pytest.fixture
+def written(tmp_path):
+    """The folder of a store with one chunk."""
     pytest.importorskip("zarr")
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     case = vi.equispaced(osc, r=1.0, clearance=20.0)[0].to_namelist()
     vi.campaign(vi.Sweep(case, {"r": [0.99, 1.0]}), tmp_path / "store")
-    store, name = foreign(tmp_path / "store", mark, form)
+    return tmp_path / "store"
+
+
+@pytest.mark.parametrize("way", ["../../../outside/motion", "{}/outside/motion", "link/motion"])
+def test_no_file_outside_of_a_store_is_read(written, tmp_path, way):
+    """A chunk whose tables have names that lead out of its folder, also by a link, is refused."""
+    store = Store(written)
+    (name,) = store.names()
+    place = store.chunks / name
+    shutil.copytree(place, tmp_path / "outside")
+    (place / "link").symlink_to(tmp_path / "outside")
+    listed = store.sums / f"{name}.json"
+    sums = json.loads(listed.read_text())
+    more = {
+        f"{way.format(tmp_path)}{path.removeprefix('motions')}": number
+        for path, number in sums.items() if path.startswith("motions/")
+    }  # fmt: skip
+    assert more
+    listed.write_text(json.dumps(sums | more))
+    with pytest.raises(vi.ParameterError, match="leads out of it"):
+        store.read(name)
+
+
+@pytest.mark.parametrize("form", [2, "pickle", "numcodecs.pickle"])
+def test_stores_are_not_unpickled(mark, written, form):
+    """A chunk that a stranger wrote, with pickle as what decodes its arrays, is refused."""
+    store, name = foreign(written, mark, form)
     assert store.state(name) == "done"
     with pytest.raises(vi.ParameterError, match="is no chunk that a campaign wrote"):
         store.read(name)

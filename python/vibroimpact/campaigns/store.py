@@ -222,11 +222,16 @@ class Contents(NamedTuple):
     sums: dict[str, str]
 
     def bytes(self, path: str) -> bytes:
-        """A file; an error if it is damaged, or KeyError if the chunk has none of this name."""
+        """A file; an error if it is damaged or elsewhere, or KeyError if the chunk has none of this name."""
         if path not in self.sums:
             raise KeyError(path)
+        file = (self.place / path).resolve()
+        if not file.is_relative_to(self.place.resolve()):
+            raise ParameterError(
+                f"{self.place}: is no chunk that a campaign wrote; {path!r} leads out of it"
+            )
         try:
-            content = (self.place / path).read_bytes()
+            content = file.read_bytes()
         except OSError:
             raise damaged(self.place) from None
         if hashlib.sha256(content).hexdigest() != self.sums[path]:
