@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, door
-from .errors import ParameterError
+from .errors import ParameterError, ParameterTypeError
 from .model import Oscillator
 from .motion import Motion, MotionSet
 from .namelist import keys_of, parts_of
@@ -197,7 +197,14 @@ def _structure_case(text: str) -> Case:
 
 def path_bytes(path: str | os.PathLike[str]) -> bytes:
     """A path as the compiled reader takes it."""
-    name = os.fsencode(path)
+    try:
+        name = os.fsencode(path)
+    except TypeError:
+        raise ParameterTypeError(
+            f"path = {path!r}: must be a path, not {type(path).__name__}"
+        ) from None
+    except UnicodeEncodeError:
+        raise ParameterError(f"path = {path!r}: must be text that a path can have") from None
     if not name or b"\0" in name:
         raise ParameterError(f"path = {os.fsdecode(name)!r}: must not be empty or hold a null byte")
     return name

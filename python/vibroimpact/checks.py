@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -141,6 +143,30 @@ def choice(value: Any, name: str, choices: Sequence[str]) -> str:
     return value
 
 
+def path(value: Any, name: str = "path") -> Path:
+    """A path that a file can have."""
+    try:
+        text = os.fspath(value)
+        if not isinstance(text, str):
+            raise TypeError
+    except TypeError:
+        raise ParameterTypeError(
+            f"{name} = {value!r}: must be a path, not {type(value).__name__}"
+        ) from None
+    try:
+        if b"\0" in os.fsencode(text):
+            raise ParameterError(f"{name} = {text!r}: must not hold a null byte")
+    except UnicodeEncodeError:
+        raise ParameterError(f"{name} = {text!r}: must be text that a path can have") from None
+    return Path(text)
+
+
+def progress(value: Any) -> None:
+    """None, or a function that is told how far a computation is."""
+    if value is not None and not callable(value):
+        raise ParameterTypeError(f"progress = {value!r}: must be None or callable")
+
+
 def instance(value: Any, name: str, kind: type) -> Any:
     """A value of one of the package's own classes."""
     if not isinstance(value, kind):
@@ -156,9 +182,23 @@ def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]
         array = np.asarray(values)
     except ValueError:
         raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
+    if np.ma.is_masked(values):
+        raise ParameterError(f"{name} = {values!r}: must be {wanted}, none of them masked")
     if array.size and (array.dtype.kind not in "iuf" or has_truth(values)):
         raise ParameterTypeError(f"{name} = {values!r}: must be {wanted}")
     return array.astype(np.float64, copy=False)
+
+
+def one_shape(**values: ArrayLike) -> list[NDArray[np.float64]]:
+    """Arrays of real numbers, each as large as all of them together."""
+    arrays = [real_array(given, name, "real numbers") for name, given in values.items()]
+    try:
+        return [np.asarray(array) for array in np.broadcast_arrays(*arrays)]
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in arrays)
+        raise ParameterError(
+            f"{', '.join(values)} of shapes {shapes}: must be broadcastable"
+        ) from None
 
 
 def has_truth(values: Any) -> bool:

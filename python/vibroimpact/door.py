@@ -87,8 +87,7 @@ def run_text(
     With `counters` the call is made in this thread, and another one stops it by their flag.
     """
     study: str = noun.study  # type: ignore[attr-defined]
-    if progress is not None and not callable(progress):
-        raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
+    checks.progress(progress)
     workers = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
     )
@@ -123,7 +122,8 @@ def plain(study: str, key: str, value: Any, name: str) -> Any:
             raise ParameterTypeError(f"{name} = None: must be {wanted}")
         return None
     kind = {"number": number, "whole": whole, "word": word}[declared["kind"]]
-    if declared["most"] == 1 or np.ndim(value) == 0:
+    several = isinstance(value, (list, tuple))  # of any shape
+    if declared["most"] == 1 or (not several and np.ndim(value) == 0):
         return kind(value, name, wanted)
     if declared["kind"] != "number":
         return [kind(item, name, wanted) for item in value]

@@ -8,6 +8,7 @@ import secrets
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from . import checks
 from .errors import ParameterError
 
 
@@ -19,7 +20,7 @@ def place_for(path: str | Path, endings: Iterable[str]) -> Path:
     ParameterError
         If it has none of the endings, or its folder is not there.
     """
-    place = Path(path)
+    place = checks.path(path)
     if place.suffix.lower() not in endings:
         raise ParameterError(f"path = {str(path)!r}: must end with one of {', '.join(endings)}")
     if not place.parent.is_dir():

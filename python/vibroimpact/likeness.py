@@ -35,6 +35,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     'RL'
     """
     checks.instance(motion, "motion", Motion)
+    checks.truth(mirrored, "mirrored")
     system = (motion.osc, motion.r, motion.clearance, motion.load)
     changed, *answer = found_motion(
         *system, motion.pattern.cycles, *parts_of(motion), 2 if mirrored else 1
@@ -91,6 +92,7 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     """
     checks.instance(one, "one", Motion)
     checks.instance(other, "other", Motion)
+    checks.truth(mirrored, "mirrored")
     first, second = parts_of(one), parts_of(other)
     if (
         (one.rest_events is None) != (other.rest_events is None)

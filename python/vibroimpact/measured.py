@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import checks
-from .errors import ParameterError
+from .errors import ParameterError, ParameterTypeError
 from .libraries import scipy
 from .model import Oscillator
 from .motion import Motion
@@ -117,7 +117,9 @@ class SensorRecord:
         given = {
             "load": load, "acceleration": acceleration, "velocity": velocity, "displacement": displacement,
         }  # fmt: skip
-        units = dict(units or {})
+        units = {} if units is None else units
+        if not isinstance(units, Mapping):
+            raise ParameterTypeError(f"units = {units!r}: must be a unit for each of some channels")
         for channel in units:
             checks.choice(channel, "units: channel", tuple(given))
         sizes = {}
@@ -572,4 +574,11 @@ def virtual_record(
     ... )
     <SensorRecord of 10240 samples at 10240 Hz, 1 s: load, acceleration>
     """
-    return VirtualRig(**rig).record(duration, seed, quantity)
+    try:
+        made = VirtualRig(**rig)
+    except TypeError as error:
+        if isinstance(error, ParameterTypeError):
+            raise
+        names = str(error).partition(") ")[2]
+        raise ParameterTypeError(f"rig: must be the arguments of VirtualRig; {names}") from None
+    return made.record(duration, seed, quantity)

@@ -486,7 +486,7 @@ class Pattern:
         (Pattern(sides='RLL', cycles=1), Pattern(sides='RRL', cycles=1))
         """
         orders = [self.symbols]
-        if alike:
+        if checks.truth(alike, "alike"):
             orders.append([item.translate(str.maketrans("RL", "LR")) for item in self.symbols])
         turned = ("".join(one[j:] + one[:j]) for one in orders for j in range(len(one)))
         return Pattern(max(turned), self.cycles)

@@ -286,8 +286,9 @@ class Physical:
         with the same units."""
         from .formats import save
 
-        if Path(path).suffix.lower() == ".csv":
-            write_text(Path(path), self._csv())
+        place = checks.path(path)
+        if place.suffix.lower() == ".csv":
+            write_text(place, self._csv())
         else:
             save.save(self, path)
 

@@ -196,6 +196,7 @@ def base_motion(
     [[0.45, 0.225]]
     """
     d = _influence(structure, direction)
+    checks.truth(relative, "relative")
     parts = {}
     for name, values in {"sine": sine, "cosine": cosine}.items():
         wanted = "amplitudes of y, a number or (harmonics,)"
@@ -268,6 +269,8 @@ def base_record(
             f"acceleration, displacement, velocity: must be the first alone or the other two; given: {names}"
         )
     arrays = [_numbers(given[name], name, "samples (samples,)", (-1,)) for name in names]
+    if len(arrays[0]) < 2:
+        raise ParameterError(f"{names[0]} of {len(arrays[0])} samples: must have at least two")
     if len({len(array) for array in arrays}) != 1:
         raise ParameterError(
             f"displacement of {len(arrays[0])} and velocity of {len(arrays[1])} samples: must be as many"

@@ -79,7 +79,13 @@ def run_namelists(
     """
     if isinstance(paths, (str, bytes, os.PathLike)) or not isinstance(paths, Iterable):
         raise ParameterTypeError(f"paths = {paths!r}: must be a list of files")
-    files = [path_bytes(path) for path in paths]
+    try:
+        files = [path_bytes(path) for path in paths]
+    except TypeError as error:
+        if isinstance(error, ParameterTypeError):
+            raise
+        raise ParameterTypeError(f"paths = {paths!r}: must be a list of files") from None
+    checks.progress(progress)
     target = path_bytes(folder)
     if not files:
         raise ParameterError("paths = []: must name at least one file")

@@ -139,7 +139,10 @@ class Structure(ByValue):
                     f"{name}: must have no negative eigenvalue; the least one is {least:.3g}"
                 )
             object.__setattr__(self, name, matrix)
-        gaps = tuple(gaps)
+        try:
+            gaps = tuple(gaps)
+        except TypeError:
+            raise ParameterTypeError(f"gaps = {gaps!r}: must be a list of gaps") from None
         if len(gaps) > MOST:
             raise ParameterError(f"gaps: {len(gaps)} of them; must be at most {MOST}")
         for i, gap in enumerate(gaps):

@@ -79,6 +79,11 @@ def checked(structure: Structure, load: Load | Record | None, parameters: Any) -
         ]  # fmt: skip
     if isinstance(parameters, str) or not isinstance(parameters, Sequence):
         raise ParameterTypeError(f"parameters = {parameters!r}: must be a list of parameters")
+    for one in parameters:
+        if not isinstance(one, (str, tuple)):
+            raise ParameterTypeError(
+                f"parameters with {one!r}: must be a name, or (name, function, value)"
+            )
     return list(parameters)
 
 
@@ -93,6 +98,8 @@ def structure_gradient(motion: StructureMotion, parameters: Sequence[Wanted] | N
         motion.structure, motion.load, motion.structure.coordinates, len(motion.gaps),
     )  # fmt: skip
     wanted = checked(structure, load, parameters)
+    if not wanted:
+        raise ParameterError(f"parameters = {parameters!r}: must name at least one")
     system, changed, _ = systems_of(structure, load, wanted, by_phase=True)
     names = names_of(wanted)
     run = motion._run()
@@ -156,6 +163,8 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
         initial = tuple(one for one in parameters if isinstance(one, str) and one in own)
         parameters = [one for one in parameters if one not in initial]
     wanted = checked(structure, load, parameters)
+    if not wanted and not initial:
+        raise ParameterError(f"parameters = {parameters!r}: must name at least one")
     system, changed, paces = systems_of(structure, load, wanted, by_phase=False)
     names = names_of(wanted)
     start = np.concatenate(run.first_state)

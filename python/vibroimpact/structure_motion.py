@@ -372,6 +372,9 @@ def periodic_structure(
     >>> motion.residual < 1e-11, motion.stable
     (True, True)
     """
+    checks.instance(structure, "structure", Structure)
+    checks.instance(load, "load", Load)
+    checks.truth(full, "full")
     laws = [
         i for i, gap in enumerate(structure.gaps)
         if isinstance(gap.restitution, PowerLaw | TabulatedRestitution)

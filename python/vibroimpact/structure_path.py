@@ -125,15 +125,15 @@ def keys_of_parameter(
     ends = {f"{prefix}low": low, f"{prefix}high": high}
     if isinstance(parameter, str):
         if at is not None:
-            raise ParameterError(f"at = {at!r}: goes with a function as parameter")
+            raise ParameterError(f"{prefix}at = {at!r}: goes with a function as parameter")
         return {word: parameter, **ends}
     if not callable(parameter):
         raise ParameterTypeError(
             f"{word} = {parameter!r}: must be a name, or a function that gives a structure and a load"
         )
     if at is None:
-        raise ParameterError("at = None: must be the value of the parameter at the motion")
-    at = checks.to_float(at, "at", "a finite number")
+        raise ParameterError(f"{prefix}at = None: must be the value of the parameter at the motion")
+    at = checks.to_float(at, f"{prefix}at", "a finite number")
     if not low < high or not low <= at <= high:
         raise ParameterError(
             f"bounds = {(low, high)!r}: must be (lowest, highest) with at = {at!r} between them"

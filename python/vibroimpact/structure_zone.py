@@ -148,9 +148,7 @@ class StructureZone(Followed, study="zone_structure"):
         ndarray of bool
             False outside the window.
         """
-        xs, ys = np.broadcast_arrays(
-            checks.real_array(x, "x", "real numbers"), checks.real_array(y, "y", "real numbers")
-        )
+        xs, ys = checks.one_shape(x=x, y=y)
         points = self._square(np.stack([xs.ravel(), ys.ravel()], axis=1))
         total = np.zeros(len(points), dtype=np.int64)
         for ring in self.loops:

@@ -441,6 +441,7 @@ def simulate(
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     now, begun = start_of(system, state)
     whole = discard + cycles or 1.0
+    checks.progress(progress)
 
     def report(done: float) -> None:
         """Reports the number of load cycles that are done."""

@@ -279,6 +279,10 @@ def powers_of(unit: str) -> dict[str, int]:
     >>> powers_of("omega^2 F0/K"), powers_of("1/omega"), powers_of("rad")
     ({'omega': 2, 'F0': 1, 'K': -1}, {'omega': -1}, {})
     """
+    if not isinstance(unit, str):
+        raise ParameterTypeError(
+            f"unit = {unit!r}: must be a text as 'omega F0/K', not {type(unit).__name__}"
+        )
     above, _, below = unit.partition("/")
     powers: dict[str, int] = {}
     for text, sign in ((above, 1), (below, -1)):
@@ -317,7 +321,7 @@ def checked_names(value: Any, name: str = "units") -> str:
 
 def positive_each(value: Any, name: str) -> Any:
     """One positive number, or an array of them."""
-    if np.ndim(value) == 0 or isinstance(value, str):
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
         return positive(value, name)
     wanted = f"finite numbers with {name} > 0"
     array = checks.real_array(value, name, wanted)

@@ -47,14 +47,19 @@ contains
    pure real(wp) function first_zero(g, slope, c) result(h)
       !> Coefficients of the parabola, g >= 0.
       real(wp), intent(in) :: g, slope, c
-      real(wp) :: discriminant
+      !> Where squares overflow, and a power of 2 by which the coefficients are then multiplied.
+      real(wp), parameter :: large = 2.0_wp**(maxexponent(1.0_wp)/2 - 2), &
+         small = 2.0_wp**(-maxexponent(1.0_wp)/2 - 16)
+      real(wp) :: discriminant, scale
 
       h = huge(1.0_wp)
-      discriminant = slope**2 - 4*c*g
+      scale = 1
+      if (max(abs(slope), abs(c), g) > large) scale = small
+      discriminant = (scale*slope)**2 - 4*(scale*c)*(scale*g)
       if (slope < 0) then
-         if (discriminant >= 0) h = 2*g/(sqrt(discriminant) - slope)
+         if (discriminant >= 0) h = 2*(scale*g)/(sqrt(discriminant) - scale*slope)
       else if (c < 0) then
-         h = (slope + sqrt(discriminant))/(-2*c)
+         h = (scale*slope + sqrt(discriminant))/(-2*(scale*c))
       end if
    end function first_zero
 

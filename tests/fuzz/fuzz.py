@@ -10,11 +10,17 @@ import argparse
 import sys
 from pathlib import Path
 
+import damaged
+import doors
+import functions
 import namelists
 from report import Report
 
 PARTS = {
     "namelists": namelists.fuzz,
+    "files": damaged.fuzz,
+    "functions": functions.fuzz,
+    "doors": doors.fuzz,
 }
 
 
@@ -24,9 +30,10 @@ def main():
     parser.add_argument("--share", type=float, default=1.0, help="share of all inputs (default: 1)")
     parser.add_argument("--seed", type=int, default=1, help="other inputs (default: 1)")
     parser.add_argument("--only", choices=PARTS, help="one part alone")
-    parser.add_argument("--sanitized", type=Path, default=Path("build/fuzz-sanitized"))
-    parser.add_argument("--checked", type=Path, default=Path("build/fuzz-checked"))
+    parser.add_argument("--sanitized", type=Path, default="build/fuzz-sanitized")
+    parser.add_argument("--checked", type=Path, default="build/fuzz-checked")
     options = parser.parse_args()
+    options.sanitized, options.checked = options.sanitized.resolve(), options.checked.resolve()
     report = Report()
     for name, part in PARTS.items():
         if options.only in (None, name):

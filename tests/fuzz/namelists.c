@@ -187,6 +187,8 @@ static int32_t try(const char *text, char **answer)
         }
         free(other);
     }
+    if (status == VIBROIMPACT_WRONG && strncmp(*answer, "the text holds", 14) != 0 && strlen(text) % 4 != 0)
+        return status; /* for some, both readers are asked */
     /* a text with several cases: each is a text of its own */
     if (vibroimpact_cases(text, &cases) == VIBROIMPACT_DONE) {
         struct vibroimpact_table table;

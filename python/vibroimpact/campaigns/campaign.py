@@ -16,7 +16,7 @@ from ..errors import OutOfMemoryError, ParameterError, ParameterTypeError
 from ..libraries import xarray
 from ..noun import Noun
 from ..tables import declared, language
-from .store import PARTS, Store
+from .store import PARTS, PLAN, Store
 from .sweep import Sweep
 
 __all__ = ["Campaign"]
@@ -64,17 +64,22 @@ class Campaign:
     def __init__(self, store: str | os.PathLike[str]) -> None:
         self._store = Store(store)
         plan = self._store.plan()
-        self.study: str = plan["study"]
+        self.sweep = None
+        try:
+            self.study: str = plan["study"]
+            self.size: int = checks.integer(plan["size"], "size", 0, 2**62)
+            self._chunk: int = checks.integer(plan["chunk"], "chunk", 1, 10**7)
+            if "template" in plan and self.study in language()["results"]:
+                self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in PARTS})
+        except (LookupError, ValueError, TypeError, AttributeError) as error:
+            raise ParameterError(
+                f"store = {str(store)!r}: its {PLAN} is damaged; restore it, or use another store"
+            ) from error
         if self.study not in language()["results"]:
             raise ParameterError(
                 f"store = {str(self._store.folder)!r}: holds cases of {self.study!r}, which this vibroimpact does "
-                f"not have; must be read with vibroimpact {plan['vibroimpact']}"
+                f"not have; must be read with vibroimpact {plan.get('vibroimpact')}"
             )
-        self.size: int = plan["size"]
-        self._chunk: int = plan["chunk"]
-        self.sweep = None
-        if "template" in plan:
-            self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in PARTS})
         self._read = lru_cache(4)(self._store.read)
 
     @property

@@ -131,8 +131,7 @@ def campaign(
     if chunk is None:
         chunk = min(LARGEST, max(SMALLEST, -(-number // CHUNKS)))
     size = checks.integer(chunk, "chunk", 1, 10**7)
-    if progress is not None and not callable(progress):
-        raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
+    checks.progress(progress)
     place = Store(store)
     record = {
         "study": study, "size": number, "chunk": size, "core": core_digest(),

@@ -134,6 +134,7 @@ class Sweep:
         ParameterError
             If it has none, or its lists do not fit together.
         """
+        checks.instance(case, "case", Case)
         parts = dict(namelist.parts_of(case.text))
         if "sweep" not in parts:
             raise ParameterError(f"{case.name}: has no &sweep; must have one after &{case.kind}")

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from .. import checks
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..noun import NOUNS
 from ..units import Units
@@ -51,14 +52,15 @@ def load(path: str | Path) -> Any:
     <Motion RL/1 at r = 0.94, d K/F0 = 37: admissible, unstable (max|lambda| = 3.828)>
     """
     wanted = "must be a file that the save of a result wrote"
-    if Path(path).suffix.lower() == ".csv":
+    place = checks.path(path)
+    if place.suffix.lower() == ".csv":
         raise ParameterError(
             f"path = {str(path)!r}: must end with .json, .nc or .mat; a table whose header has its case is an "
             "input of `vibroimpact run` and read_namelist"
         )
     try:
-        read = READERS.get(Path(path).suffix.lower(), READERS[".json"])
-        data = json.loads(read(Path(path)))
+        read = READERS.get(place.suffix.lower(), READERS[".json"])
+        data = json.loads(read(place))
         kind = mapping(data, "record").get("type")
         if kind not in [*NOUNS]:
             raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")

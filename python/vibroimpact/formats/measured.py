@@ -115,7 +115,7 @@ def read_record(
     """
     if isinstance(path, (Mapping, list)):
         return assembled(of_sep005(path), "", rate, channels, units, bandwidth, scale)
-    place = Path(path)
+    place = checks.path(path)
     suffix = place.suffix.lower()
     shown = f"path = {str(path)!r}"
     if suffix not in READERS:
@@ -398,7 +398,7 @@ def of_sep005(signals: Any) -> Content:
     for i, signal in enumerate(several):
         if not isinstance(signal, Mapping) or not {"name", "data"} <= signal.keys():
             raise ParameterError(
-                f"signal {i}: must be a SEP005 dict with name, data, unit_str, and fs or time"
+                f"path: its signal {i} must be a SEP005 dict with name, data, unit_str, and fs or time"
             )
         data = checks.real_array(signal["data"], f"data of signal {signal['name']!r}", "numbers")
         unit = str(signal.get("unit_str") or "")

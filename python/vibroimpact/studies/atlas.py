@@ -120,10 +120,7 @@ class WithoutImpacts:
 
     def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
         """Whether the motion without impacts exists at points; False outside the window."""
-        r, clearance = np.broadcast_arrays(
-            checks.real_array(r, "r", "real numbers"),
-            checks.real_array(clearance, "clearance", "real numbers"),
-        )
+        r, clearance = checks.one_shape(r=r, clearance=clearance)
         inside = (self.r[0] <= r) & (r <= self.r[1])
         inside &= (self.clearance[0] <= clearance) & (clearance <= self.clearance[1])
         return np.asarray(inside & (clearance > self.least_clearance(r)))

@@ -258,7 +258,7 @@ def basins(
     if plane is not None:
         names |= {name: f"fixed[{name!r}]" for name in COORDINATES}
         keys |= _plane_keys(plane) | _fixed_keys(fixed)
-    elif np.ndim(states) == 0:  # type: ignore[arg-type]
+    elif not isinstance(states, (list, tuple)) and np.ndim(states) == 0:  # type: ignore[arg-type]
         keys |= {"states": states, "seed": seed}
     else:
         starts = checks.real_array(states, "states", "a number or an array (5, M)")  # type: ignore[arg-type]

@@ -161,9 +161,9 @@ class BifurcationDiagram(Noun, study="bifurcation"):
 
     def column(self, quantity: str) -> _Array:
         """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass."""
-        if quantity == "approach":
+        if isinstance(quantity, str) and quantity == "approach":
             return np.asarray(np.abs(self.points["z_dot_before"] - self.points["x_dot_before"]))
-        if quantity not in COLUMNS:
+        if not isinstance(quantity, str) or quantity not in COLUMNS:
             raise ParameterError(
                 f"quantity = {quantity!r}: must be one of {', '.join((*COLUMNS, 'approach'))}"
             )

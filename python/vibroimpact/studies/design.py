@@ -506,8 +506,7 @@ def design(
         "amplitude": amplitude, "cycles": cycles,
     }  # fmt: skip
     workers = None if threads is None else checks.integer(threads, "threads", 1, 1024)
-    if progress is not None and not callable(progress):
-        raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
+    checks.progress(progress)
     if not isinstance(host, Oscillator):
         asked = asked_of(host, r, free, uncertain_ones, bounds, loads, coordinate, keys, workers)
         return designed(*asked, "", progress)

@@ -281,6 +281,7 @@ def find(
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
+    checks.progress(progress)
     keys = {
         "clearance": clearance, "max_impacts": max_impacts, "max_cycles": max_cycles, "load": load,
         "guesses": guesses, "states": states, "settling": settling, "releases": releases,
@@ -305,7 +306,7 @@ def _is_little(
         # there are about 2^n/n patterns of n impacts
         work = max_cycles * sum(n * 2**n for n in range(2, min(max_impacts, 12) + 1))
         return bool(guesses * work + 20 * max_cycles * releases + states * settling < LITTLE)
-    except TypeError:  # which the door reports
+    except (TypeError, ValueError, OverflowError):  # which the door reports
         return False
 
 

@@ -404,15 +404,7 @@ def limit_probability(
     cycles = checks.integer(settling, "settling", 8, 1_000_000)
     events = checks.integer(max_events, "max_events", 1000, 10**9)
     random = np.random.default_rng(checks.integer(seed, "seed", 0, 2**31 - 1))
-    try:
-        points = np.broadcast_arrays(
-            checks.real_array(r, "r", "numbers"),
-            checks.real_array(clearance, "clearance", "numbers"),
-        )
-    except ValueError:
-        raise ParameterError(
-            f"r, clearance of shapes {np.shape(r)}, {np.shape(clearance)}: must be broadcastable"
-        ) from None
+    points = checks.one_shape(r=r, clearance=clearance)
     if not 0 < points[0].size * count * tries <= checks.MOST_NUMBERS:
         raise ParameterError(
             f"r, clearance, samples, starts: {points[0].size} points, {count} samples and {tries} starts are "
@@ -548,8 +540,7 @@ class Told:
     """What a caller's progress function is told: shares of a computation in parts."""
 
     def __init__(self, progress: door.Progress | None, first: float) -> None:
-        if progress is not None and not callable(progress):
-            raise ParameterTypeError(f"progress = {progress!r}: must be None or callable")
+        checks.progress(progress)
         self.progress = progress
         self.first = first
         self.begin = self.length = 0.0

@@ -353,10 +353,7 @@ class Zone(Noun, study="zone"):
 
 def places(r: ArrayLike, clearance: ArrayLike) -> tuple[_Array, _Array]:
     """Points as two arrays of one shape."""
-    r, clearance = np.broadcast_arrays(
-        checks.real_array(r, "r", "real numbers"),
-        checks.real_array(clearance, "clearance", "real numbers"),
-    )
+    r, clearance = checks.one_shape(r=r, clearance=clearance)
     return r, clearance
 
 
