@@ -12,8 +12,9 @@ os.environ["VIBROIMPACT_BUILT"] = "1"
 LONGEST = (
     "test_audit.py", "test_campaign.py", "test_faults.py", "test_identify.py", "test_identify_laws.py",
     "test_structure_branch.py", "test_structure_motion.py", "test_reproduce.py", "test_commands.py",
-    "test_explorer_trouble.py", "test_explorer_looks.py", "test_explorer_page.py", "test_batch_studies.py", "test_batch_command_line.py",
-    "test_branch_crossings.py", "test_commands_attractors.py", "test_laws.py", "test_batch_attractors.py", "test_zone_rest.py",
+    "test_explorer_trouble.py", "test_explorer_looks.py", "test_explorer_page.py", "test_batch_studies.py",
+    "test_batch_command_line.py", "test_branch_crossings.py", "test_commands_attractors.py", "test_laws.py",
+    "test_batch_attractors.py", "test_zone_rest.py",
 )  # fmt: skip
 
 
