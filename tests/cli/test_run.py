@@ -59,7 +59,7 @@ def test_help(words):
     """The help lists every command, and starts none."""
     status, out, err = say(*words)
     assert (status, err) == (0, "")
-    for command in ("reproduce", "test", "bench", "docs", "lint", "wheel"):
+    for command in ("reproduce", "test", "bench", "mutate", "coverage", "docs", "lint", "wheel"):
         assert f"\n  ./run {command} " in out
 
 

@@ -95,19 +95,15 @@ class Build:
                 return None
         return objects
 
-    def link(self, target: str, objects: list[str], out: Path) -> None:
-        """Link a target, with these objects in the place of the library's."""
+    def link(self, target: str, objects: list[str], out: Path) -> bool:
+        """Link a target, with these objects in the place of the library's; return whether that went well."""
         words = list(self.linking(target))
         words[words.index("-o") + 1] = str(out)
         first = next(
             i for i, word in enumerate(words) if word.endswith(".a") or word == "-Wl,--start-group"
         )
-        subprocess.run(
-            [*words[:first], *objects, *words[first:]],
-            cwd=self.folder,
-            capture_output=True,
-            check=True,
-        )
+        command = [*words[:first], *objects, *words[first:]]
+        return subprocess.run(command, cwd=self.folder, capture_output=True).returncode == 0
 
 
 def declared(module: Path) -> bytes:
@@ -157,7 +153,8 @@ class Trial:
                 return "not valid"
             for room in ROOMS[mutant.file.split("/")[1]]:
                 program = folder / f"test_{room}"
-                self.fortran.link(f"tests/fortran/test_{room}", objects, program)
+                if not self.fortran.link(f"tests/fortran/test_{room}", objects, program):
+                    return "not valid"
                 if not passes([program], folder, 60):
                     return f"killed by {room}"
                 program.unlink()
