@@ -112,6 +112,22 @@ def test_what_cannot_be_shown_is_named(motion, capsys):
         assert words[-1].split()[0] in err
 
 
+@pytest.mark.parametrize(
+    ("rig", "law", "message"),
+    [({"harmonics": (0.1,)}, "constant", "load of the identification: must be a sine"),
+     ({}, "table", "law = 'table' of the identification: must be 'constant'")],
+)  # fmt: skip
+def test_what_an_identification_has_beyond_the_explorer_is_named(rig, law, message):
+    """A load with harmonics, and a law of restitution, are told apart."""
+    pytest.importorskip("scipy")
+    bench = vi.VirtualRig(
+        M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=0.7, F0=6.0, frequency=19.5, **rig
+    )
+    found = vi.identify(bench.record(2.0, seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, law=law)
+    with pytest.raises(ParameterError, match=message):
+        state_of(found)
+
+
 def test_the_command_opens_a_file(page, motion, tmp_path):
     """`vibroimpact explore FILE` gives the address of a page with the point marked and the motion chosen."""
     path = tmp_path / "motion.json"

@@ -240,9 +240,10 @@ class Explorer:
         )  # fmt: skip
 
     def drag_box(self, r: float, clearance: float) -> None:
-        """Move the middle of the box, within the window."""
+        """Move the middle of the box, within the window, to as many digits as a pixel has."""
         (r0, r1), (d0, d1) = self.state.window
-        middle = {"r": min(max(float(r), r0), r1), "clearance": min(max(float(clearance), d0), d1)}
+        r, clearance = (float(f"{value:.5g}") for value in (r, clearance))
+        middle = {"r": min(max(r, r0), r1), "clearance": min(max(clearance, d0), d1)}
         self.change(replace(self.state, box=replace(self.box(), **middle)))
 
     def draw_line(self, ends: tuple[float, float, float, float]) -> None:
