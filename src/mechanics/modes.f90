@@ -15,8 +15,8 @@ module vi_modes
    implicit none (type, external)
    private
 
-   public :: advance, advance_pair, bound_on, new_interval, new_steps, prepare, step_functions, &
-      step_pairs, steady_response, steady_slope
+   public :: advance, advance_pair, bound_on, departure, new_interval, new_steps, prepare, &
+      step_functions, step_pairs, steady_response, steady_slope
 
    !> Pairs of a structure.
    type, public :: modes_type
@@ -106,6 +106,22 @@ contains
          s3 = (t - w - 2*damping*s2)/stiffness
       end if
    end subroutine step_functions
+
+   !> 1 - u of `step_functions` without loss of digits where u is near 1, as for a time that is
+   !! nearly a multiple of the pair's own period.
+   elemental real(wp) function departure(stiffness, damping, t)
+      !> As in `step_functions`.
+      real(wp), intent(in) :: stiffness, damping, t
+      real(wp) :: u, w, s2, s3, rate
+
+      call step_functions(stiffness, damping, t, u, w, s2, s3)
+      departure = stiffness*s2
+      if (.not. (sqrt(stiffness) > damping .and. u > 0.5_wp)) return
+      rate = sqrt((sqrt(stiffness) - damping)*(sqrt(stiffness) + damping))
+      ! u = e^(-sigma t) cos(rate t) + sigma w
+      departure = damping*t*mean_decay(damping*t) + 2*exp(-damping*t)*sin(0.5_wp*rate*t)**2 &
+         - damping*w
+   end function departure
 
    !> (1 - exp(-z))/z, the mean of exp(-z) from 0 to z.
    elemental real(wp) function mean_decay(z)

@@ -7,7 +7,7 @@
 !! the impulse less its mean over the period.
 module vi_responses
    use vi_kinds, only: wp
-   use vi_modes, only: step_functions
+   use vi_modes, only: departure, step_functions
    use vi_structure, only: regime_type, structure_type
    implicit none (type, external)
    private
@@ -135,19 +135,19 @@ contains
       result(pair)
       !> omega^2 and sigma of the pair, and the period.
       real(wp), intent(in) :: stiffness, damping, period
-      real(wp) :: u, w, s2, s3, divisor
+      real(wp) :: u, w, lack, divisor
 
       pair%stiffness = stiffness
       pair%damping = damping
       pair%period = period
       if (.not. stiffness > 0) return
-      ! with 1 - u = omega^2 s2
-      call step_functions(stiffness, damping, period, u, w, s2, s3)
-      divisor = stiffness*(s2*(stiffness*s2 + 2*damping*w) + w**2)
+      lack = departure(stiffness, damping, period)
+      call step_functions(stiffness, damping, period, u, w)
+      divisor = lack*(lack + 2*damping*w) + stiffness*w**2
       pair%resonant = .not. divisor > (8*epsilon(1.0_wp)*max(1.0_wp, sqrt(stiffness)*period))**2
       if (pair%resonant) return
-      pair%from_x = [stiffness*s2 + 2*damping*w, -stiffness*w]/divisor
-      pair%from_v = [w, stiffness*s2]/divisor
+      pair%from_x = [lack + 2*damping*w, -stiffness*w]/divisor
+      pair%from_v = [w, lack]/divisor
    end function periodic_pair
 
    !> The periodic response of one pair to jumps at time 0, at a time in (0, period], with its first

@@ -9,7 +9,7 @@
 module vi_structure_motion
    use vi_kinds, only: wp
    use vi_lapack, only: least_squares, least_squares_work
-   use vi_modes, only: advance, step_functions
+   use vi_modes, only: advance, departure, step_functions
    use vi_restitution, only: constant_law
    use vi_responses, only: forced_row, jumps_of, offset_pairs, pair_response, periodic_pair, &
       periodic_pair_type, ripple_row, row_of_gap, steady_pairs
@@ -411,10 +411,17 @@ contains
          state(:m, 2*m + next) = state(:m, 2*m + next) + impulse*in_x
          state(m + 1:, 2*m + next) = state(m + 1:, 2*m + next) + impulse*in_v
       end do
+      ! in the periodicity, 1 is taken from the diagonal without loss of digits near a resonance
+      call transitions(regime, equations%period, in_x, in_v, of_x, of_v)
+      associate (lack => departure(regime%modes%stiffness, regime%modes%damping, equations%period))
+         do i = 1, m
+            state(i, [i, m + i]) = [-lack(i), in_v(i)]
+            state(m + i, [i, m + i]) = [of_x(i), -lack(i) - 2*regime%modes%damping(i)*in_v(i)]
+         end do
+      end associate
       do i = 1, 2*m
          length = merge(1.0_wp, unit, i <= m)
          a(2*n + i, :) = length*state(i, :unknowns)
-         a(2*n + i, i) = a(2*n + i, i) - length
          right(2*n + i) = -length*state(i, unknowns + 1)
       end do
       do j = 1, unknowns
