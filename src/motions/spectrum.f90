@@ -307,16 +307,16 @@ contains
 
    !> Number of zeros of a polynomial outside the unit circle, by the Schur-Cohn recursion.
    pure integer function zeros_outside(coefficients) result(outside)
-      !> Highest power first.
+      !> Highest power first; at most 5.
       real(wp), intent(in) :: coefficients(:)
-      real(wp) :: c(size(coefficients)), reversed(size(coefficients)), share
+      real(wp) :: c(5), reversed(5), share
       integer :: i, n
       logical :: inverted
 
-      c = coefficients
+      c(:size(coefficients)) = coefficients
       outside = 0
       inverted = .false.
-      do n = size(c), 2, -1
+      do n = size(coefficients), 2, -1
          do i = 1, n
             reversed(i) = c(n + 1 - i)
          end do

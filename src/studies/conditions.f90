@@ -49,8 +49,9 @@ contains
       call stability_values(frame, unknowns, o, values(:3), sums)
       if (present(spectrum)) spectrum = sums
       if (.not. frame%every_crossing .and. all(values(:3) > 0)) then
-         ! only stable motions are inside
-         if (sums%e(0) > 0 .and. outside_circle(sums, 0) > 0) then
+         ! only stable motions are inside; where fold and flip are positive, the number of
+         ! multipliers outside is even, and one alone is on the circle to rounding
+         if (sums%e(0) > 0 .and. outside_circle(sums, 0) > 1) then
             values(neimark_sacker) = -values(neimark_sacker)
          end if
       end if

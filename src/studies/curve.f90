@@ -5,6 +5,7 @@
 module vi_curve
    use vi_conditions, only: condition_value
    use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
+   use vi_family, only: repetition_distance
    use vi_frame, only: condition_type, edge, neimark_sacker, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
@@ -95,7 +96,7 @@ contains
          if (done .and. .not. curve%frame%resting .and. i < most_iterations) then
             done = moved*(moved/before)**2 < 1.0e-13_wp .or. moved > 0.5_wp*before
             ! motions that repeat themselves are such singular points
-            if (i == 1 .and. size(curve%frame%repetitions) > 0) done = moved < 1.0e-11_wp
+            if (i == 1 .and. moved >= 1.0e-11_wp) done = .not. nearly_repeats(curve, point)
          end if
          if (done .or. (residual < rounding .and. moved < 1.0e-4_wp .and. &
             moved > 0.9_wp*before)) then
@@ -105,6 +106,23 @@ contains
          end if
       end do
    end subroutine correct
+
+   !> Whether a motion is near one that repeats itself within its period.
+   pure logical function nearly_repeats(curve, point)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> A point of it.
+      real(wp), intent(in) :: point(:)
+      integer :: j
+
+      nearly_repeats = .false.
+      associate (frame => curve%frame)
+         do j = 1, size(frame%repetitions)
+            nearly_repeats = nearly_repeats .or. repetition_distance(frame%family, &
+               frame%repetitions(j), point(:unknown_count(frame))) < 10*frame%apart
+         end do
+      end associate
+   end function nearly_repeats
 
    !> Distance of a point from the place where a curve crosses the plane through it; huge if
    !! Newton's method does not find the curve there.

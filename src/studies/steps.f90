@@ -5,6 +5,7 @@ module vi_steps
    use vi_family, only: image_of
    use vi_frame, only: condition_count, condition_type, neimark_sacker, repetition, unknown_count
    use vi_kinds, only: wp
+   use vi_linear, only: most
    use vi_spectrum, only: spectrum_type
    implicit none (type, external)
    private
@@ -180,8 +181,8 @@ contains
       type(correction_type), intent(in) :: correction
 
       real(wp), parameter :: large = 0.1_wp, slow = 0.3_wp
-      real(wp), dimension(size(from%point)) :: chord, middle, start
-      integer :: iterations
+      real(wp), dimension(most) :: chord, middle, start
+      integer :: iterations, n
       real(wp) :: length
 
       keeps = .true.
@@ -194,12 +195,14 @@ contains
          if (moved(1) < large*step .and. moved(2) < slow*moved(1)) return
       end associate
       ! the cubic that joins both ends
-      chord = to%point - from%point
-      length = norm2(chord)
-      middle = from%point + 0.5_wp*chord + 0.125_wp*length*(from%tangent - to%tangent)
-      start = middle
-      call correct(curve, conditions, middle, iterations, chord/length)
-      keeps = iterations > 0 .and. norm2(middle - start) < 0.05_wp*length
+      n = size(from%point)
+      chord(:n) = to%point - from%point
+      length = norm2(chord(:n))
+      middle(:n) = from%point + 0.5_wp*chord(:n) + 0.125_wp*length*(from%tangent - to%tangent)
+      start(:n) = middle(:n)
+      chord(:n) = chord(:n)/length
+      call correct(curve, conditions, middle(:n), iterations, chord(:n))
+      keeps = iterations > 0 .and. norm2(middle(:n) - start(:n)) < 0.05_wp*length
    end function keeps_to_curve
 
    !> Whether the step that led to a place can be repeated with a shorter length. A step that jumped
