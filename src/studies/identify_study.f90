@@ -60,8 +60,8 @@ module vi_identify_study
       meaning='parameters of &system that are known; the fit starts from the others'), &
       key_type('law', a_word, default='''constant''', &
       words='constant power powers knee knees table tables', &
-      meaning='restitution over the approach speed v: constant; R1 and R2 times (v/v0)^-p; with a &
-      &knee; or a table; the plural has its own p, knee or table for each wall'), &
+      meaning='restitution by approach speed v: constant, R (v/v0)^-p, with a knee, or a table; &
+      &plurals: of each wall'), &
       key_type('law_speed', low=tiny_value, high=huge_value, never='law=constant', &
       may_miss=.true., unit='m/s', meaning='v0, at which R1 and R2 hold; by default the &
       &geometric mean of the speeds of all impacts'), &
