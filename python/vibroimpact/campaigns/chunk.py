@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -96,20 +96,25 @@ def compute(
         raise ParameterError(
             "the core of a worker is not that of this process; install the same vibroimpact on both"
         )
-    found: list[Result | str] = []
-    for text in texts:
-        counters[:2] = 0
-        try:
-            found.append(result_of(study, text, threads, counters))
-        except MemoryError:  # another call may have more
-            raise
-        except VibroimpactError as error:
-            found.append(str(error))
-        except Exception as error:  # a defect costs its case alone
-            found.append(f"{type(error).__name__}: {error}")
-        if counters[2]:
-            raise KeyboardInterrupt
-    return packed(study, texts, found)
+
+    def found() -> Iterator[Result | str]:
+        """The results, or errors; none is kept, since each holds all that the core computed."""
+        for text in texts:
+            counters[:2] = 0
+            result: Result | str
+            try:
+                result = result_of(study, text, threads, counters)
+            except MemoryError:  # another call may have more
+                raise
+            except VibroimpactError as error:
+                result = str(error)
+            except Exception as error:  # a defect costs its case alone
+                result = f"{type(error).__name__}: {error}"
+            if counters[2]:
+                raise KeyboardInterrupt
+            yield result
+
+    return packed(study, texts, found())
 
 
 def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) -> Result:
@@ -122,7 +127,7 @@ def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) 
     return result
 
 
-def packed(study: str, texts: Sequence[str], found: Sequence[Result | str]) -> Chunk:
+def packed(study: str, texts: Sequence[str], found: Iterable[Result | str]) -> Chunk:
     """The results, or errors, of cases in one set of arrays."""
     heads: list[dict[str, Any]] = []
     rows: dict[str, dict[str, list[Any]]] = {}
@@ -138,7 +143,7 @@ def packed(study: str, texts: Sequence[str], found: Sequence[Result | str]) -> C
             into = rows.setdefault(name, {})
             into.setdefault("case", []).append(np.full(size, number, "<i4"))
             if table.owners is not None:
-                into.setdefault("owner", []).append(np.asarray(table.owners, "<i4").ravel())
+                into.setdefault("owner", []).append(np.array(table.owners, "<i4").ravel())
             for key, column in table.columns.items():
                 inner[key] = column.values.shape[-1] if column.each else 1
                 values = (
@@ -146,6 +151,8 @@ def packed(study: str, texts: Sequence[str], found: Sequence[Result | str]) -> C
                 )
                 if column.kind == "word":
                     values = recoded(column, values, words.setdefault((name, key), {}))
+                else:
+                    values = values.copy()
                 into.setdefault(key, []).append((number, values))
             tables[name] = {"dims": table.dims, "parent": table.parent, "columns": inner}
         heads.append({
