@@ -623,7 +623,7 @@ def test_what_is_no_store(tmp_path):
     for part, message in (
         ({"size": "x"}, "is damaged"), ({"size": -3}, "is damaged"), ({"chunk": 0}, "is damaged"),
         ({"study": "nonsense", "vibroimpact": "9.9"}, "must be read with vibroimpact 9.9"),
-        ({"values": {"r": [1]}}, "its plan is damaged"),
+        ({"values": {"r": [1]}}, "is damaged"),
     ):  # fmt: skip
         (store / "campaign.json").write_text(json.dumps(plan | part))
         with pytest.raises(vi.ParameterError, match=message):
