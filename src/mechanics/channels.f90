@@ -10,9 +10,12 @@
 !! omitted terms are below rounding (vi_series).
 module vi_channels
    use vi_kinds, only: wp
-   use vi_lane_rows, only: add_derivatives, side_by_side
-   use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives
-   use vi_modes, only: advance, advance_pair, bound_on, levels, step_pairs
+   use vi_lane_rows, only: add_derivatives, bound_pairs, mark_doubts, side_by_side, &
+      sizes_of_pairs, step_pairs
+   use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
+      bound_pairs_wide => bound_pairs, mark_doubts_wide => mark_doubts, &
+      sizes_of_pairs_wide => sizes_of_pairs, step_pairs_wide => step_pairs
+   use vi_modes, only: advance, advance_pair, bound_on, levels
    use vi_rows, only: bound_values, row_values, rows_type
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
       tolerated
@@ -104,7 +107,7 @@ contains
          if (allocated(space%pairs)) deallocate (space%pairs, space%work, space%values, &
             space%turns, space%doubtful)
          allocate (space%pairs(pairs, 6), space%work(pairs + side_by_side, 4), &
-            space%values(rows, 6), space%turns(harmonics, 2), &
+            space%values(rows, 8), space%turns(harmonics, 2), &
             space%doubtful(2, rows))
       end associate
    end subroutine make_room
@@ -132,8 +135,8 @@ contains
       !> Room for pairs.
       real(wp), intent(inout) :: work(m + side_by_side, 4)
       !> Rows and rates at the beginning and at the end of a cell (rows, 1 to 4, in turns), the
-      !! bounds on their fourth derivatives (rows, 5) and on rounding errors (rows, 6).
-      real(wp), intent(inout) :: values(rows, 6)
+      !! bounds on their fourth derivatives (rows, 5) and on rounding errors (rows, 6), and room.
+      real(wp), intent(inout) :: values(rows, 8)
       !> (harmonics) e^(i h Omega t) at the beginning and at the end of a cell.
       complex(wp), intent(inout) :: turns(harmonics, 2)
       !> The rows in doubt, as in `find_doubts`.
@@ -177,8 +180,13 @@ contains
                values(:, 2*now), values(:, 6))
             fresh = .true.
          end if
-         call step_pairs(m, regime%steps%map(:, :, level), pairs(:, 2*now - 1), pairs(:, 2*now), &
-            pairs(:, 2*next - 1), pairs(:, 2*next))
+         if (regime%modes%wide) then
+            call step_pairs_wide(m, regime%steps%map(:, :, level), pairs(:, 2*now - 1), &
+               pairs(:, 2*now), pairs(:, 2*next - 1), pairs(:, 2*next))
+         else
+            call step_pairs(m, regime%steps%map(:, :, level), pairs(:, 2*now - 1), &
+               pairs(:, 2*now), pairs(:, 2*next - 1), pairs(:, 2*next))
+         end if
          if (regime%rows%grows) call add_growth(regime, level, t, pairs(:, 2*next - 1), &
             pairs(:, 2*next))
          do j = 1, harmonics
@@ -186,9 +194,9 @@ contains
          end do
          call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), pairs(:, 2*next), &
             turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
-         call find_doubts(rows, regime%upper, regime%lower, leaving, t, h, values(:, 2*now - 1), &
-            values(:, 2*now), values(:, 2*next - 1), values(:, 2*next), values(:, 5), &
-            values(:, 6), doubtful, n)
+         call find_doubts(regime, rows, leaving, t, h, values(:, 2*now - 1), values(:, 2*now), &
+            values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), values(:, 7), &
+            values(:, 8), doubtful, n)
          if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
             level = level + 1
             hold = 2
@@ -239,7 +247,7 @@ contains
             ! the tables hold the response to 1 and to the time since the beginning of the step
             associate (f => modes%force(k) + t*modes%force_rate(k), f_rate => modes%force_rate(k), &
                p => modes%drift(k) + t*modes%drift_rate(k), p_rate => modes%drift_rate(k), &
-               s2 => steps%s2(k, level), s3 => steps%s3(k, level), w => steps%map(2, k, level), &
+               s2 => steps%s2(k, level), s3 => steps%s3(k, level), w => steps%map(k, 2, level), &
                drag => 2*modes%damping(k))
                x(k) = x(k) + f*s2 + f_rate*s3 + p*(w + drag*s2) + p_rate*(s2 + drag*s3)
                v(k) = v(k) + f*w + f_rate*s2 - modes%stiffness(k)*(p*s2 + p_rate*s3)
@@ -249,12 +257,11 @@ contains
    end subroutine add_growth
 
    !> The rows that are not proved to stay within their limits over a cell.
-   pure subroutine find_doubts(rows, uppers, lowers, leaving, t, h, y, rate, y_next, rate_next, &
-      bound, reserve, doubtful, n)
-      !> Number of rows.
+   pure subroutine find_doubts(regime, rows, leaving, t, h, y, rate, y_next, rate_next, bound, &
+      reserve, above, below, doubtful, n)
+      !> The regime, and its number of rows.
+      type(regime_type), intent(in) :: regime
       integer, intent(in) :: rows
-      !> Their limits.
-      real(wp), dimension(rows), intent(in) :: uppers, lowers
       !> How the flight begins.
       type(leaving_type), intent(in) :: leaving
       !> Beginning and length of the cell.
@@ -263,36 +270,38 @@ contains
       real(wp), dimension(rows), intent(in) :: y, rate, y_next, rate_next
       !> Bounds on the fourth derivatives and on the rounding errors.
       real(wp), dimension(rows), intent(in) :: bound, reserve
+      !> Room.
+      real(wp), dimension(rows), intent(inout) :: above, below
       !> The rows, and which limits they may reach: 1 the upper one, 2 the lower one, 3 both. Their
       !! number.
       integer, intent(inout) :: doubtful(2, rows)
       integer, intent(out) :: n
-      real(wp) :: first, second, third, fourth, middle, upper, lower, quarter, sixth, sag
-      integer :: departs, i, walls
+      real(wp) :: limit, next(4)
+      integer :: i, side
 
-      n = 0
-      quarter = 0.25_wp*h
-      sixth = h/6
-      sag = (h*h)**2/144
-      do i = 1, rows
-         upper = uppers(i) - reserve(i)
-         lower = lowers(i) + reserve(i)
-         first = y(i)
-         second = first + quarter*rate(i)
-         third = 0.5_wp*(first + y_next(i)) + sixth*(rate(i) - rate_next(i))
-         middle = sag*bound(i)
-         fourth = y_next(i) - quarter*rate_next(i)
+      if (regime%rows%wide) then
+         call mark_doubts_wide(rows, h, y, rate, y_next, rate_next, bound, reserve, regime%upper, &
+            regime%lower, above, below)
+      else
+         call mark_doubts(rows, h, y, rate, y_next, rate_next, bound, reserve, regime%upper, &
+            regime%lower, above, below)
+      end if
+      if (leaving%row > 0 .and. t <= 0) then
          ! where a row starts on its limit and leaves it, the first coefficient does not count
-         departs = 0
-         if (i == leaving%row .and. t <= 0) departs = leaving%wall
-         walls = 0
-         if (.not. ((departs > 0 .or. first < upper) .and. second < upper .and. &
-            third + middle < upper .and. fourth < upper .and. y_next(i) < upper)) walls = 1
-         if (.not. ((departs < 0 .or. first > lower) .and. second > lower .and. &
-            third - middle > lower .and. fourth > lower .and. y_next(i) > lower)) walls = walls + 2
-         if (walls == 0) cycle
+         i = leaving%row
+         side = leaving%wall
+         limit = merge(regime%upper(i), -regime%lower(i), side > 0) - reserve(i)
+         next = [side*(y(i) + 0.25_wp*h*rate(i)), side*(0.5_wp*(y(i) + y_next(i)) &
+            + h/6*(rate(i) - rate_next(i))) + (h*h)**2/144*bound(i), &
+            side*(y_next(i) - 0.25_wp*h*rate_next(i)), side*y_next(i)]
+         if (side > 0) above(i) = merge(0.0_wp, 1.0_wp, all(next < limit))
+         if (side < 0) below(i) = merge(0.0_wp, 1.0_wp, all(next < limit))
+      end if
+      n = 0
+      do i = 1, rows
+         if (above(i) + below(i) <= 0) cycle
          n = n + 1
-         doubtful(:, n) = [i, walls]
+         doubtful(:, n) = [i, nint(above(i)) + 2*nint(below(i))]
       end do
    end subroutine find_doubts
 
@@ -368,33 +377,24 @@ contains
       !> The bound.
       real(wp), intent(out) :: reserve(rows)
       real(wp), parameter :: share = 16*epsilon(1.0_wp)
-      real(wp) :: of_x, of_v, sum_x, sum_v, squares
-      integer :: i, k
+      real(wp) :: sum_x, sum_v, root_x, root_v
+      integer :: i
 
-      sum_x = 0
-      sum_v = 0
-      do k = 1, m
-         associate (stiffness => regime%modes%stiffness(k), inverse => regime%modes%inverse(k), &
-            force => abs(regime%modes%force(k)) + duration*abs(regime%modes%force_rate(k)), &
-            drift => abs(regime%modes%drift(k)) + duration*abs(regime%modes%drift_rate(k)))
-            if (stiffness > 0) then
-               ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
-               of_x = abs(x(k)) + (force + 2*regime%modes%damping(k)*drift)*inverse**2
-               squares = (abs(v(k)) + drift)**2 + stiffness*of_x**2
-               sum_v = sum_v + squares
-               sum_x = sum_x + squares*inverse**2
-            else
-               of_v = abs(v(k)) + force*duration
-               of_x = abs(x(k)) + (of_v + drift)*duration
-               sum_x = sum_x + of_x**2
-               sum_v = sum_v + of_v**2
-            end if
-         end associate
-      end do
+      associate (modes => regime%modes)
+         if (modes%wide) then
+            call sizes_of_pairs_wide(m, duration, modes%stiffness, modes%damping, modes%inverse, &
+               modes%drift, modes%drift_rate, modes%force, modes%force_rate, x, v, sum_x, sum_v)
+         else
+            call sizes_of_pairs(m, duration, modes%stiffness, modes%damping, modes%inverse, &
+               modes%drift, modes%drift_rate, modes%force, modes%force_rate, x, v, sum_x, sum_v)
+         end if
+      end associate
+      root_x = sqrt(sum_x)
+      root_v = sqrt(sum_v)
       ! by the inequality of Cauchy and Schwarz
       do i = 1, rows
          reserve(i) = share*(regime%rows%constant_size(i) &
-            + regime%rows%position_norm(i)*sqrt(sum_x) + regime%rows%velocity_norm(i)*sqrt(sum_v))
+            + regime%rows%position_norm(i)*root_x + regime%rows%velocity_norm(i)*root_v)
       end do
    end subroutine rounding
 
@@ -410,26 +410,17 @@ contains
       real(wp), intent(out) :: of_x(m), of_v(m)
       !> (rows)
       real(wp), contiguous, intent(out) :: bound(:)
-      real(wp) :: x, v, before
-      integer :: h, i, k
+      integer :: h
 
-      do k = 1, m
-         associate (stiffness => regime%modes%stiffness(k), drag => 2*regime%modes%damping(k))
-            x = v0(k) + regime%modes%drift(k)
-            v = -stiffness*x0(k) - drag*v0(k) + regime%modes%force(k)
-            do i = 2, 4
-               before = x
-               x = v
-               v = -stiffness*before - drag*v
-               if (i > 2) cycle
-               x = x + regime%modes%drift_rate(k)
-               v = v + regime%modes%force_rate(k)
-            end do
-            of_v(k) = sqrt(v*v + stiffness*x*x)
-            of_x(k) = of_v(k)*regime%modes%inverse(k)
-            if (.not. stiffness > 0) of_x(k) = abs(x)
-         end associate
-      end do
+      associate (modes => regime%modes)
+         if (modes%wide) then
+            call bound_pairs_wide(m, modes%stiffness, modes%damping, modes%inverse, modes%drift, &
+               modes%drift_rate, modes%force, modes%force_rate, x0, v0, of_x, of_v)
+         else
+            call bound_pairs(m, modes%stiffness, modes%damping, modes%inverse, modes%drift, &
+               modes%drift_rate, modes%force, modes%force_rate, x0, v0, of_x, of_v)
+         end if
+      end associate
       call bound_values(regime%rows, of_x, of_v, bound)
       do h = 1, size(regime%ripple, 2)
          bound = bound + regime%rows%ripple_size(:, h)*(h*regime%frequency)**4
@@ -470,11 +461,20 @@ contains
       real(wp), intent(in) :: x0(:), v0(:)
       !> Number of the row.
       integer, intent(in) :: row
-      real(wp) :: d(0:3)
-      integer :: h
+      real(wp) :: x1, v1
+      integer :: h, j, k
 
-      call free_derivatives(regime, x0, v0, row, d)
-      bound = abs(d(2))
+      bound = 0
+      associate (rows => regime%rows, modes => regime%modes)
+         do j = rows%begins(row), rows%begins(row + 1) - 1
+            k = rows%touched(j)
+            x1 = v0(k) + modes%drift(k)
+            v1 = -rows%stiffness(j)*x0(k) - rows%drag(j)*v0(k) + modes%force(k)
+            bound = bound + (rows%of_x(j)*(v1 + modes%drift_rate(k)) + rows%of_v(j) &
+               *(modes%force_rate(k) - rows%stiffness(j)*x1 - rows%drag(j)*v1))
+         end do
+      end associate
+      bound = abs(bound)
       do h = 1, size(regime%ripple, 2)
          bound = bound + regime%rows%ripple_size(row, h)*(h*regime%frequency)**2
       end do

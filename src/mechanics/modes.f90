@@ -11,12 +11,16 @@
 !! the functions u(t) (x if x = 1 and v = 0 at the start) and w(t) (x if x = 0 and v = 1 at the
 !! start).
 module vi_modes
+   use, intrinsic :: iso_c_binding, only: c_int
    use vi_kinds, only: wp
+   use vi_lane_rows, only: advance_pairs
+   use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs
+   use vi_lanes, only: largest_angle
    implicit none (type, external)
    private
 
-   public :: advance, advance_pair, bound_on, departure, new_interval, new_steps, prepare, &
-      step_functions, step_pairs, steady_response, steady_slope
+   public :: advance, advance_in_place, advance_pair, bound_on, departure, new_interval, &
+      new_steps, prepare, step_functions, steady_response, steady_slope
 
    !> Pairs of a structure.
    type, public :: modes_type
@@ -30,10 +34,17 @@ module vi_modes
       !! is real, and the formula that applies.
       real(wp), allocatable, dimension(:) :: omega, inverse, turn
       integer, allocatable :: kind(:)
+      !> The pairs of no special formula, the largest of `turn`, and whether enough pairs have a
+      !! special formula to be advanced side by side; whether the processor has wide registers.
+      integer, allocatable :: others(:)
+      real(wp) :: fastest = 0
+      logical :: abreast = .false., wide = .false.
    end type modes_type
 
    !> Formulas: a free mass; an oscillation without damping, and with damping; any other pair.
    integer, parameter :: free_mass = 1, undamped = 2, damped = 3, other = 4
+   !> Number of pairs from which on they are advanced side by side.
+   integer, parameter :: many = 8
 
    !> Number of step lengths of a table.
    integer, parameter, public :: levels = 24
@@ -42,7 +53,7 @@ module vi_modes
    type, public :: steps_type
       !> Step lengths.
       real(wp) :: length(levels) = 0
-      !> (6, n, levels) x from x = 1, from v = 1 and from the constant terms; v from the same.
+      !> (n, 6, levels) x from x = 1, from v = 1 and from the constant terms; v from the same.
       real(wp), allocatable :: map(:, :, :)
       !> (n, levels) x from f = 1 and from f = t.
       real(wp), allocatable, dimension(:, :) :: s2, s3
@@ -53,6 +64,14 @@ module vi_modes
       !> (12, m) x from x = 1, v = 1, f = 1, f = t, p = 1 and p = t; v from the same.
       real(wp), allocatable :: map(:, :)
    end type interval_type
+
+   interface
+      !> As in vi_processor; here as a pure function.
+      pure integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
+         import :: c_int
+         implicit none (type, external)
+      end function runs_wide
+   end interface
 
 contains
 
@@ -212,6 +231,10 @@ contains
             if (.not. (omega > 0 .or. damping > 0)) modes%kind(k) = free_mass
          end associate
       end do
+      modes%others = pack([(k, k=1, n)], modes%kind == other)
+      modes%abreast = n - size(modes%others) >= many
+      modes%fastest = maxval([modes%turn, 0.0_wp])
+      modes%wide = runs_wide() /= 0
    end subroutine prepare
 
    !> The pairs after a given time, computed directly from their start.
@@ -221,15 +244,66 @@ contains
       !> Time.
       real(wp), intent(in) :: t
       !> (n) At the start.
-      real(wp), intent(in) :: x(:), v(:)
+      real(wp), contiguous, intent(in) :: x(:), v(:)
       !> (n) After that time.
-      real(wp), intent(out) :: x_new(:), v_new(:)
-      integer :: k
+      real(wp), contiguous, intent(out) :: x_new(:), v_new(:)
+      integer :: i, k
 
-      do k = 1, size(x)
+      if (.not. (modes%abreast .and. modes%fastest*t <= largest_angle)) then
+         do k = 1, size(x)
+            call advance_pair(modes, k, t, x(k), v(k), x_new(k), v_new(k))
+         end do
+         return
+      end if
+      if (modes%wide) then
+         call advance_pairs_wide(size(x), t, modes%turn, modes%damping, modes%stiffness, x, v, &
+            x_new, v_new)
+      else
+         call advance_pairs(size(x), t, modes%turn, modes%damping, modes%stiffness, x, v, x_new, &
+            v_new)
+      end if
+      do i = 1, size(modes%others)
+         k = modes%others(i)
          call advance_pair(modes, k, t, x(k), v(k), x_new(k), v_new(k))
       end do
    end subroutine advance
+
+   !> As `advance`, with the pairs after the time in place of those at the start.
+   pure subroutine advance_in_place(modes, t, x, v)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Time.
+      real(wp), intent(in) :: t
+      !> (n) In: at the start. Out: after that time.
+      real(wp), contiguous, intent(inout) :: x(:), v(:)
+      real(wp) :: x_old, v_old
+      integer :: k
+
+      if (modes%abreast) then
+         call advance_copies(modes, t, x, v)
+         return
+      end if
+      do k = 1, size(x)
+         x_old = x(k)
+         v_old = v(k)
+         call advance_pair(modes, k, t, x_old, v_old, x(k), v(k))
+      end do
+   end subroutine advance_in_place
+
+   !> As `advance_in_place`, from copies.
+   pure subroutine advance_copies(modes, t, x, v)
+      !> The pairs.
+      type(modes_type), intent(in) :: modes
+      !> Time.
+      real(wp), intent(in) :: t
+      !> (n) As in `advance_in_place`.
+      real(wp), contiguous, intent(inout) :: x(:), v(:)
+      real(wp), dimension(size(x)) :: x_old, v_old
+
+      x_old = x
+      v_old = v
+      call advance(modes, t, x_old, v_old, x, v)
+   end subroutine advance_copies
 
    !> One pair after a given time.
    pure subroutine advance_pair(modes, k, t, x, v, x_new, v_new)
@@ -286,7 +360,7 @@ contains
       integer :: j, k, n
 
       n = size(modes%stiffness)
-      allocate (steps%map(6, n, levels), steps%s2(n, levels), steps%s3(n, levels))
+      allocate (steps%map(n, 6, levels), steps%s2(n, levels), steps%s3(n, levels))
       do j = 1, levels
          steps%length(j) = longest*0.5_wp**(j - 1)
          do k = 1, n
@@ -294,31 +368,13 @@ contains
                call step_functions(stiffness, damping, steps%length(j), u, w, s2, s3)
                steps%s2(k, j) = s2
                steps%s3(k, j) = s3
-               steps%map(:3, k, j) = [u, w, modes%force(k)*s2 + modes%drift(k)*(w + 2*damping*s2)]
-               steps%map(4:, k, j) = [-stiffness*w, u - 2*damping*w, &
+               steps%map(k, :3, j) = [u, w, modes%force(k)*s2 + modes%drift(k)*(w + 2*damping*s2)]
+               steps%map(k, 4:, j) = [-stiffness*w, u - 2*damping*w, &
                   modes%force(k)*w - stiffness*modes%drift(k)*s2]
             end associate
          end do
       end do
    end subroutine new_steps
-
-   !> The pairs after a step.
-   pure subroutine step_pairs(n, map, x, v, x_new, v_new)
-      !> Number of pairs.
-      integer, intent(in) :: n
-      !> The table of the step, as in `steps_type`.
-      real(wp), intent(in) :: map(6, n)
-      !> The pairs before it.
-      real(wp), intent(in) :: x(n), v(n)
-      !> The pairs after it.
-      real(wp), intent(out) :: x_new(n), v_new(n)
-      integer :: k
-
-      do k = 1, n
-         x_new(k) = map(1, k)*x(k) + map(2, k)*v(k) + map(3, k)
-         v_new(k) = map(4, k)*x(k) + map(5, k)*v(k) + map(6, k)
-      end do
-   end subroutine step_pairs
 
    !> The table of an interval.
    pure subroutine new_interval(modes, length, interval)

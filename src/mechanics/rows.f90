@@ -7,7 +7,7 @@ module vi_rows
    use, intrinsic :: iso_c_binding, only: c_int
    use vi_kinds, only: wp
    use vi_lane_rows, only: add_product, add_products, side_by_side
-   use vi_lane_rows_wide, only: add_products_wide => add_products
+   use vi_lane_rows_wide, only: add_product_wide => add_product, add_products_wide => add_products
    use vi_modes, only: modes_type
    implicit none (type, external)
    private
@@ -256,13 +256,13 @@ contains
                   v(b%first_pair:b%last_pair), y(b%first_row:b%last_row), &
                   rate(b%first_row:b%last_row))
             else
-               call add_product(n, m, b%position, x(b%first_pair:b%last_pair), &
+               call add_one(rows%wide, n, m, b%position, x(b%first_pair:b%last_pair), &
                   y(b%first_row:b%last_row))
-               call add_product(n, m, b%velocity, v(b%first_pair:b%last_pair), &
+               call add_one(rows%wide, n, m, b%velocity, v(b%first_pair:b%last_pair), &
                   y(b%first_row:b%last_row))
-               call add_product(n, m, b%rate_position, x(b%first_pair:b%last_pair), &
+               call add_one(rows%wide, n, m, b%rate_position, x(b%first_pair:b%last_pair), &
                   rate(b%first_row:b%last_row))
-               call add_product(n, m, b%rate_velocity, v(b%first_pair:b%last_pair), &
+               call add_one(rows%wide, n, m, b%rate_velocity, v(b%first_pair:b%last_pair), &
                   rate(b%first_row:b%last_row))
             end if
          end associate
@@ -279,6 +279,24 @@ contains
          end do
       end if
    end subroutine free_values
+
+   !> y = y + a x.
+   pure subroutine add_one(wide, n, m, a, x, y)
+      !> Whether the processor has wide registers.
+      logical, intent(in) :: wide
+      !> Rows and columns.
+      integer, intent(in) :: n, m
+      !> The matrix, and x (m).
+      real(wp), intent(in) :: a(n, m), x(m)
+      !> (n)
+      real(wp), intent(inout) :: y(n)
+
+      if (wide) then
+         call add_product_wide(n, m, a, x, y)
+      else
+         call add_product(n, m, a, x, y)
+      end if
+   end subroutine add_one
 
    !> The constants of the rows and of their rates.
    pure subroutine start_rows(n, time, offset, offset_rate, rate_offset, rate_offset_rate, y, rate)
@@ -353,10 +371,10 @@ contains
          associate (b => rows%blocks(j))
             n = b%last_row - b%first_row + 1
             m = b%last_pair - b%first_pair + 1
-            call add_product(n, m, b%position_size, of_x(b%first_pair:b%last_pair), &
+            call add_one(rows%wide, n, m, b%position_size, of_x(b%first_pair:b%last_pair), &
                bound(b%first_row:b%last_row))
             if (rows%by_position) cycle
-            call add_product(n, m, b%velocity_size, of_v(b%first_pair:b%last_pair), &
+            call add_one(rows%wide, n, m, b%velocity_size, of_v(b%first_pair:b%last_pair), &
                bound(b%first_row:b%last_row))
          end associate
       end do

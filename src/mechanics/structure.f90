@@ -109,6 +109,8 @@ module vi_structure
       !! constants of the rows without the record.
       real(wp), allocatable, dimension(:, :) :: to_drift, to_force, to_rows
       real(wp), allocatable, dimension(:) :: base_drift, base_force, base_offset
+      !> Whether p of any pair depends on the record.
+      logical :: drifts = .false.
       !> What advances the pairs from one sample to the next one.
       type(interval_type) :: interval
    end type regime_type
@@ -335,6 +337,7 @@ contains
          call solve(between(structure%mass), forces, status)
          if (status /= stat%ok) return
          regime%to_drift = matmul(parts%xd, forces)
+         regime%drifts = any(abs(regime%to_drift) > 0)
          regime%to_force = matmul(parts%vd, forces)
          call new_interval(regime%modes, load%step, regime%interval)
          regime%base_drift = regime%modes%drift
@@ -631,7 +634,7 @@ contains
       allocate (regime%turns(size(regime%ripple, 2), levels))
       if (allocated(regime%to_force)) then
          ! all constant terms come with the record
-         regime%steps%map([3, 6], :, :) = 0
+         regime%steps%map(:, [3, 6], :) = 0
          regime%rows%grows = .true.
       end if
       do j = 1, levels

@@ -1,13 +1,17 @@
-!> Products of dense matrices with vectors, and sums of derivatives of pairs, for structures.
+!> Products of dense matrices with vectors, and flights and sums of derivatives of pairs, for
+!! structures.
 !!
 !! The loops over rows and over pairs are for vector instructions. Sums are taken in a fixed order,
 !! so that the results do not depend on the instructions.
 module vi_lane_rows
    use vi_kinds, only: wp
+   use vi_lanes, only: largest_exponent, shrinkage, sine_cosine
+   use vi_plan, only: lanes
    implicit none (type, external)
    private
 
-   public :: add_product, add_products, add_derivatives
+   public :: add_product, add_products, add_derivatives, advance_pairs, bound_pairs, mark_doubts, &
+      sizes_of_pairs, step_pairs
 
    !> Pairs that are summed side by side; lists of pairs are filled up to a multiple of it.
    integer, parameter, public :: side_by_side = 4
@@ -91,5 +95,173 @@ contains
          total(i) = total(i) + ((part(0) + part(1)) + (part(2) + part(3)))
       end do
    end subroutine add_derivatives
+
+   !> Pairs without constant terms after a given time: free masses, and oscillations with damping
+   !! below the critical one.
+   pure subroutine advance_pairs(n, t, turn, damping, stiffness, x, v, x_new, v_new)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> The time, at most `largest_angle` over the largest frequency.
+      real(wp), intent(in) :: t
+      !> (n) sqrt(omega^2 - sigma^2), sigma and omega^2; all 0 for a free mass.
+      real(wp), intent(in) :: turn(n), damping(n), stiffness(n)
+      !> (n) The pairs at the start.
+      real(wp), intent(in) :: x(n), v(n)
+      !> (n) After that time.
+      real(wp), intent(out) :: x_new(n), v_new(n)
+      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink
+      real(wp) :: u, w
+      integer :: j, k, m
+
+      angle = 0
+      exponent = 0
+      do k = 0, n - 1, lanes
+         m = min(lanes, n - k)
+         do j = 1, m
+            angle(j) = turn(k + j)*t
+            exponent(j) = min(damping(k + j)*t, largest_exponent)
+         end do
+         sine = 0
+         cosine = 1
+         shrink = 1
+         if (any(angle(:m) > 0)) call sine_cosine(angle, sine, cosine)
+         if (any(exponent(:m) > 0)) call shrinkage(exponent, shrink)
+         do j = 1, m
+            w = merge(sine(j)/max(turn(k + j), tiny(w)), t, angle(j) > 1.0e-8_wp)
+            u = shrink(j)*(cosine(j) + damping(k + j)*w)
+            w = shrink(j)*w
+            x_new(k + j) = u*x(k + j) + w*v(k + j)
+            v_new(k + j) = (u - 2*damping(k + j)*w)*v(k + j) - stiffness(k + j)*w*x(k + j)
+         end do
+      end do
+   end subroutine advance_pairs
+
+   !> The pairs after a step.
+   pure subroutine step_pairs(n, map, x, v, x_new, v_new)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> The table of the step, as in `steps_type` of vi_modes.
+      real(wp), intent(in) :: map(n, 6)
+      !> The pairs before it.
+      real(wp), intent(in) :: x(n), v(n)
+      !> The pairs after it.
+      real(wp), intent(out) :: x_new(n), v_new(n)
+      integer :: k
+
+      do k = 1, n
+         x_new(k) = map(k, 1)*x(k) + map(k, 2)*v(k) + map(k, 3)
+         v_new(k) = map(k, 4)*x(k) + map(k, 5)*v(k) + map(k, 6)
+      end do
+   end subroutine step_pairs
+
+   !> Bounds on the absolute fourth derivatives of pairs, from now on: v^2 + omega^2 x^2 never
+   !! grows.
+   pure subroutine bound_pairs(n, stiffness, damping, inverse, drift, drift_rate, force, &
+      force_rate, x0, v0, of_x, of_v)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> (n) omega^2, sigma, and 1/omega; as in `modes_type` of vi_modes.
+      real(wp), dimension(n), intent(in) :: stiffness, damping, inverse
+      !> (n) The constant terms, and the rates at which they grow.
+      real(wp), dimension(n), intent(in) :: drift, drift_rate, force, force_rate
+      !> (n) The pairs now.
+      real(wp), intent(in) :: x0(n), v0(n)
+      !> (n) The bounds.
+      real(wp), intent(out) :: of_x(n), of_v(n)
+      real(wp) :: drag, x1, v1, x2, v2, x3, v3, x4, v4
+      integer :: k
+
+      do k = 1, n
+         drag = 2*damping(k)
+         x1 = v0(k) + drift(k)
+         v1 = -stiffness(k)*x0(k) - drag*v0(k) + force(k)
+         x2 = v1 + drift_rate(k)
+         v2 = -stiffness(k)*x1 - drag*v1 + force_rate(k)
+         x3 = v2
+         v3 = -stiffness(k)*x2 - drag*v2
+         x4 = v3
+         v4 = -stiffness(k)*x3 - drag*v3
+         of_v(k) = sqrt(v4*v4 + stiffness(k)*x4*x4)
+         of_x(k) = merge(of_v(k)*inverse(k), abs(x4), stiffness(k) > 0)
+      end do
+   end subroutine bound_pairs
+
+   !> Sums over pairs of the squares of bounds on |x| and |v| over some time.
+   pure subroutine sizes_of_pairs(n, duration, stiffness, damping, inverse, drift, drift_rate, &
+      force, force_rate, x, v, sum_x, sum_v)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> How long.
+      real(wp), intent(in) :: duration
+      !> (n) As in `bound_pairs`.
+      real(wp), dimension(n), intent(in) :: stiffness, damping, inverse
+      !> (n) As in `bound_pairs`.
+      real(wp), dimension(n), intent(in) :: drift, drift_rate, force, force_rate
+      !> (n) The pairs at the beginning.
+      real(wp), intent(in) :: x(n), v(n)
+      !> The sums.
+      real(wp), intent(out) :: sum_x, sum_v
+      real(wp) :: f, p, of_x, of_v, squares(lanes, 2), part(0:side_by_side - 1, 2)
+      integer :: j, k, l, m
+
+      part = 0
+      do k = 0, n - 1, lanes
+         m = min(lanes, n - k)
+         do j = 1, m
+            f = abs(force(k + j)) + duration*abs(force_rate(k + j))
+            p = abs(drift(k + j)) + duration*abs(drift_rate(k + j))
+            ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
+            of_x = abs(x(k + j)) + (f + 2*damping(k + j)*p)*inverse(k + j)**2
+            of_v = (abs(v(k + j)) + p)**2 + stiffness(k + j)*of_x**2
+            ! at frequency 0
+            f = abs(v(k + j)) + f*duration
+            p = abs(x(k + j)) + (f + p)*duration
+            squares(j, 1) = merge(of_v*inverse(k + j)**2, p**2, stiffness(k + j) > 0)
+            squares(j, 2) = merge(of_v, f**2, stiffness(k + j) > 0)
+         end do
+         l = side_by_side*((m + side_by_side - 1)/side_by_side)
+         squares(m + 1:l, :) = 0
+         do j = 1, l, side_by_side
+            part(:, 1) = part(:, 1) + squares(j:j + side_by_side - 1, 1)
+            part(:, 2) = part(:, 2) + squares(j:j + side_by_side - 1, 2)
+         end do
+      end do
+      sum_x = (part(0, 1) + part(1, 1)) + (part(2, 1) + part(3, 1))
+      sum_v = (part(0, 2) + part(1, 2)) + (part(2, 2) + part(3, 2))
+   end subroutine sizes_of_pairs
+
+   !> Which rows are not proved to stay within their limits over a cell, by the Bernstein
+   !! coefficients of their cubic Hermite interpolants and a bound on their fourth derivatives.
+   pure subroutine mark_doubts(n, h, y, rate, y_next, rate_next, bound, reserve, upper, lower, &
+      above, below)
+      !> Number of rows, and length of the cell.
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h
+      !> (n) Values and rates at its ends.
+      real(wp), dimension(n), intent(in) :: y, rate, y_next, rate_next
+      !> (n) Bounds on the fourth derivatives and on the rounding errors; the limits.
+      real(wp), dimension(n), intent(in) :: bound, reserve, upper, lower
+      !> (n) 0 where the upper or the lower limit is not reached, else 1.
+      real(wp), dimension(n), intent(out) :: above, below
+      real(wp) :: second, third, fourth, middle, top, bottom, quarter, sixth, sag
+      integer :: i
+
+      quarter = 0.25_wp*h
+      sixth = h/6
+      sag = (h*h)**2/144
+      do i = 1, n
+         top = upper(i) - reserve(i)
+         bottom = lower(i) + reserve(i)
+         second = y(i) + quarter*rate(i)
+         third = 0.5_wp*(y(i) + y_next(i)) + sixth*(rate(i) - rate_next(i))
+         middle = sag*bound(i)
+         fourth = y_next(i) - quarter*rate_next(i)
+         ! written so that a NaN counts as reached
+         above(i) = merge(0.0_wp, 1.0_wp, y(i) < top .and. second < top &
+            .and. third + middle < top .and. fourth < top .and. y_next(i) < top)
+         below(i) = merge(0.0_wp, 1.0_wp, y(i) > bottom .and. second > bottom &
+            .and. third - middle > bottom .and. fourth > bottom .and. y_next(i) > bottom)
+      end do
+   end subroutine mark_doubts
 
 end module vi_lane_rows

@@ -5,8 +5,8 @@
 module vi_structure_record
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
-   use vi_lane_rows, only: add_product
-   use vi_modes, only: advance_pair, modes_type
+   use vi_lane_rows, only: add_product, add_products
+   use vi_modes, only: advance_in_place, modes_type
    use vi_structure, only: load_type, regime_type
    implicit none (type, external)
    private
@@ -25,7 +25,7 @@ contains
       integer(int64), intent(in) :: cycle
       real(wp), intent(in) :: elapsed
       real(wp) :: force(size(load%constant)), rate(size(load%constant))
-      integer :: k
+      integer :: m, n, rows
 
       force = 0
       rate = 0
@@ -35,22 +35,35 @@ contains
             force = from + elapsed*rate
          end associate
       end if
-      associate (modes => regime%modes, rows => regime%rows)
-         modes%drift = regime%base_drift + matmul(regime%to_drift, force)
-         modes%force = regime%base_force + matmul(regime%to_force, force)
-         modes%drift_rate = matmul(regime%to_drift, rate)
-         modes%force_rate = matmul(regime%to_force, rate)
-         rows%grows = .true.
-         rows%offset = regime%base_offset + matmul(regime%to_rows, force)
-         rows%offset_rate = matmul(regime%to_rows, rate)
-         rows%rate_offset = rows%offset_rate
-         rows%rate_offset_rate = 0
-         do k = 1, size(modes%force)
-            rows%rate_offset = rows%rate_offset + regime%position(:, k)*modes%drift(k) &
-               + regime%velocity(:, k)*modes%force(k)
-            rows%rate_offset_rate = rows%rate_offset_rate + regime%position(:, k) &
-               *modes%drift_rate(k) + regime%velocity(:, k)*modes%force_rate(k)
-         end do
+      m = size(regime%base_force)
+      n = size(force)
+      rows = size(regime%base_offset)
+      associate (modes => regime%modes, r => regime%rows)
+         modes%drift(:) = regime%base_drift
+         modes%drift_rate(:) = 0
+         modes%force(:) = regime%base_force
+         modes%force_rate(:) = 0
+         call add_product(m, n, regime%to_force, force, modes%force)
+         call add_product(m, n, regime%to_force, rate, modes%force_rate)
+         r%grows = .true.
+         r%offset(:) = regime%base_offset
+         r%offset_rate(:) = 0
+         if (regime%drifts) then
+            call add_product(m, n, regime%to_drift, force, modes%drift)
+            call add_product(m, n, regime%to_drift, rate, modes%drift_rate)
+         end if
+         if (size(regime%resting) > 0) then
+            call add_product(rows, n, regime%to_rows, force, r%offset)
+            call add_product(rows, n, regime%to_rows, rate, r%offset_rate)
+         end if
+         r%rate_offset(:) = r%offset_rate
+         r%rate_offset_rate(:) = 0
+         call add_product(rows, m, regime%position, modes%drift, r%rate_offset)
+         call add_product(rows, m, regime%position, modes%drift_rate, r%rate_offset_rate)
+         if (.not. r%by_position) then
+            call add_product(rows, m, regime%velocity, modes%force, r%rate_offset)
+            call add_product(rows, m, regime%velocity, modes%force_rate, r%rate_offset_rate)
+         end if
       end associate
    end subroutine set_forces
 
@@ -66,34 +79,40 @@ contains
       integer(int64), intent(in) :: last
       !> (m) In and out: the pairs at the beginning of the interval.
       real(wp), contiguous, intent(inout) :: x(:), v(:)
-      real(wp), dimension(size(x)) :: x_next, v_next, p, f, p_next, f_next
-      real(wp), dimension(size(regime%upper)) :: y, rate, y_next, rate_next, direct
-      real(wp) :: bounds(4), length
+      !> x, v, p, f of the pairs, and rows and rates, at the beginning and at the end, in turns.
+      real(wp) :: pairs(size(x), 4, 2), values(size(regime%upper), 2, 2), &
+         direct(size(regime%upper)), bounds(4), length
+      integer :: m, next, now
 
       if (.not. cycle < min(last, int(size(load%record, 2) - 1, int64))) return
       length = load%step
       direct = 0
-      call modal_forces(regime, load%record(:, cycle + 1), p, f)
-      call rows_now(regime, load%record(:, cycle + 1), x, v, p, f, y, rate)
+      m = size(x)
+      now = 1
+      pairs(:, 1, now) = x
+      pairs(:, 2, now) = v
+      call modal_forces(regime, load%record(:, cycle + 1), pairs(:, 3, now), pairs(:, 4, now))
+      call rows_now(regime, load%record(:, cycle + 1), pairs(:, :, now), values(:, :, now))
       do while (cycle < min(last, int(size(load%record, 2) - 1, int64)))
+         next = 3 - now
          associate (to => load%record(:, cycle + 2))
-            call modal_forces(regime, to, p_next, f_next)
-            call pass_one(size(x), regime%interval%map, length, x, v, p, f, p_next, f_next, &
-               x_next, v_next)
-            call rows_now(regime, to, x_next, v_next, p_next, f_next, y_next, rate_next)
-            call bound_interval(regime%modes, length, x, v, p, f, p_next, f_next, bounds)
+            call modal_forces(regime, to, pairs(:, 3, next), pairs(:, 4, next))
+            call pass_one(m, regime%interval%map, length, pairs(:, 1, now), pairs(:, 2, now), &
+               pairs(:, 3, now), pairs(:, 4, now), pairs(:, 3, next), pairs(:, 4, next), &
+               pairs(:, 1, next), pairs(:, 2, next))
+            call rows_now(regime, to, pairs(:, :, next), values(:, :, next))
+            call bound_interval(regime%modes, m, length, pairs(:, :, now), pairs(:, :, next), &
+               bounds)
             if (size(regime%resting) > 0) direct = matmul(regime%to_rows, &
                to - load%record(:, cycle + 1))/length
-            if (.not. all_clear(regime, direct, length, y, rate, y_next, rate_next, bounds)) return
+            if (.not. all_clear(regime, direct, length, values(:, 1, now), values(:, 2, now), &
+               values(:, 1, next), values(:, 2, next), bounds)) exit
          end associate
-         x = x_next
-         v = v_next
-         p = p_next
-         f = f_next
-         y = y_next
-         rate = rate_next
+         now = next
          cycle = cycle + 1
       end do
+      x = pairs(:, 1, now)
+      v = pairs(:, 2, now)
    end subroutine pass_intervals
 
    !> p and f of all pairs at a sample.
@@ -108,8 +127,7 @@ contains
       f = regime%base_force
       call add_product(size(f), size(force), regime%to_force, force, f)
       p = regime%base_drift
-      if (.not. regime%rows%by_position) call add_product(size(p), size(force), regime%to_drift, &
-         force, p)
+      if (regime%drifts) call add_product(size(p), size(force), regime%to_drift, force, p)
    end subroutine modal_forces
 
    !> The pairs after an interval.
@@ -137,28 +155,30 @@ contains
    end subroutine pass_one
 
    !> The rows at a sample, and their rates without the part due to the change of forces.
-   pure subroutine rows_now(regime, force, x, v, p, f, y, rate)
+   pure subroutine rows_now(regime, force, pairs, values)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (n) The forces.
       real(wp), contiguous, intent(in) :: force(:)
-      !> (m) The pairs, p and f.
-      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f
-      !> (rows) The rows and their rates.
-      real(wp), contiguous, intent(out) :: y(:), rate(:)
+      !> (m, 4) x, v, p and f of the pairs.
+      real(wp), contiguous, intent(in) :: pairs(:, :)
+      !> (rows, 2) The rows and their rates.
+      real(wp), contiguous, intent(out) :: values(:, :)
       integer :: m, rows
 
-      rows = size(y)
-      m = size(x)
-      y = regime%base_offset
-      rate = 0
-      call add_product(rows, m, regime%position, x, y)
-      if (size(regime%resting) > 0) call add_product(rows, size(force), regime%to_rows, force, y)
+      rows = size(values, 1)
+      m = size(pairs, 1)
+      values(:, 1) = regime%base_offset
+      values(:, 2) = 0
+      if (size(regime%resting) > 0) call add_product(rows, size(force), regime%to_rows, force, &
+         values(:, 1))
       if (regime%rows%by_position) then
-         call add_product(rows, m, regime%position, v, rate)
+         call add_products(rows, m, regime%position, pairs(:, 1), pairs(:, 2), values(:, 1), &
+            values(:, 2))
       else
-         call add_product(rows, m, regime%velocity, v, y)
-         call add_rates(regime, x, v, p, f, rate)
+         call add_product(rows, m, regime%position, pairs(:, 1), values(:, 1))
+         call add_product(rows, m, regime%velocity, pairs(:, 2), values(:, 1))
+         call add_rates(regime, pairs(:, 1), pairs(:, 2), pairs(:, 3), pairs(:, 4), values(:, 2))
       end if
    end subroutine rows_now
 
@@ -179,37 +199,41 @@ contains
    end subroutine add_rates
 
    !> Roots of sums of squares over the pairs.
-   pure subroutine bound_interval(modes, length, x, v, p, f, p_next, f_next, bounds)
-      !> The pairs.
+   pure subroutine bound_interval(modes, m, length, now, next, bounds)
+      !> The pairs, and their number.
       type(modes_type), intent(in) :: modes
+      integer, intent(in) :: m
       !> Length of the interval.
       real(wp), intent(in) :: length
-      !> (m) The pairs, p and f at its beginning; p and f at its end.
-      real(wp), dimension(:), contiguous, intent(in) :: x, v, p, f, p_next, f_next
+      !> x, v, p and f at its beginning and at its end.
+      real(wp), dimension(m, 4), intent(in) :: now, next
       !> Of bounds on the fourth derivatives of x and of v; of the sizes of x and of v.
       real(wp), intent(out) :: bounds(4)
-      real(wp) :: a, b, before, inverse, of_x, of_v, size_x, size_v, squares
-      integer :: i, k
+      real(wp) :: a, b, inverse, of_x, of_v, p_rate, f_rate, size_x, size_v, squares
+      integer :: k
 
       inverse = 1/length
       of_x = 0
       of_v = 0
       size_x = 0
       size_v = 0
-      do k = 1, size(x)
-         associate (stiffness => modes%stiffness(k), drag => 2*modes%damping(k))
-            a = v(k) + p(k)
-            b = f(k) - stiffness*x(k) - drag*v(k)
-            do i = 2, 4
-               before = a
-               a = b
-               b = -stiffness*before - drag*b
-               if (i > 2) cycle
-               a = a + (p_next(k) - p(k))*inverse
-               b = b + (f_next(k) - f(k))*inverse
-            end do
-            size_x = size_x + (abs(x(k)) + length*abs(v(k)))**2
-            size_v = size_v + (abs(v(k)) + length*(abs(f(k)) + abs(f_next(k))))**2
+      do k = 1, m
+         associate (stiffness => modes%stiffness(k), drag => 2*modes%damping(k), x => now(k, 1), &
+            v => now(k, 2), p => now(k, 3), f => now(k, 4))
+            p_rate = (next(k, 3) - p)*inverse
+            f_rate = (next(k, 4) - f)*inverse
+            ! derivatives of order 1 to 4
+            a = f - stiffness*x - drag*v
+            b = f_rate - stiffness*(v + p) - drag*a
+            a = a + p_rate
+            squares = -stiffness*a - drag*b
+            a = b
+            b = squares
+            squares = -stiffness*a - drag*b
+            a = b
+            b = squares
+            size_x = size_x + (abs(x) + length*abs(v))**2
+            size_v = size_v + (abs(v) + length*(abs(f) + abs(next(k, 4))))**2
             squares = b**2 + stiffness*a**2
             of_v = of_v + squares
             of_x = of_x + merge(squares*modes%inverse(k)**2, a**2, stiffness > 0)
@@ -309,16 +333,10 @@ contains
       real(wp), intent(in) :: time
       !> (m) In and out: the pairs.
       real(wp), contiguous, intent(inout) :: x(:), v(:)
-      real(wp) :: x_old, v_old
-      integer :: k
 
       if (.not. time > 0) return
       call set_forces(regime, load, cycle, elapsed)
-      do k = 1, size(x)
-         x_old = x(k)
-         v_old = v(k)
-         call advance_pair(regime%modes, k, time, x_old, v_old, x(k), v(k))
-      end do
+      call advance_in_place(regime%modes, time, x, v)
    end subroutine fly
 
 end module vi_structure_record

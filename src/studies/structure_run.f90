@@ -5,7 +5,7 @@ module vi_structure_run
       row_derivatives, space_type
    use vi_forced_system, only: state_type
    use vi_kinds, only: wp
-   use vi_modes, only: advance_pair
+   use vi_modes, only: advance_in_place
    use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
    use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
@@ -339,19 +339,9 @@ contains
       type(run_state_type), intent(inout) :: state
       !> Time to advance.
       real(wp), intent(in) :: time
-      real(wp) :: x, v
       integer(int64) :: cycles
-      integer :: k
 
-      if (time > 0) then
-         associate (modes => run%regimes(state%regime)%modes)
-            do k = 1, size(state%x)
-               x = state%x(k)
-               v = state%v(k)
-               call advance_pair(modes, k, time, x, v, state%x(k), state%v(k))
-            end do
-         end associate
-      end if
+      if (time > 0) call advance_in_place(run%regimes(state%regime)%modes, time, state%x, state%v)
       state%elapsed = state%elapsed + time
       if (state%elapsed < run%period) return
       cycles = int(state%elapsed/run%period, int64)
