@@ -30,7 +30,7 @@ _Array = NDArray[np.float64]
 KINDS = np.array(["impact", "stick", "release"])
 #: Bytes reserved for events at first; what is not written to takes no memory. With more events the simulation is
 #: run again.
-ROOM = 2**24
+ROOM = 2**26
 #: The note on a trajectory that reached the limit on events.
 FULL = "max_events was reached"
 #: The keys of a &simulate of a &structure.
@@ -611,7 +611,10 @@ def simulate_structure(
     events["time"], events["speed"], events["impulse"] = table[:3, :count]
     events["kind"] = KINDS[labels[0, :count] - 1]
     events["gap"] = labels[1, :count] - 1
-    states = np.ascontiguousarray(table[3:, :count].T).reshape(count, 2, n)
+    states = table[3:, :count].T
+    if 2 * count < room:
+        states = np.ascontiguousarray(states)  # else most of the table stays in memory
+    states = states.reshape(count, 2, n)
     for array in (events, states, final):
         array.flags.writeable = False
     lasting = {"duration": duration} if cycles is None else {"cycles": float(cycles)}
