@@ -1,4 +1,4 @@
-"""Simulation of structures: chains of cells with a free mass each, and two masses.
+"""Simulation of structures: chains of cells with a free mass each, a frame under a record, and two masses.
 
 The time of a chain is that of a run less that of a run of no duration, so that it is the time of the flights
 and impacts without the preparation. The cost of an impact should grow as channels x modes of the bodies it
@@ -19,6 +19,8 @@ ROUNDS = 7
 #: Targets (ms) on an idle processor: 86 impacts of 20 and of 100 cells; 100 cells to t = 200.
 TARGETS = {20: 0.3, 100: 2.0}
 LONG_TARGET = 150.0
+#: Target (ms) of 10^5 samples of a record.
+RECORD_TARGET = 30.0
 
 
 def chain(cells):
@@ -53,6 +55,29 @@ def of_chain(cells, duration, rounds=ROUNDS):
     whole, run = spent(lambda: vi.simulate(structure, duration=duration, state=state), rounds)
     empty, _ = spent(lambda: vi.simulate(structure, duration=0, state=state), rounds)
     return whole - empty, len(run.events)
+
+
+def of_record(samples):
+    """Time (ms) of a frame of five storeys under a record, with a free mass in a slot on its roof; its impacts.
+
+    The record is noise through a filter of 15 rad/s, sampled at 100 Hz; the fundamental frequency of the frame is
+    7 rad/s. The time of a run of no duration is subtracted, as for chains.
+    """
+    stiffness = np.zeros((6, 6))
+    stiffness[:5, :5] = 600 * (2 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1))
+    stiffness[4, 4] = 600
+    direction = np.array([0, 0, 0, 0, -1, 1])
+    gaps = [vi.Gap(direction, 0.1, 0.6), vi.Gap(-direction, 0.1, 0.6)]
+    frame = vi.Structure([1.0] * 5 + [0.1], 0.002 * stiffness, stiffness, gaps)
+    step, noise = 0.01, np.random.default_rng(1).normal(size=samples)
+    force, y, rate = np.zeros((samples, 6)), 0.0, 0.0
+    for i in range(samples):
+        y, rate = y + step * rate, rate + step * (-15 * rate - 225 * y + 90 * noise[i])
+        force[i, :5] = -rate
+    record = vi.Record(step, force)
+    whole, run = spent(lambda: vi.simulate(frame, record))
+    empty, _ = spent(lambda: vi.simulate(frame, record, duration=0))
+    return whole - empty, int(np.sum(run.events["kind"] == "impact"))
 
 
 def chain_by_heyoka(cells, duration):
@@ -120,6 +145,15 @@ def rows():
         table.append(row(work, "ms", time_spent, None, there, taylor_peer.NAME, same))
     time_spent, impacts = of_chain(100, 200, 2)
     table.append(row(f"chain of 100 cells: {impacts} impacts", "ms", time_spent, LONG_TARGET))
+    time_spent, impacts = of_record(100_000)
+    table.append(
+        row(
+            f"frame under a record of 10⁵ samples: {impacts} impacts",
+            "ms",
+            time_spent,
+            RECORD_TARGET,
+        )
+    )
     for name, point in {"stable": (1.04, 25.0), "chaotic": (1.02, 11.25)}.items():
         (*costs, kernel), first = two_masses(*point)
         peers = {"own oscillator": (kernel, first[-1])}

@@ -6,7 +6,10 @@ module mechanics_channels
    use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
       reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_modes, only: advance, bound_on
+   use vi_lane_rows, only: advance_pairs
+   use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs
+   use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare
+   use vi_processor, only: runs_wide
    use vi_series, only: order, tolerated
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
@@ -27,6 +30,7 @@ contains
       call test_tolerated()
       do i = 1, 300
          call test_pair()
+         call check_advance()
          if (mod(i, 2) == 0) call check_rows(mod(i/2, 3))
       end do
       do i = 1, 300
@@ -79,6 +83,52 @@ contains
       call check_close(of_x, abs(x), 0.0_wp, 'pair: a free mass keeps x')
       call check_close(of_v, abs(v), 0.0_wp, 'pair: and v')
    end subroutine test_pair
+
+   !> Pairs side by side against one after the other, and with the same bits in wide registers.
+   subroutine check_advance()
+      type(modes_type) :: modes
+      real(wp), allocatable, dimension(:) :: x, v, x_now, v_now, x_wide, v_wide
+      real(wp) :: x_one, v_one, t, scale
+      integer :: k, n
+
+      n = draw_integer(random, 8, 70)
+      allocate (modes%stiffness(n), modes%damping(n), modes%drift(n), modes%force(n), x(n), v(n))
+      allocate (x_now(n), v_now(n), x_wide(n), v_wide(n))
+      do k = 1, n
+         modes%stiffness(k) = draw_log(random, 1e-6_wp, 1e4_wp)
+         if (draw_integer(random, 1, 4) == 1) modes%stiffness(k) = 0
+         ! free, undamped, damped and over-damped pairs, and some with a constant force
+         modes%damping(k) = draw(random, 0.0_wp, 1.1_wp)*sqrt(modes%stiffness(k))
+         if (draw_integer(random, 1, 2) == 1) modes%damping(k) = 0
+         modes%drift(k) = 0
+         modes%force(k) = merge(1.0_wp, 0.0_wp, draw_integer(random, 1, 8) == 1)
+         x(k) = draw(random, -1.0_wp, 1.0_wp)
+         v(k) = draw(random, -1.0_wp, 1.0_wp)
+      end do
+      call prepare(modes, .false.)
+      t = draw_log(random, 1e-9_wp, 1e4_wp)
+      call advance(modes, t, x, v, x_now, v_now)
+      do k = 1, n
+         call advance_pair(modes, k, t, x(k), v(k), x_one, v_one)
+         scale = abs(x(k)) + (abs(v(k)) + abs(modes%force(k))*t)*t + 1
+         ! the angle is rounded in both
+         scale = scale*(1 + sqrt(modes%stiffness(k))*(1 + sqrt(modes%stiffness(k))*t))
+         call check_close(x_now(k), x_one, 8*epsilon(t)*scale, 'advance: x side by side')
+         call check_close(v_now(k), v_one, 8*epsilon(t)*scale, 'advance: v side by side')
+      end do
+      x_wide = x
+      v_wide = v
+      call advance_in_place(modes, t, x_wide, v_wide)
+      call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
+         all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: in place')
+      if (runs_wide() == 0) return
+      t = min(t, 1.0e3_wp)
+      call advance_pairs(n, t, modes%turn, modes%damping, modes%stiffness, x, v, x_now, v_now)
+      call advance_pairs_wide(n, t, modes%turn, modes%damping, modes%stiffness, x, v, x_wide, &
+         v_wide)
+      call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
+         all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: the same bits')
+   end subroutine check_advance
 
    !> A chain of two masses with gaps, under some harmonics; the state of its pairs.
    subroutine draw_chain(harmonics, state, most_damped, regime, x, v, phase)

@@ -1,5 +1,6 @@
 """Records of forces and of motions of the base, in namelists, files and saved results."""
 
+import itertools
 import math
 from pathlib import Path
 
@@ -126,6 +127,24 @@ def test_a_coordinate_or_weights(tmp_path):
     assert vi.simulate(structure(), record).end == computed(
         tmp_path, "record_file = 'one.npy', step = 0.1, weights = -0.3, 0.7", "&simulate /"
     )[1].end  # fmt: skip
+
+
+def test_body_without_gaps_whose_damping_is_not_classical():
+    """Its pairs are complex, and their positions depend on the record directly."""
+    mass, step = np.array([1, 1.5, 1.0]), 0.1
+    stiffness, damping = np.array([[3, -1, 0], [-1, 2, 0], [0, 0, 1]]), np.diag([0.5, 0.02, 0.1])
+    force = np.random.default_rng(1).normal(size=(400, 3))
+    structure = vi.Structure(mass, damping, stiffness, [vi.Gap([0, 0, 1], 50.0)])
+    run = vi.simulate(structure, vi.Record(step, force))
+    # state, force and its rate
+    system = np.zeros((12, 12))
+    system[:3, 3:6] = np.eye(3)
+    system[3:6, :3], system[3:6, 3:6] = -stiffness / mass[:, None], -damping / mass[:, None]
+    system[3:6, 6:9], system[6:9, 9:] = np.diag(1 / mass), np.eye(3)
+    flow, state = expm(system * step), np.zeros(6)
+    for here, there in itertools.pairwise(force):
+        state = (flow @ np.concatenate([state, here, (there - here) / step]))[:6]
+    assert np.concatenate(run.final_state) == pytest.approx(state, abs=1e-11)
 
 
 @pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
