@@ -231,7 +231,7 @@ contains
    end subroutine sizes_of_pairs
 
    !> Which rows are not proved to stay within their limits over a cell, by the Bernstein
-   !! coefficients of their cubic Hermite interpolants and a bound on their fourth derivatives.
+   !! coefficients of their cubic Hermite interpolations and a bound on their fourth derivatives.
    pure subroutine mark_doubts(n, h, y, rate, y_next, rate_next, bound, reserve, upper, lower, &
       above, below)
       !> Number of rows, and length of the cell.
