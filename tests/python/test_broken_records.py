@@ -212,3 +212,28 @@ def test_a_plane_of_which_a_bound_is_missing(tmp_path):
     found = vi.load(path)
     assert found.axes is None
     assert "Basins" in repr(found)
+
+
+def test_matlab_file_with_a_damaged_part(results, tmp_path):
+    """A changed byte of a compressed part is refused before scipy, which can crash on it, reads the file."""
+    path = tmp_path / "motion.mat"
+    pytest.importorskip("scipy.io")
+    results[0].save(path)
+    data = bytearray(path.read_bytes())
+    for at in range(200, len(data), 97):
+        damaged = data.copy()
+        damaged[at] ^= 1
+        path.write_bytes(damaged)
+        assert "a compressed part is damaged" in refused(path)
+    path.write_bytes(data[:-20])
+    assert "damaged" in refused(path)
+
+
+def test_large_matlab_file(tmp_path):
+    """Parts that inflate to more than is looked at in one step are read."""
+    io = pytest.importorskip("scipy.io")
+    path = tmp_path / "record.mat"
+    load = np.zeros(400_000)
+    load[::7] = np.arange(load[::7].size)
+    io.savemat(path, {"load": load}, do_compression=True)
+    assert (vi.read_record(path, rate=100.0).load == load).all()

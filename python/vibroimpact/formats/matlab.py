@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import struct
 import threading
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,10 @@ from ..tables import Result
 
 #: scipy keeps the tag of the array that is being written in its class, which all threads share.
 ONE_AT_A_TIME = threading.Lock()
+
+
+#: The type of a part that is compressed.
+COMPRESSED = 15
 
 
 def scipy_io() -> Any:
@@ -63,21 +69,50 @@ def cells(items: Any) -> Any:
     return array
 
 
+def check_parts(path: Path) -> None:
+    """Refuse a file of version 5 whose compressed parts are damaged: scipy can crash on them.
+
+    Raises
+    ------
+    ParameterError
+        If a part does not inflate to what its checksum says.
+    """
+    data = path.read_bytes()
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
+    at = 128
+    while order and at + 8 <= len(data):
+        kind, size = struct.unpack_from(f"{order}II", data, at)
+        if kind == COMPRESSED:
+            inflate = zlib.decompressobj()
+            rest = data[at + 8 : at + 8 + size]
+            try:
+                while rest and not inflate.eof:
+                    inflate.decompress(rest, 2**20)
+                    rest = inflate.unconsumed_tail
+                inflate.flush()
+            except zlib.error as error:
+                raise ParameterError(f"a compressed part is damaged: {error}") from None
+            if not inflate.eof:
+                raise ParameterError("a compressed part is damaged: it is cut")
+        at += 8 + size
+
+
 def read_matlab(path: Path) -> str:
     """The record of a file that `write_matlab` wrote."""
     loadmat = scipy_io().loadmat
     path.open(
         "rb"
     ).close()  # an OSError with the reason; scipy would also try the name with .mat appended
+    check_parts(path)
     try:
         data = loadmat(path)
     except Exception as error:  # any exception that scipy raises on a broken file
         raise ParameterError(str(error)) from None
-    for name, struct in data.items():
-        if name.startswith("__") or not struct.dtype.names or "record" not in struct.dtype.names:
+    for name, found in data.items():
+        if name.startswith("__") or not found.dtype.names or "record" not in found.dtype.names:
             continue
         # savemat writes a 1 x 1 struct, and a text as one row
-        record = struct["record"].ravel()[0] if struct.size else None
+        record = found["record"].ravel()[0] if found.size else None
         if not isinstance(record, np.ndarray) or record.dtype.kind != "U" or record.size != 1:
             raise ParameterError("its field 'record' is not a text")
         return str(record.ravel()[0])

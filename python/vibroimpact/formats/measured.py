@@ -17,7 +17,7 @@ from .. import checks, libraries
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..measured import SI, UNITS, SensorRecord
 from ..units import positive
-from .matlab import scipy_io
+from .matlab import check_parts, scipy_io
 
 _Array = NDArray[np.float64]
 #: What a channel may be called, in lower case; the first one is its name here.
@@ -335,6 +335,7 @@ def wavfile(path: Path) -> tuple[int, NDArray[Any]]:
 
 def read_mat(path: Path) -> Content:
     """Variables of a MATLAB file, or the fields of its one struct."""
+    check_parts(path)
     found = {
         name: value
         for name, value in scipy_io().loadmat(path, squeeze_me=True).items()
