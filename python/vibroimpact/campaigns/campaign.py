@@ -73,7 +73,7 @@ class Campaign:
                 self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in PARTS})
         except (LookupError, ValueError, TypeError, AttributeError) as error:
             raise ParameterError(
-                f"store = {str(store)!r}: its {PLAN} is damaged; restore it, or use another store"
+                f"store = {str(store)!r}: its {PLAN} is damaged; restore it, or use another store ({error})"
             ) from error
         if self.study not in language()["results"]:
             raise ParameterError(
