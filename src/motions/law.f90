@@ -44,6 +44,9 @@ contains
       real(wp), intent(in) :: law, error
       real(wp) :: determinant, size
 
+      good = .false.
+      ! its powers would overflow
+      if (.not. maxval(abs(p)) < huge(1.0_wp)**0.24_wp) return
       determinant = expansion(p, -1)
       size = expansion(abs(p), 1)
       good = abs(determinant - law) <= caution*epsilon(1.0_wp)*size + share*error*law
