@@ -34,8 +34,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--address", default="127.0.0.1", metavar="A",
-        help="where to listen (default: 127.0.0.1, which only this machine reaches); at another address of this "
-        "machine the page needs the link that is printed, which holds a token",
+        help="where to listen (default: 127.0.0.1, this machine alone); elsewhere the page needs the token in "
+        "the printed link",
     )  # fmt: skip
     browser = parser.add_mutually_exclusive_group()
     browser.add_argument(

@@ -550,7 +550,10 @@ def one_record(item: Any) -> SensorRecord:
     if isinstance(item, (str, os.PathLike)):
         from ..formats.measured import read_record
 
-        return read_record(item)
+        try:
+            return read_record(item)
+        except ParameterError as error:
+            raise ParameterError("record" + str(error).removeprefix("path")) from None
     checks.instance(item, "record", SensorRecord)
     record: SensorRecord = item
     return record
