@@ -100,7 +100,9 @@ contains
          if ((change <= small .or. residual <= at_rounding) .and. change >= before) exit
          before = change
       end do
-      if (steps > most) then
+      ! a step from a poor guess can exchange impacts that nearly coincide: that is no motion
+      if (steps > most .or. any(times(2:) - times(:n - 1) < -instant*period) .or. &
+         times(n) - times(1) > (1 + instant)*period) then
          status = stat%no_convergence
          return
       end if

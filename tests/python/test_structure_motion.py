@@ -390,6 +390,23 @@ def test_newton_converges_from_displaced_times():
         np.testing.assert_allclose(again.phases, motion.phases, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("damping", "openings", "frequency", "guess"),
+    [
+        (0.10724610869304878, (1.905881023019277, 0.37390326416730413), 1.933244281278417,
+         ([2.833960902558731, 5.995109660626247, 6.014857902973205], [1, 0, 1], 1)),
+        (0.08799886545860716, (1.087069839694326, 0.815399085691861), 1.3291233384355157,
+         ([1.2954381360635243, 1.8861687909808849], [1, 0], 2)),
+    ],
+)  # fmt: skip
+def test_impacts_that_newton_exchanges_are_no_motion(damping, openings, frequency, guess):
+    """Poor guesses from which steps made phases descend, or lie further apart than a period."""
+    gaps = [vi.Gap([1, -1], openings[0], 0.7), vi.Gap([-1, 1], openings[1], 0.7)]
+    host = vi.Structure([1, 0.1], np.diag([damping, 0]), np.diag([1, 0]), gaps)
+    with pytest.raises(vi.SingularError, match="did not converge"):
+        vi.exact(host, vi.Load(frequency, sine=[1, 0]), guess)
+
+
 def test_restitution_that_depends_on_the_speed():
     def law(rng):
         return vi.PowerLaw(rng.uniform(0.6, 0.95), rng.uniform(0.2, 1.0), rng.uniform(0.1, 0.5))
