@@ -490,7 +490,7 @@ def test_a_local_cluster_is_for_its_user(monkeypatch):
         assert Path(folder).parent.parent.stat().st_mode & 0o077 == 0
         for text in (address, address.replace("tls", "tcp")):
             with pytest.raises((OSError, RuntimeError, TypeError, ValueError)):
-                distributed.Client(text, timeout=2)
+                distributed.Client(text, timeout=2, set_as_default=False)
     assert not Path(folder).exists()
 
 
@@ -507,7 +507,7 @@ def test_a_killed_worker(tmp_path):
         distributed.LocalCluster(
             2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
         ) as cluster,
-        distributed.Client(cluster) as client,
+        distributed.Client(cluster, set_as_default=False) as client,
     ):
 
         def kill(share, note):

@@ -75,8 +75,6 @@ def test_no_attenuation_without_forced_motion(results):
     free = dataclasses.replace(results["motion"], A=0.0)
     assert free._facts()["max|x|/A"] == "-"
     assert results["motion"]._facts()["max|x|/A"] != "-"
-    assert free.to_dict()["attenuation"] is None
-    assert results["motion"].to_dict()["attenuation"] == results["motion"].attenuation
 
 
 def test_frozen():

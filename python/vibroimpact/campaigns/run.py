@@ -374,7 +374,9 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         else:
             address = client
         try:
-            here = stack.enter_context(distributed.Client(address, timeout=10))
+            here = stack.enter_context(
+                distributed.Client(address, timeout=10, set_as_default=False)
+            )
         except Exception as error:  # an address of no known form is an AssertionError
             raise ParameterError(
                 f"client = {client!r}: no scheduler answers there; must be an address such as tcp://node1:8786"

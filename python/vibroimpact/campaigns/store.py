@@ -249,7 +249,8 @@ class Contents(NamedTuple):
             if 0 in about["shape"]:
                 return np.empty(about["shape"], kind)
             content = decode(self.bytes(f"{path}/{'.'.join('0' * len(about['shape']))}"))
-            return np.frombuffer(content, kind).reshape(about["shape"])
+            found: NDArray[Any] = np.frombuffer(content, kind).reshape(about["shape"])
+            return found
 
 
 def damaged(place: Path) -> ParameterError:

@@ -7,7 +7,6 @@ from typing import Any
 
 from .. import Design, Identification, Motion, Oscillator, Physical, Units, exact
 from ..errors import ParameterError, ParameterTypeError, SingularError
-from ..identification.laws import law_of
 from .definition import definition_of
 from .state import MOST_CYCLES, MOST_PATTERNS, MOST_SYMBOLS, Box, State
 
@@ -53,10 +52,9 @@ def state_of(start: Any) -> State:
             f"status = {result.status!r} of the identification: must be 'periodic'; there is no motion to show"
         )
     if isinstance(result, Identification) and not isinstance(result.motion, Motion):
-        kind = law_of(result.values).kind
-        if kind != "constant":
+        if result.law != "constant":
             raise ParameterError(
-                f"law = {kind!r} of the identification: must be 'constant'; the explorer has no laws of "
+                f"law = {result.law!r} of the identification: must be 'constant'; the explorer has no laws of "
                 "restitution"
             )
         raise ParameterError(

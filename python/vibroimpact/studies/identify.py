@@ -167,6 +167,11 @@ class Identification(Noun, study="identify"):
         return oscillator_of(values, **scale)
 
     @property
+    def law(self) -> str:
+        """How the coefficients of restitution depend on the approach speed, as in `identify`."""
+        return law_of(self.values).kind
+
+    @property
     def restitution(self) -> tuple[Restitution, Restitution] | None:
         """Of the right and of the left wall, over the approach speed in m/s with a power law."""
         return law_of(self.values).restitution(self.values) if self.status == "periodic" else None
