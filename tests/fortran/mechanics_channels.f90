@@ -234,7 +234,8 @@ contains
       type(reached_type) :: reached
       real(wp), allocatable :: x(:), v(:), now_x(:), now_v(:)
       real(wp) :: phase, d(0:3), span, most, greatest, beyond, h, t, at
-      integer :: i, row
+      integer :: i, k, row
+      logical :: rising, top
 
       call draw_chain(draw_integer(random, 1, 2), 1.0_wp, 0.5_wp, regime, x, v, phase)
       allocate (now_x, now_v, mold=x)
@@ -244,22 +245,23 @@ contains
       most = 0
       greatest = -huge(1.0_wp)
       at = 0
+      rising = .false.
       do i = 0, samples
          call value_at(i*h)
          most = max(most, abs(d(0)))
-         if (d(0) <= greatest) cycle
-         greatest = d(0)
-         at = i*h
+         call note(i*h)
+         top = rising .and. d(1) <= 0
+         rising = d(1) > 0
+         if (.not. top) cycle
+         ! between samples there is a top, found by Newton's method
+         t = i*h
+         do k = 1, 5
+            t = min(max(t - d(1)/d(2), (i - 1)*h), i*h)
+            call value_at(t)
+         end do
+         call note(t)
       end do
       if (at <= h .or. at > span - h) return
-      ! from the sample to the top, by Newton's method
-      t = at
-      do i = 1, 5
-         call value_at(t)
-         t = min(max(t - d(1)/d(2), at - h), at + h)
-      end do
-      call value_at(t)
-      greatest = max(greatest, d(0))
       beyond = draw_log(random, 1e-9_wp, 1e-2_wp)*most
       regime%upper = 1e3_wp*most
       regime%lower = -1e3_wp*most
@@ -282,6 +284,15 @@ contains
          call check(d(0) <= regime%upper(row) + 1e-12_wp*most, 'search: the first one')
       end do
    contains
+      !> Keeps the greatest value, and where it is.
+      subroutine note(time)
+         real(wp), intent(in) :: time
+
+         if (d(0) <= greatest) return
+         greatest = d(0)
+         at = time
+      end subroutine note
+
       !> The row and its derivatives at a time.
       subroutine value_at(time)
          real(wp), intent(in) :: time

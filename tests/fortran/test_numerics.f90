@@ -351,16 +351,16 @@ contains
    !> Equal differences or ratios, and both ends to the last bit.
    subroutine test_spacing()
       real(wp) :: low, high, place
-      real(wp), allocatable :: axis(:), ratios(:)
+      real(wp) :: axis(40), ratios(40)
       integer :: i, j, n
 
       do i = 1, 300
          n = draw_integer(random, 2, 40)
          low = draw(random, 0.1_wp, 1.0_wp)
          high = draw(random, 1.0_wp, 100.0_wp)
-         axis = even(low, high, n)
-         ratios = spaced(low, high, n, .true.)
-         call check(.not. any(abs(axis - spaced(low, high, n, .false.)) > 0), 'spacing: even')
+         axis(:n) = even(low, high, n)
+         ratios(:n) = spaced(low, high, n, .true.)
+         call check(.not. any(abs(axis(:n) - spaced(low, high, n, .false.)) > 0), 'spacing: even')
          call check(.not. any(abs([axis(1) - low, axis(n) - high, ratios(1) - low, ratios(n) &
             - high]) > 0), 'spacing: both ends')
          do j = 1, n
