@@ -354,7 +354,8 @@ contains
       associate (openings => structure%openings)
          if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &
             is_extreme(maxval([0.0_wp, abs(regime%steady)])) .or. &
-            any(is_extreme(structure%effective))) status = stat%extreme_units
+            any(is_extreme(structure%effective) .or. .not. structure%effective > 0)) status = &
+            stat%extreme_units
       end associate
       if (status /= stat%ok) return
       if (with_tables) call set_tables(regime)

@@ -15,7 +15,8 @@ module vi_structure_run
    implicit none (type, external)
    private
 
-   public :: find_regime, new_run, simulate_structure, start_at, state_now, time_of
+   public :: find_regime, new_run, simulate_structure, start_at, state_now, time_of, &
+      whole_periods
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
@@ -82,6 +83,17 @@ contains
       if (status == stat%ok) call recognise(run%structure, load, run%pair)
    end subroutine new_run
 
+   !> Whole periods at a time. The samples of a record may be 1e-300 apart: what is above 2^52 of
+   !! them stays in the remainder.
+   pure integer(int64) function whole_periods(run, time)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The time.
+      real(wp), intent(in) :: time
+
+      whole_periods = floor(min(time/run%period, 2.0_wp**52), int64)
+   end function whole_periods
+
    !> A state from coordinates and velocities.
    pure subroutine start_at(run, time, q, rate, state, status)
       !> In and out: the regime of closed gaps is added.
@@ -103,7 +115,7 @@ contains
          status = stat%extreme_units
          return
       end if
-      state%cycle = floor(time/run%period, int64)
+      state%cycle = whole_periods(run, time)
       state%elapsed = max(0.0_wp, time - real(state%cycle, wp)*run%period)
       allocate (closed(0))
       status = stat%ok

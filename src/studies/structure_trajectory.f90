@@ -9,7 +9,8 @@ module vi_structure_trajectory
    use vi_structure_record, only: advance_recorded
    use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
    use vi_structure_run, only: find_regime, new_run, release_event, run_event_type, &
-      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of
+      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
+      whole_periods
    implicit none (type, external)
    private
 
@@ -59,7 +60,7 @@ contains
       if (status /= stat%ok) return
       call start_at(run, start, q, rate, state, status)
       if (status /= stat%ok) return
-      last_cycle = floor(last/run%period, int64)
+      last_cycle = whole_periods(run, last)
       last_elapsed = max(0.0_wp, last - real(last_cycle, wp)*run%period)
       allocate (events(chunk))
       do
@@ -120,7 +121,7 @@ contains
       if (status /= stat%ok) return
       call start_at(run, start, q, rate, state, status)
       if (status /= stat%ok) return
-      last_cycle = floor(last/run%period, int64)
+      last_cycle = whole_periods(run, last)
       last_elapsed = max(0.0_wp, last - real(last_cycle, wp)*run%period)
       allocate (events(chunk))
       do
@@ -262,7 +263,7 @@ contains
       n = size(run%structure%mass, 1)
       m = size(run%regimes(number)%xq, 1)
       state%regime = number
-      state%cycle = floor(start(1)/run%period, int64)
+      state%cycle = whole_periods(run, start(1))
       state%elapsed = max(0.0_wp, start(1) - real(state%cycle, wp)*run%period)
       allocate (state%x(m), state%v(m))
       call to_pairs(run%regimes(number), 0.0_wp, start(2:n + 1), start(n + 2:), state%x, state%v)
@@ -282,7 +283,7 @@ contains
       real(wp) :: elapsed
       integer(int64) :: cycle
 
-      cycle = floor(time/run%period, int64)
+      cycle = whole_periods(run, time)
       elapsed = max(0.0_wp, time - real(cycle, wp)*run%period)
       associate (regime => run%regimes(state%regime))
          if (cycle > state%cycle) then
@@ -338,7 +339,7 @@ contains
       !> The time.
       real(wp), intent(in) :: time
 
-      phase = run%load%frequency*(time - real(floor(time/run%period, int64), wp)*run%period)
+      phase = run%load%frequency*(time - real(whole_periods(run, time), wp)*run%period)
    end function phase_at
 
 end module vi_structure_trajectory
