@@ -1,8 +1,6 @@
 """Every procedure of the boundary, from many Python threads at once, gives the bits that it gives alone."""
 
 import contextlib
-import threading
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +8,13 @@ import pytest
 import vibroimpact as vi
 from shared_motions import after_impact
 from shared_systems import RIG, TABLE
+from shared_threads import THREADS, together
 from vibroimpact import _core
 from vibroimpact.formats.save import write_printout
 from vibroimpact.performance import perform
 from vibroimpact.studies.find import shares_of
 
-THREADS, ROUNDS = 8, 5
+ROUNDS = 5
 PROCEDURES = {name for name in dir(_core) if type(getattr(_core, name)).__name__ == "fortran"}
 #: Procedures with the address of a result: `saved` makes them in their order.
 HANDLES = {
@@ -125,18 +124,6 @@ def replayed(procedure, calls):
             np.asarray(part).tobytes() for part in (*parts, *own) if not isinstance(part, str)
         ]
     return answers
-
-
-def together(work):
-    """The results of `work(i)` in threads that start at the same time."""
-    start = threading.Barrier(THREADS)
-
-    def begin(i):
-        start.wait()
-        return work(i)
-
-    with ThreadPoolExecutor(THREADS) as pool:
-        return list(pool.map(begin, range(THREADS)))
 
 
 def test_every_procedure_is_called(recorded):

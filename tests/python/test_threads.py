@@ -3,15 +3,13 @@
 import os
 import subprocess
 import sys
-import threading
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 import vibroimpact as vi
+from shared_threads import THREADS, together
 
 FILES = sorted((Path(__file__).parents[2] / "inputs").glob("*.nml"))
-THREADS = 8
 ROUNDS = 25
 #: Kinds of cases that take seconds.
 LONG = {"atlas", "basins", "chart", "zone", "design", "identify"}
@@ -19,18 +17,6 @@ WRONG = """
 &system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /
 &motion sides = 'RL', phases_over_pi = 0, 1.37, clearance = 37 /
 """
-
-
-def together(work):
-    """The results of `work(i)` in threads that start at the same time."""
-    start = threading.Barrier(THREADS)
-
-    def begin(i):
-        start.wait()
-        return work(i)
-
-    with ThreadPoolExecutor(THREADS) as pool:
-        return list(pool.map(begin, range(THREADS)))
 
 
 def answer(path):
