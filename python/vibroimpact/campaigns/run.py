@@ -300,7 +300,7 @@ class Cluster:
         from distributed import TimeoutError as Late
         from distributed import wait
 
-        with _trouble(), contextlib.suppress(Late):
+        with _trouble(), contextlib.suppress(Late), self.client.as_current():
             wait(futures, timeout=INTERVAL, return_when="FIRST_COMPLETED")
         done = [future for future in futures if future.done()]
         self.running.difference_update(done)
