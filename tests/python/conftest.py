@@ -1,6 +1,7 @@
 """Results that several test files use."""
 
 import random
+import signal
 
 import pytest
 
@@ -25,6 +26,12 @@ def pytest_addoption(parser):
     group = parser.getgroup("faults", "programs that are stopped at random instants")
     group.addoption("--instants", type=int, default=8, help="instants for each program (8)")
     group.addoption("--seed", type=int, default=random.randrange(10**6), help="their seed (random)")
+
+
+def pytest_configure():
+    """Let programs that tests start be interrupted, also where these run in the background of a script."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items):

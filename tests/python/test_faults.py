@@ -162,6 +162,21 @@ def test_campaigns_stopped_at_random_instants(
     assert files_of(store) == expected
 
 
+def test_killed_before_the_plan_was_written(nursery, undisturbed, tmp_path):
+    """What is left of the plan is removed; a file of another program, in a folder that is no store, is not."""
+    store = tmp_path / "store"
+    store.mkdir()
+    (store / "lock").touch()
+    (store / "0123456789abcdef.part").write_text("{")
+    nursery.run(store)
+    assert files_of(store) == undisturbed[0]
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "film.part").touch()
+    status, output = nursery.run(tmp_path / "mine")
+    assert (status, "it holds 'film.part'" in output) == (2, True)
+    assert (tmp_path / "mine" / "film.part").exists()
+
+
 def test_the_program_killed_at_random_instants(random, instants, tmp_path):
     """Every result of vibroimpact-batch is whole or absent, and the next run gives all."""
     point = (
@@ -185,6 +200,22 @@ def test_the_program_killed_at_random_instants(random, instants, tmp_path):
     subprocess.run([*call, out], check=True, capture_output=True)
     found = files_of(out)
     assert {name: found[name] for name in expected} == expected
+
+
+def test_links_in_a_store(nursery, tmp_path):
+    """In a folder that another user has made, no link leads a campaign to other files."""
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "thesis.txt").write_text("x")
+    for name in ("lock", "0123456789abcdef.part", "results.zarr", "sums", "failures"):
+        store = tmp_path / name.partition(".")[0]
+        store.mkdir()
+        (store / name).symlink_to(mine / "thesis.txt" if name == "lock" else mine)
+        status, output = nursery.run(store)
+        assert "Traceback" not in output
+        assert status == (1 if ".part" in name else 2)
+        assert ".part" in name or str(store) in output
+        assert files_of(mine) == {"thesis.txt": b"x"}
 
 
 # -- disks

@@ -1,13 +1,17 @@
-"""Files that run code when they are unpickled: no reader of the package does it."""
+"""Files of strangers: no reader runs what they hold, and none takes more memory than there is."""
 
 import io
 import json
 import pickle
 import re
 import shutil
+import struct
 import subprocess
 import sys
+import time
 import tokenize
+import tracemalloc
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -206,3 +210,149 @@ def test_no_module_unpickles():
         if re.search(r"\bnp\.load\(|allow_pickle", text):
             found.append(path.name)
     assert found == []
+
+
+# -- small files that claim, or unpack to, more than memory holds
+
+
+def element(kind, data):
+    """An element of a MATLAB file."""
+    return struct.pack("<II", kind, len(data)) + data + b"\0" * (-len(data) % 8)
+
+
+def matrix(of_class, dims, content=b""):
+    """A matrix of a MATLAB file: class 1 is a cell array, 2 a struct, 6 one of numbers."""
+    flags, size = struct.pack("<II", of_class, 0), struct.pack(f"<{len(dims)}i", *dims)
+    return element(14, element(6, flags) + element(5, size) + element(1, b"load") + content)
+
+
+def packed(data):
+    """A compressed element."""
+    held = zlib.compress(data)
+    return struct.pack("<II", 15, len(held)) + held
+
+
+def nested(depth):
+    """Cell arrays in cell arrays."""
+    found = matrix(6, (1, 1), element(9, bytes(8)))
+    for _ in range(depth):
+        found = matrix(1, (1, 1), found)
+    return found
+
+
+HUGE = (10**5, 10**4)
+MATLAB_BOMBS = {
+    "cells": (matrix(1, HUGE), "declares 1000000000 entries"),
+    "structs": (matrix(2, HUGE, element(5, struct.pack("<i", 32)) + element(1, b"")), "declares 1000000000 entries"),
+    "inner": (matrix(1, (1, 1), matrix(1, HUGE)), "declares 1000000000 entries"),
+    "packed": (packed(matrix(1, HUGE)), "declares 1000000000 entries"),
+    "deep": (packed(nested(5000)), "nested too deeply"),
+    "inflated": (packed(element(14, bytes(2**25))), r"has 33554440 bytes; must have at most 4194304"),
+    "twice": (2 * packed(matrix(6, (1, 1), element(9, bytes(3 * 2**20)))), r"has 6291\d+ bytes; must have at most 4194304"),
+    "lie": (packed(struct.pack("<II", 14, 8) + bytes(2**25)), "declares 16 bytes and has more"),
+    "cut": (packed(struct.pack("<II", 14, 2**20) + bytes(8)), "declares 1048576 bytes and has 8"),
+}  # fmt: skip
+
+
+@pytest.fixture
+def little_memory(monkeypatch):
+    """64 MB of it; what Python takes in a test is far less, and much less time."""
+    monkeypatch.setattr("vibroimpact.sizes.free", lambda: 2**26)
+    tracemalloc.start()
+    begin = time.process_time()
+    yield
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 2**26
+    assert time.process_time() - begin < 20
+
+
+@pytest.mark.parametrize("name", MATLAB_BOMBS)
+def test_matlab_files_that_grow(tmp_path, little_memory, name):
+    """Sizes are checked before anything is inflated, or room is made for it."""
+    content, message = MATLAB_BOMBS[name]
+    path = tmp_path / "bomb.mat"
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
+    path.write_bytes(head + content)
+    for read in (vi.load, vi.read_record):
+        with pytest.raises(vi.ParameterError, match=message) as caught:
+            read(path)
+        assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("ending", ["json", "nc", "mat", "csv", "txt", "uff", "wav"])
+def test_files_larger_than_memory(tmp_path, little_memory, ending):
+    """A file with a hole of a terabyte takes no room on disk, and none in memory."""
+    path = tmp_path / f"hole.{ending}"
+    with open(path, "wb") as file:
+        file.write(b"\x89HDF\r\n\x1a\n" if ending == "nc" else b"1,2\n")
+        file.truncate(2**40)
+    with pytest.raises(
+        vi.ParameterError, match=r"hole.*has 1099511627776 bytes; must have at most"
+    ):
+        vi.read_record(path)
+    if ending in ("json", "mat"):
+        with pytest.raises(vi.ParameterError, match="has 1099511627776 bytes; must have at most"):
+            vi.load(path)
+
+
+@pytest.mark.parametrize("chunks", [None, (2**24,)])
+def test_netcdf_files_that_grow(tmp_path, little_memory, chunks):
+    """Variables that declare more than the file has, or chunks that are larger than their variable."""
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "bomb.nc"
+    size = 2**25 if chunks is None else 10
+    with h5py.File(path, "w") as file:
+        file.create_dataset("filling", data=np.ones(2**16))  # a file may hold it
+        for name in ("time", "load", "acceleration", "record"):
+            kind = "u1" if name == "record" else "f8"
+            file.create_dataset(
+                name, (size,), kind, chunks=chunks, maxshape=(None,) if chunks else None
+            )
+    with pytest.raises(vi.ParameterError, match=r"has \d+ bytes; must have at most 16777216"):
+        vi.read_record(path)
+    with pytest.raises(
+        vi.ParameterError, match=r"record.* has \d+ bytes; must have at most 4194304"
+    ):
+        vi.load(path)
+
+
+def test_a_sound_file_that_lies(tmp_path):
+    """A sound file that declares 2^60 bytes of samples."""
+    pytest.importorskip("scipy")
+    path = tmp_path / "bomb.wav"
+    form = b"fmt " + struct.pack("<IHHIIHH", 16, 1, 1, 1000, 2000, 2, 16)
+    sizes = b"ds64" + struct.pack("<IQQQI", 28, 2**60, 2**60, 2**59, 0)
+    path.write_bytes(
+        b"RF64\xff\xff\xff\xffWAVE" + sizes + form + b"data\xff\xff\xff\xff" + bytes(100)
+    )
+    with pytest.raises(vi.ParameterError):
+        vi.read_record(path)
+
+
+@pytest.mark.parametrize("lie", ["shape", "content", "both"])
+def test_chunks_that_grow(written, little_memory, lie):
+    """What a chunk declares is checked before it is unpacked, and what it unpacks to is what it declares."""
+    store = Store(written)
+    (name,) = store.names()
+    place = store.chunks / name / "motions" / "attenuation"
+    about = json.loads((place / "zarr.json").read_text())
+    if lie != "content":
+        about["shape"] = [2**24]
+        (place / "zarr.json").write_text(json.dumps(about))
+    if lie != "shape":
+        from numcodecs.zstd import Zstd
+
+        (place / "0").write_bytes(Zstd(level=3, checksum=True).encode(bytes(2**24 * 8)))
+        assert (place / "0").stat().st_size < 10_000
+        tracemalloc.reset_peak()
+    sums = checksums(store.chunks / name)
+    (store.sums / f"{name}.json").write_text(json.dumps(sums))
+    message = (
+        "motions/attenuation does not unpack to the" if lie == "content"
+        else r"has 13\d+ bytes; must have at most 16777216"
+    )  # fmt: skip
+    with pytest.raises(vi.ParameterError, match=message):
+        store.read(name)
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.Campaign(written).values("motions", "attenuation")

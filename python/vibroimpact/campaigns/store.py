@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import math
 import os
 import re
 import secrets
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..errors import ParameterError, ParameterTypeError
 from ..libraries import zarr
+from ..sizes import NUMBERS, TEXT, check_file, check_size
 from .chunk import Chunk
 
 __all__ = ["Store"]
@@ -30,6 +32,8 @@ PLAN = "campaign.json"
 PARTS = {"study", "size", "chunk", "core", "vibroimpact"}
 #: The name of a chunk: its first case, and a hash.
 NAME = re.compile(r"\d{12,}-[0-9a-f]{40}")
+#: The name of what is being written.
+PART = re.compile(r"[0-9a-f]{16}\.part")
 #: The array of a chunk with what is not in its tables, as JSON in UTF-8.
 HEADS = "heads"
 #: The metadata of a Zarr group.
@@ -59,8 +63,8 @@ class Store:
         """The plan of the campaign: its cases, their study, and how many make a chunk."""
         path = self.folder / PLAN
         try:
-            found = json.loads(path.read_text())
-            if not isinstance(found, dict) or not found.keys() >= PARTS:
+            found = read_json(path)
+            if not found.keys() >= PARTS:
                 raise ValueError
             if not all(type(found[key]) is int and found[key] > 0 for key in ("size", "chunk")):
                 raise ValueError
@@ -83,6 +87,14 @@ class Store:
         make_folder(self.folder)
         with locked(self.folder):
             path = self.folder / PLAN
+            for place in (self.folder, self.sums, self.failures, self.chunks):
+                if place.is_symlink() and place != self.folder:
+                    raise ParameterError(f"{place}: must be a folder; it is a link")
+                for part in place.glob("*.part"):
+                    if PART.fullmatch(part.name):
+                        shutil.rmtree(
+                            part
+                        ) if part.is_dir() and not part.is_symlink() else part.unlink()
             if path.exists():
                 self._compare(plan)
             else:
@@ -93,9 +105,6 @@ class Store:
                         f"campaign; it holds {foreign[0]!r}"
                     )
                 write_whole(path, json.dumps(plan, indent=1), lasting=True)
-            for place in (self.folder, self.sums, self.failures):
-                for part in place.glob("*.part"):
-                    shutil.rmtree(part) if part.is_dir() else part.unlink()
             self.sums.mkdir(exist_ok=True)
             self.chunks.mkdir(exist_ok=True)
             write_whole(self.chunks / "zarr.json", json.dumps(GROUP))
@@ -128,7 +137,7 @@ class Store:
         if not place.is_dir():
             return "missing"
         try:
-            whole = json.loads(self._sums(name).read_text()) == checksums(place)
+            whole = read_json(self._sums(name)) == checksums(place)
         except (OSError, ValueError):
             whole = False
         return "done" if whole else "damaged"
@@ -160,9 +169,7 @@ class Store:
     def _contents(self, name: str) -> Contents:
         """The files of a chunk."""
         try:
-            sums = json.loads(self._sums(name).read_text())
-            if not isinstance(sums, dict):
-                raise ValueError
+            sums = read_json(self._sums(name))
         except (OSError, ValueError):
             raise damaged(self.chunks / name) from None
         return Contents(self.chunks / name, sums)
@@ -170,15 +177,18 @@ class Store:
     def columns(self, name: str, table: str, keys: Iterable[str]) -> dict[str, NDArray[Any]]:
         """Some columns of a chunk; nothing if it lacks one, since none of its cases has it."""
         files = self._contents(name)
-        if not all(f"{table}/{key}/zarr.json" in files.sums for key in keys):
+        wanted = tuple(dict.fromkeys(keys))
+        if not all(f"{table}/{key}/zarr.json" in files.sums for key in wanted):
             return {}
-        return {key: files.array(f"{table}/{key}") for key in keys}
+        found = files.arrays(f"{table}/{key}" for key in wanted)
+        return dict(zip(wanted, found, strict=True))
 
     def heads(self, name: str) -> dict[str, Any]:
         """What a chunk holds besides its tables."""
-        text = self._contents(name).array(HEADS).tobytes()
+        (text,) = self._contents(name).arrays([HEADS])
+        check_size(text.size, TEXT, f"{self.chunks / name}: its {HEADS}")
         with foreign(self.chunks / name):
-            held: dict[str, Any] = json.loads(text)
+            held: dict[str, Any] = json.loads(text.tobytes())
             if not held.keys() >= {"study", "heads", "words"}:
                 raise KeyError
         return held
@@ -188,10 +198,13 @@ class Store:
         held = self.heads(name)
         files = self._contents(name)
         arrays: dict[str, dict[str, NDArray[Any]]] = {}
-        for path in files.sums:
-            table, _, key = path.removesuffix("/zarr.json").rpartition("/")
-            if path.endswith("/zarr.json") and table:
-                arrays.setdefault(table, {})[key] = files.array(f"{table}/{key}")
+        paths = [
+            path.removesuffix("/zarr.json") for path in files.sums if path.endswith("/zarr.json")
+        ]
+        paths = [path for path in paths if "/" in path]
+        for path, values in zip(paths, files.arrays(paths), strict=True):
+            table, _, key = path.rpartition("/")
+            arrays.setdefault(table, {})[key] = values
         with foreign(self.chunks / name):
             words = {(table, key): tuple(words) for table, key, words in held["words"]}
         return Chunk(held["study"], held["heads"], arrays, words)
@@ -231,6 +244,7 @@ class Contents(NamedTuple):
                 f"{self.place}: is no chunk that a campaign wrote; {path!r} leads out of it"
             )
         try:
+            check_file(file, NUMBERS, str(file))
             content = file.read_bytes()
         except OSError:
             raise damaged(self.place) from None
@@ -238,19 +252,45 @@ class Contents(NamedTuple):
             raise damaged(self.place)
         return content
 
-    def array(self, path: str) -> NDArray[Any]:
-        """An array that `array_files` gave."""
-        decode = codec().decode
+    def arrays(self, paths: Iterable[str]) -> list[NDArray[Any]]:
+        """Arrays that `array_files` gave; an error before any is unpacked if they do not fit into memory."""
         with foreign(self.place):
-            about = json.loads(self.bytes(f"{path}/zarr.json"))
-            (kind,) = (kind for kind, (name, _) in TYPES.items() if name == about["data_type"])
-            if about["codecs"] != codecs(kind):
-                raise ValueError("its arrays are packed otherwise")
-            if 0 in about["shape"]:
-                return np.empty(about["shape"], kind)
-            content = decode(self.bytes(f"{path}/{'.'.join('0' * len(about['shape']))}"))
-            found: NDArray[Any] = np.frombuffer(content, kind).reshape(about["shape"])
-            return found
+            about = {path: self.declared(path) for path in paths}
+            together = sum(
+                np.dtype(kind).itemsize * math.prod(shape) for kind, shape in about.values()
+            )
+            check_size(together, NUMBERS, f"{self.place}: what is read of it")
+            return [self.unpacked(path, *item) for path, item in about.items()]
+
+    def declared(self, path: str) -> tuple[str, list[int]]:
+        """The kind and shape that an array declares."""
+        about = json.loads(self.bytes(f"{path}/zarr.json"))
+        (kind,) = (kind for kind, (name, _) in TYPES.items() if name == about["data_type"])
+        if about["codecs"] != codecs(kind):
+            raise ValueError("its arrays are packed otherwise")
+        return kind, about["shape"]
+
+    def unpacked(self, path: str, kind: str, shape: list[int]) -> NDArray[Any]:
+        """An array of this kind and shape."""
+        if 0 in shape:
+            return np.empty(shape, kind)
+        packed = self.bytes(f"{path}/{'.'.join('0' * len(shape))}")
+        size = np.dtype(kind).itemsize * math.prod(shape)
+        if unpacked_size(packed) != size:
+            raise ValueError(f"{path} does not unpack to the {size} bytes that it declares")
+        found: NDArray[Any] = np.frombuffer(codec().decode(packed), kind).reshape(shape)
+        return found
+
+
+def unpacked_size(packed: bytes) -> int:
+    """The size that a frame of Zstandard (RFC 8878, 3.1.1.1) declares; -1 if it declares none."""
+    if len(packed) < 14:
+        return -1
+    whole = packed[4] >> 5 & 1  # a single segment
+    width = (whole, 2, 4, 8)[packed[4] >> 6]
+    at = 5 + (1 - whole) + (0, 1, 2, 4)[packed[4] & 3]
+    declared = int.from_bytes(packed[at : at + width], "little")
+    return declared + 256 * (width == 2) if width else -1
 
 
 def damaged(place: Path) -> ParameterError:
@@ -324,6 +364,15 @@ def array_files(
         yield f"{path}/{'.'.join('0' * values.ndim)}", codec().encode(np.ascontiguousarray(values))
 
 
+def read_json(path: Path) -> dict[str, Any]:
+    """An object that a file holds."""
+    check_file(path, TEXT, str(path))
+    found = json.loads(path.read_text())
+    if not isinstance(found, dict):
+        raise ValueError
+    return found
+
+
 def checksums(folder: Path) -> dict[str, str]:
     """SHA-256 of all files of a chunk."""
     return {
@@ -371,7 +420,9 @@ def take(lock: IO[bytes]) -> None:
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Hold the store; the system gives it free when this process ends, however it ends."""
-    with open(folder / "lock", "a+b", buffering=0) as lock:
+    # no link is followed: in a folder of another user it could lead to any file of this one
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    with open(os.open(folder / "lock", flags, 0o666), "r+b", buffering=0) as lock:
         try:
             take(lock)
         except (BlockingIOError, PermissionError):
@@ -385,6 +436,7 @@ def locked(folder: Path) -> Iterator[None]:
                 error.errno, f"{error.strerror}: its disk must have file locks (flock)", str(folder)
             ) from None
         lock.truncate(0)
+        lock.seek(0)
         with contextlib.suppress(OSError):  # a full disk is told by what needs the room
             lock.write(f"process {os.getpid()} on {socket.gethostname()}".encode())
         try:

@@ -10,13 +10,21 @@ from typing import Any
 from .. import checks
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..noun import NOUNS
+from ..sizes import check_file
 from ..units import Units
 from .matlab import read_matlab
 from .netcdf import read_netcdf
 from .record import mapping
 
+
+def read_text(path: Path) -> str:
+    """The text of a file."""
+    check_file(path)
+    return path.read_text(encoding="utf-8")
+
+
 READERS: dict[str, Callable[[Path], str]] = {
-    ".json": lambda path: path.read_text(encoding="utf-8"),
+    ".json": read_text,
     ".nc": read_netcdf,
     ".mat": read_matlab,
 }

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import io
+import math
 import struct
 import threading
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +15,17 @@ import numpy as np
 
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
+from ..sizes import NUMBERS, TEXT, check_file, check_size
 from ..tables import Result
 
 #: scipy keeps the tag of the array that is being written in its class, which all threads share.
 ONE_AT_A_TIME = threading.Lock()
-
-
-#: The type of a part that is compressed.
-COMPRESSED = 15
+#: The types of a part that is compressed, and of a matrix.
+COMPRESSED, MATRIX = 15, 14
+#: Classes of a matrix whose size is not that of its content: sparse ones, functions, and objects of MATLAB.
+UNSIZED = (5, 16, 17)
+#: How deeply cells and structs may be nested.
+DEEPEST = 50
 
 
 def scipy_io() -> Any:
@@ -70,31 +75,86 @@ def cells(items: Any) -> Any:
 
 
 def check_parts(path: Path) -> None:
-    """Refuse a file of version 5 whose compressed parts are damaged: scipy can crash on them.
+    """Refuse a file of version 5 on which scipy could crash or hang, or that does not fit into memory.
+
+    The sizes that compressed parts declare are checked before they are inflated.
 
     Raises
     ------
     ParameterError
-        If a part does not inflate to what its checksum says.
+        If a part does not inflate to what its checksum says, is cut, or declares more than it holds.
     """
+    check_file(path, NUMBERS)
     data = path.read_bytes()
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
-    at = 128
-    while order and at + 8 <= len(data):
+    inflated = 0
+    if order is None:
+        return
+    try:
+        for kind, body in elements(memoryview(data)[128:], order, 1):
+            if kind != COMPRESSED:
+                check_matrix(kind, body, order)
+                continue
+            declared = 8 + struct.unpack(f"{order}II", zlib.decompressobj().decompress(body, 8))[1]
+            inflated += declared
+            check_size(inflated, TEXT, "what it holds, by the sizes of its compressed parts,")
+            for item in elements(memoryview(inflate(body, declared)), order):
+                check_matrix(*item, order)
+    except struct.error:
+        raise ParameterError("a part is damaged: it is cut") from None
+    except zlib.error as error:
+        raise ParameterError(f"a compressed part is damaged: {error}") from None
+
+
+def inflate(packed: memoryview, size: int) -> bytearray:
+    """What a compressed part holds, which is at most what it declares."""
+    stream, found = zlib.decompressobj(), bytearray()
+    for i in range(0, len(packed), 2**14):  # at most 17 MB at a time
+        found += stream.decompress(packed[i : i + 2**14])
+        if len(found) > size:
+            raise ParameterError(
+                f"a compressed part is damaged: it declares {size} bytes and has more"
+            )
+    if not stream.eof:
+        raise ParameterError("a compressed part is damaged: it is cut")
+    return found
+
+
+def elements(data: memoryview, order: str, align: int = 8) -> Iterator[tuple[int, memoryview]]:
+    """The elements that stand one after the other, each as its type and its content."""
+    at = 0
+    while at + 8 <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
-        if kind == COMPRESSED:
-            inflate = zlib.decompressobj()
-            rest = data[at + 8 : at + 8 + size]
-            try:
-                while rest and not inflate.eof:
-                    inflate.decompress(rest, 2**20)
-                    rest = inflate.unconsumed_tail
-                inflate.flush()
-            except zlib.error as error:
-                raise ParameterError(f"a compressed part is damaged: {error}") from None
-            if not inflate.eof:
-                raise ParameterError("a compressed part is damaged: it is cut")
-        at += 8 + size
+        if kind >> 16:  # a small one, with its size in the tag
+            yield kind & 0xFFFF, data[at + 4 : at + 4 + min(4, kind >> 16)]
+            at += 8
+            continue
+        body = data[at + 8 : at + 8 + size]
+        if len(body) < size:
+            raise ParameterError(f"a part is damaged: it declares {size} bytes and has {len(body)}")
+        yield kind, body
+        at += 8 + size + -size % align
+
+
+def check_matrix(kind: int, body: memoryview, order: str, depth: int = 0) -> None:
+    """Refuse a matrix that declares more entries than it can hold: scipy makes room for all of them first."""
+    if kind != MATRIX or not len(body):
+        return
+    if depth > DEEPEST:
+        raise ParameterError(f"its cells and structs are nested too deeply: at most {DEEPEST}")
+    parts = elements(body, order)
+    try:
+        (_, flags), (_, dims) = next(parts), next(parts)
+    except StopIteration:
+        raise ParameterError("a part is damaged: a matrix has no size") from None
+    of_class = struct.unpack_from(f"{order}I", flags)[0] & 0xFF
+    if of_class in UNSIZED:
+        return
+    count = math.prod(size for (size,) in struct.iter_unpack(f"{order}i", dims))
+    if not 0 <= count <= len(body):
+        raise ParameterError(f"a matrix declares {count} entries and has {len(body)} bytes")
+    for item in parts:
+        check_matrix(*item, order, depth + 1)
 
 
 def read_matlab(path: Path) -> str:

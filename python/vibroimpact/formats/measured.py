@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .. import checks, libraries
 from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..measured import SI, UNITS, SensorRecord
+from ..sizes import NUMBERS, check_file, check_size
 from ..units import positive
 from .matlab import check_parts, scipy_io
 
@@ -123,6 +124,7 @@ def read_record(
     if not place.is_file():
         raise ParameterError(f"{shown}: must be a file; there is none")
     try:
+        check_file(place)
         content = READERS[suffix](place)
         return assembled(content, place.name, rate, channels, units, bandwidth, scale)
     except MissingExtraError:
@@ -271,12 +273,18 @@ def read_csv(path: Path) -> Content:
     # the last line has no header, whose names may hold blanks
     separator = next((mark for mark in (";", "\t", ",") if mark in lines[-1]), None)
     one = separator is None and len(lines[-1].split()) == 1
-    cells = [[line] if one else line.split(separator) for line in lines]
-    rows = [[cell.strip().strip('"') for cell in row] for row in cells]
-    width = len(rows[0])
-    header = None if all(number(cell) is not None for cell in rows[0]) else rows.pop(0)
-    table = np.full((len(rows), width), math.nan)
-    for i, row in enumerate(rows):
+
+    def cells(line: str) -> list[str]:
+        """The values of a row."""
+        return [cell.strip().strip('"') for cell in ([line] if one else line.split(separator))]
+
+    first = cells(lines[0])
+    width = len(first)
+    header = None if all(number(cell) is not None for cell in first) else first
+    del lines[: header is not None]
+    check_size(len(lines) * width, NUMBERS * 8, "its table")
+    table = np.full((len(lines), width), math.nan)
+    for i, row in enumerate(map(cells, lines)):
         if len(row) != width:
             raise ParameterError(f"row {i + 1} with {len(row)} values: must have {width}")
         for j, cell in enumerate(row):
@@ -368,9 +376,16 @@ def of_variables(found: Mapping[str, Any]) -> Content:
 
 def read_netcdf(path: Path) -> Content:
     """Variables along one dimension, with the attribute `units`."""
-    from .netcdf import need_netcdf
+    from .netcdf import need, need_netcdf, unpacked
 
     need_netcdf()
+    h5py = need("h5py")
+    if h5py.is_hdf5(path):  # the older format is not packed
+        with h5py.File(path, "r") as data:
+            lists = [
+                item for item in data.values() if isinstance(item, h5py.Dataset) and item.ndim == 1
+            ]
+            check_size(sum(map(unpacked, lists)), NUMBERS, "its lists of numbers together")
     with libraries.xarray("netCDF files").open_dataset(path, decode_times=False) as data:
         channels, times = [], None
         for name, variable in data.variables.items():
@@ -436,10 +451,11 @@ def read_uff(path: Path) -> Content:
         raise MissingExtraError(
             "universal files (UFF) need pyuff: pip install 'vibroimpact[uff]'"
         ) from None
-    sets = pyuff.UFF(str(path)).read_sets()
+    file = pyuff.UFF(str(path))
+    sets = file.read_sets(np.flatnonzero(np.asarray(file.get_set_types()) == 58).tolist())
     channels, times = [], None
     for item in [sets] if isinstance(sets, dict) else sets:
-        if item.get("type") != 58 or item.get("func_type", 1) not in (0, 1):
+        if item.get("func_type", 1) not in (0, 1):
             continue
         name = str(item.get("id1") or "").strip()
         label = UFF_CODES.get(int(item.get("ordinate_spec_data_type", 0)))

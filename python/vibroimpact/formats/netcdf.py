@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from ..errors import MissingExtraError, ParameterError
 from ..files import write_bytes
 from ..libraries import xarray
+from ..sizes import TEXT, check_size
 
 #: Largest number of bytes to which one byte of deflated data can expand.
 DEFLATED = 1032
@@ -60,6 +62,12 @@ def save_dataset(data: Any, path: Path) -> None:
     write_bytes(path, content.getvalue())
 
 
+def unpacked(data: Any) -> int:
+    """Bytes that are needed to read a dataset of h5py: those of its values, and of a chunk, which can be larger."""
+    chunk = math.prod(data.chunks or (0,))
+    return int((data.size + chunk) * data.dtype.itemsize)
+
+
 def read_netcdf(path: Path) -> str:
     """The record of a file that `write_netcdf` wrote, as text.
 
@@ -79,6 +87,7 @@ def read_netcdf(path: Path) -> str:
                 raise ParameterError(
                     f"its record of {record.size} bytes is larger than a file of {size} bytes can hold"
                 )
+            check_size(unpacked(record), TEXT, "its record")
             return bytes(record[:].astype(np.uint8)).decode()
     except ParameterError:
         raise
