@@ -13,7 +13,7 @@ module vi_march
    implicit none (type, external)
    private
 
-   public :: march
+   public :: direction, march
 
    !> Cells after which a flight is left to `first_contact`, whose steps grow where a slow load
    !! alone moves the primary mass.

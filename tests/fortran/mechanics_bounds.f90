@@ -6,6 +6,7 @@ module mechanics_bounds
    use random_systems, only: pi
    use vi_bounce, only: bounce, falls, series
    use vi_flight, only: flight_type, new_flight
+   use vi_march, only: direction
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bound, derivatives
    use vi_transition, only: bounds_after, first_cell, idle_time, largest, moment_of, moment_type, &
@@ -39,6 +40,8 @@ contains
       call check_falls()
       call check_bounces()
       call check_idle()
+      call check_worst_gaps()
+      call check_worst_slopes()
    end subroutine test_bounds
 
    !> A random flight with a free part, a forced one, or both.
@@ -213,6 +216,108 @@ contains
       end do
       call check(proved > 800 .and. clear > 400, 'bounce: both were seen')
    end subroutine check_falls
+
+   !> The worst k that four Taylor coefficients and the bound on k'''' allow decides what `falls`
+   !! proves, where no coefficient but the first two is negative.
+   subroutine check_worst_gaps()
+      type(both_type) :: b
+      real(wp) :: k(0:8), end, rest, room(2)
+      integer :: i, proved
+
+      proved = 0
+      do i = 1, 2000
+         call draw_system(b)
+         end = draw_log(random, 0.02_wp, 5.0_wp)
+         ! k'''' is bounded by a fifth of the bound on x'''''
+         rest = 0.2_wp*derivative_bound(b%flight, 5, 0.0_wp)*end**3
+         ! how much k' and k at the end may grow beyond their cubics, over what the bound allows
+         room = [draw_log(random, 0.2_wp, 5.0_wp), draw_log(random, 0.2_wp, 5.0_wp)]
+         k = 0
+         k(2) = draw(random, 0.0_wp, 1.0_wp)*rest/end
+         k(3) = draw(random, 0.0_wp, 1.0_wp)*rest/end**2
+         k(1) = -(2*k(2)*end + 3*k(3)*end**2) - room(1)*rest/6
+         k(0) = -(k(1)*end + k(2)*end**2 + k(3)*end**3) - room(2)*rest*end/24
+         if (any(abs(room - 1) < 1e-8_wp)) cycle
+         call check(falls(b%m, k, end, b%s, b%c, b%x, b%x_dot) .eqv. all(room > 1), &
+            'bounce: the worst k decides')
+         if (all(room > 1)) proved = proved + 1
+      end do
+      call check(proved > 200, 'bounce: some are proved')
+   end subroutine check_worst_gaps
+
+   !> Where the cubic of x' in a cell is a constant, x' differs from it by its whole error. A
+   !! direction of z - x is given only where its slope has this sign throughout the cell, and is
+   !! given where the slope exceeds twice the bound on the error.
+   subroutine check_worst_slopes()
+      integer, parameter :: samples = 24
+      type(both_type) :: b
+      real(wp) :: differences(3, 4), level, error, bounds(0:2), slope, given, least, most, d(0:5), h
+      integer :: a, cell, i, j, size, wrong
+
+      wrong = 0
+      do i = 1, 2000
+         call new_transition(draw_log(random, 1e-4_wp, 0.9_wp), draw_log(random, 0.1_wp, 10.0_wp), &
+            1.0_wp, 0.0_wp, b%m)
+         size = draw_integer(random, 0, largest)
+         cell = draw_integer(random, 0, nodes/2**(size + 1) - 1)
+         a = cell*2**(size + 1)
+         associate (cubics => b%m%velocity(:, :, first_cell(size) + cell))
+            differences = cubics(2:, :) - cubics(:3, :)
+            call null_vector(differences, b%at)
+            level = dot_product(cubics(1, :), [b%at%free, b%at%free_dot, b%at%sine, b%at%cosine])
+         end associate
+         b%flight = new_flight(b%m%xi, b%m%r, hypot(b%at%sine, b%at%cosine), &
+            atan2(b%at%sine, b%at%cosine), b%at%free + b%at%sine, &
+            b%at%free_dot + b%m%r*b%at%cosine, 0.0_wp, 0.0_wp, 1.0_wp)
+         bounds = bounds_after(b%m, b%at)
+         error = bounds(2)*b%m%error(size)
+         ! below it rounding decides
+         if (error < 1e-12_wp*(abs(level) + bounds(0))) cycle
+         slope = draw_log(random, 1e-3_wp, 10.0_wp)*error
+         if (draw_integer(random, 0, 1) == 1) slope = -slope
+         b%at%z_dot = level + slope
+         h = 2**(size + 1)*b%m%h
+         least = huge(1.0_wp)
+         most = -huge(1.0_wp)
+         do j = 0, samples
+            d = derivatives(b%flight, a*b%m%h + j*h/samples)
+            least = min(least, b%at%z_dot - d(1))
+            most = max(most, b%at%z_dot - d(1))
+         end do
+         given = direction(b%m, b%at, a, size, bounds(2))
+         if (least < 0 .and. most > 0) then
+            wrong = wrong + 1
+            call check(.not. abs(given) > 0, 'march: no direction where the slope changes sign')
+         else
+            call check(given*slope >= 0, 'march: the sign of the slope')
+         end if
+         if (abs(slope) > 2*error) call check(abs(given) > 0, 'march: a clear direction')
+      end do
+      call check(wrong > 200, 'march: slopes that change sign were seen')
+   end subroutine check_worst_slopes
+
+   !> A state that three equations leave, scaled to 1: the minors of the matrix, with signs.
+   pure subroutine null_vector(equations, at)
+      real(wp), intent(in) :: equations(3, 4)
+      type(moment_type), intent(out) :: at
+      real(wp) :: v(4), rest(3, 3), scaled(3, 4)
+      integer :: i, j
+
+      do i = 1, 3
+         scaled(i, :) = equations(i, :)/maxval(abs(equations(i, :)))
+      end do
+      do j = 1, 4
+         rest = scaled(:, pack([1, 2, 3, 4], [1, 2, 3, 4] /= j))
+         v(j) = (-1)**j*(rest(1, 1)*(rest(2, 2)*rest(3, 3) - rest(2, 3)*rest(3, 2)) &
+            - rest(1, 2)*(rest(2, 1)*rest(3, 3) - rest(2, 3)*rest(3, 1)) &
+            + rest(1, 3)*(rest(2, 1)*rest(3, 2) - rest(2, 2)*rest(3, 1)))
+      end do
+      v = v/norm2(v)
+      at%free = v(1)
+      at%free_dot = v(2)
+      at%sine = v(3)
+      at%cosine = v(4)
+   end subroutine null_vector
 
    !> A short flight that is proved to return to its wall is found by its own series, to the last
    !! digits of its duration.

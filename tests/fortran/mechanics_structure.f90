@@ -18,6 +18,7 @@ contains
 
    subroutine test_structure()
       call test_restitution()
+      call test_restitution_at_rest()
       call test_flight(.false.)
       call test_flight(.true.)
    end subroutine test_structure
@@ -45,6 +46,34 @@ contains
          end do
       end do
    end subroutine test_restitution
+
+   !> The slope at v = 0 is the limit of difference quotients, which may be infinite.
+   subroutine test_restitution_at_rest()
+      real(wp), parameter :: exponents(5) = [0.5_wp, 0.9_wp, 1.0_wp, 1.5_wp, 2.0_wp]
+      real(wp) :: value, slope, near, unused, quotient(3), h, numbers(4)
+      type(restitution_type) :: law
+      integer :: i, j, k
+
+      do i = 0, 3
+         do j = 1, size(exponents)
+            numbers = [merge(0.0_wp, 0.8_wp, i == 1), 0.4_wp, merge(0.0_wp, 0.3_wp, i == 2), &
+               exponents(j)]
+            law = new_restitution(real(power_law, wp), numbers)
+            call restitution_at(law, 0.0_wp, value, slope)
+            call check_close(value, numbers(1), 0.0_wp, 'R at v = 0')
+            do k = 1, 3
+               h = 10.0_wp**(-3*k)
+               call restitution_at(law, h, near, unused)
+               quotient(k) = (near - value)/h
+            end do
+            if (abs(quotient(3)) > 1.5_wp*abs(quotient(2))) then
+               call check(slope <= -huge(1.0_wp), 'an infinite slope of R at v = 0')
+            else
+               call check_close(slope, quotient(3), 1.0e-4_wp, 'slope of R at v = 0')
+            end if
+         end do
+      end do
+   end subroutine test_restitution_at_rest
 
    !> Two successive flights are one flight; pairs and coordinates are inverse maps; the energy of
    !! an undamped structure is constant, and the map of the state has the determinant

@@ -14,6 +14,7 @@ module motions_orbit
       period_parts, set_orbit
    use vi_oscillator, only: gain, left, oscillator_type, right
    use vi_pattern, only: default_restitution
+   use vi_period_slope, only: add_period_slope
    use vi_periodic, only: linear_system_type
    use vi_stability, only: stability_matrix
    use vi_status, only: stat
@@ -28,6 +29,7 @@ contains
 
    subroutine test_orbits()
       call test_anywhere()
+      call test_map_anywhere()
       call test_exact_motions()
       call test_half_period()
    end subroutine test_orbits
@@ -87,6 +89,50 @@ contains
          call check_newton_equations(family, unknowns, c, whole_unknowns(family, unknowns))
       end do
    end subroutine test_anywhere
+
+   !> The gradient of a weighted sum of the entries of the period's map, by the unknowns and by
+   !! every parameter, against differences of the fourth order.
+   subroutine test_map_anywhere()
+      real(wp), parameter :: h = 3.0e-5_wp, factors(-2:2) = [1, -8, 0, 8, -1]/(12*h)
+      type(family_type) :: family
+      type(orbit_type) :: o
+      real(wp), allocatable :: unknowns(:), all(:), moved(:), slope(:)
+      real(wp) :: c(n_parameters), weights(16), p(4, 4), parts(4, 4, most_impacts), difference
+      integer :: examined, i, j, k, n
+      logical :: regular
+
+      examined = 0
+      do i = 1, 1500
+         call random_member(random, family, unknowns, c)
+         call set_orbit(family, unknowns, c, o)
+         ! [P] grows like 1 over an approach speed
+         if (any(abs(o%speed(1:o%n) - o%before(2:o%n + 1)) < 0.3_wp)) cycle
+         call period_parts(o, parts, p, regular)
+         if (.not. regular .or. maxval(abs(p)) > 1.0e2_wp) cycle
+         examined = examined + 1
+         call fill(random, -1.0_wp, 1.0_wp, weights)
+         n = size(unknowns)
+         if (allocated(all)) deallocate (all, slope)
+         allocate (all, source=[unknowns, c])
+         allocate (slope(size(all)), source=0.0_wp)
+         o%varied = n_parameters
+         call add_period_slope(o, parts, reshape(weights, [4, 4]), slope)
+         do j = 1, size(all)
+            difference = 0
+            do k = -2, 2
+               if (k == 0) cycle
+               moved = all
+               moved(j) = all(j) + k*h
+               call set_orbit(family, moved(:n), moved(n + 1:), o)
+               call period_parts(o, parts, p, regular)
+               difference = difference + factors(k)*dot_product(weights, reshape(p, [16]))
+            end do
+            call check_close(slope(j), difference, 1.0e-7_wp*max(1.0_wp, maxval(abs(slope)), &
+               maxval(abs(p))), 'orbit: a slope of the map')
+         end do
+      end do
+      call check(examined > 300, 'orbit: slopes of maps are examined')
+   end subroutine test_map_anywhere
 
    !> By the unknowns and by every parameter, against differences of the fourth order.
    subroutine check_derivatives(family, unknowns, c)

@@ -5,8 +5,11 @@ module studies_structures
    use random_numbers, only: draw, draw_integer, draw_log, random_type
    use vi_kinds, only: wp
    use vi_motion, only: yes
+   use vi_responses, only: offset_pairs
    use vi_status, only: stat
-   use vi_structure, only: load_type, new_load, new_structure, structure_type
+   use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
+      regime_type, structure_type
+   use vi_structure_exact, only: solve_structure_exact
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
    use vi_structure_return, only: settle, settled_type
    use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
@@ -25,6 +28,7 @@ contains
       call test_coupled_damping()
       call test_rest()
       call test_recognised()
+      call test_newton_step()
    end subroutine test_structures
 
    !> The third column of Table 1 of the 1983 paper, by its two masses: the same motion three ways.
@@ -102,6 +106,43 @@ contains
          call check(moduli(1) < 1 .and. found%motion%verdicts%stable == yes, 'it is stable')
       end associate
    end subroutine test_rest
+
+   !> A step of Newton's method from a poor guess shortens no flight to less than half of it, and
+   !! one that would do so shortens some flight to just a half.
+   subroutine test_newton_step()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(regime_type) :: regime
+      type(load_type) :: load
+      real(wp) :: times(2), before(2), flights(2), speeds(2), period, residual, least
+      real(wp), allocatable :: offsets(:)
+      integer :: halved, i, status, steps
+
+      call oscillator([0.75_wp, 0.61_wp], 0.042_wp, 0.05_wp, 6.0_wp, structure)
+      load = sine_load(0.94_wp)
+      call check_structure(structure, status)
+      call new_regime(structure, load, [integer ::], regime, status)
+      call check(status == stat%ok, 'newton: a structure')
+      allocate (offsets(size(offset_pairs(regime))))
+      period = 2*pi/load%frequency
+      halved = 0
+      do i = 1, 300
+         before(1) = draw(random, 0.0_wp, 0.4_wp*period)
+         before(2) = before(1) + draw(random, 0.1_wp, 0.9_wp)*period
+         times = before
+         offsets = 0
+         speeds = [draw_log(random, 0.01_wp, 10.0_wp), draw_log(random, 0.01_wp, 10.0_wp)]
+         call solve_structure_exact(structure, regime, [1, 2], times, period, speeds, offsets, 0, &
+            residual, steps, status)
+         if (status /= stat%no_convergence) cycle
+         flights = [times(2) - times(1), times(1) + period - times(2)] &
+            /[before(2) - before(1), before(1) + period - before(2)]
+         least = minval(flights)
+         call check(least > 0.5_wp - 1.0e-12_wp, 'newton: no flight is shorter than half of it')
+         if (least < 0.5_wp + 1.0e-12_wp) halved = halved + 1
+      end do
+      call check(halved > 50, 'newton: some flights are halved')
+   end subroutine test_newton_step
 
    !> The oscillator of 1983 in any units: its own procedures and those for any structure find the
    !! same events, as long as a change of the initial state does not grow to ten times its size.

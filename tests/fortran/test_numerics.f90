@@ -2,11 +2,12 @@
 program test_numerics
    use, intrinsic :: iso_fortran_env, only: real32
    use checks, only: check, check_close, finish
-   use random_numbers, only: draw, draw_integer, fill, random_type
+   use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
    use random_systems, only: determinant, misfit
    use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
+   use vi_lane_rows, only: mark_doubts
    use vi_linear, only: eliminate, most
    use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
@@ -28,6 +29,7 @@ program test_numerics
    call test_drivers()
    call test_unit_circle()
    call test_between_nodes()
+   call test_worst_quartics()
    call test_spacing()
    call test_status()
    call finish()
@@ -90,6 +92,52 @@ contains
       end do
       call check(locate_spectrum(a) == near_circle, 'on the circle it cannot tell')
    end subroutine test_unit_circle
+
+   !> No function is certain to stay below a level that the worst one with its values and slopes,
+   !! a quartic, exceeds between two nodes.
+   subroutine test_worst_quartics()
+      integer, parameter :: fine = 50
+      real(wp), dimension(1) :: y, rate, y_next, rate_next, bound, reserve, upper, lower, above, &
+         below
+      real(wp) :: b(4), h, s, dip, largest, level, far
+      integer :: i, j
+
+      far = 1.0e3_wp
+      do i = 1, 20000
+         h = draw_log(random, 0.1_wp, 10.0_wp)
+         call fill(random, -1.5_wp, 0.5_wp, b)
+         ! the bound for which the quartic lies above the cubic by s^2 (1 - s)^2
+         bound = 24/h**4
+         dip = sag(bound(1), h)
+         largest = -far
+         do j = 0, fine
+            s = real(j, wp)/fine
+            largest = max(largest, (1 - s)**3*b(1) + 3*s*(1 - s)**2*b(2) + 3*s**2*(1 - s)*b(3) &
+               + s**3*b(4) + (s*(1 - s))**2)
+         end do
+         y = b(1)
+         rate = 3*(b(2) - b(1))/h
+         y_next = b(4)
+         rate_next = 3*(b(4) - b(3))/h
+         reserve = draw_log(random, 1e-3_wp, 1.0_wp)
+         level = largest - 1e-9_wp
+         upper = level + reserve
+         lower = -far
+         call mark_doubts(1, h, y, rate, y_next, rate_next, bound, reserve, upper, lower, above, &
+            below)
+         call check(above(1) > 0 .and. .not. below(1) > 0, 'cells: a limit that is exceeded')
+         call mark_doubts(1, h, -y, -rate, -y_next, -rate_next, bound, reserve, -lower, -upper, &
+            above, below)
+         call check(below(1) > 0 .and. .not. above(1) > 0, 'cells: and a lower one')
+         ! what is far enough above all coefficients is certain
+         upper = max(maxval(b), 0.5_wp*(b(2) + b(3)) + dip) + reserve + 1e-9_wp
+         call mark_doubts(1, h, y, rate, y_next, rate_next, bound, reserve, upper, lower, above, &
+            below)
+         call check(.not. above(1) > 0, 'cells: a limit that is clearly not exceeded')
+         call check(.not. stays_within(far + level, far + [y, y_next], h*[rate, rate_next], dip), &
+            'between nodes: a level that is exceeded')
+      end do
+   end subroutine test_worst_quartics
 
    !> Bounds certified between nodes hold on a fine grid, and clear cases are certified.
    subroutine test_between_nodes()

@@ -1,6 +1,7 @@
 """Every periodic motion at a point: motions that must be listed, no duplicates, and the summary of the search."""
 
 import dataclasses
+import itertools
 import math
 import os
 import re
@@ -320,6 +321,39 @@ def test_progress_is_told():
     assert 0 < shares[0] <= shares[-1] <= 1
     assert {"RL/1", "RRL/1"} <= {what for _, what in message}
     assert list(map(repr, motions)) == list(map(repr, vi.find(osc, 0.94, 37.0, **limits)))
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_every_pattern_has_its_share_of_the_progress(alike):
+    """All orders of impacts, up to rotation and exchange of like walls, by the square of their length."""
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.75 if alike else 0.6))
+    told = []
+    vi.find(
+        osc,
+        0.94,
+        37.0,
+        5,
+        2,
+        guesses=1,
+        states=0,
+        releases=0,
+        progress=lambda *what: told.append(what),
+    )
+
+    def same(sides):
+        """Return one name for all orders that count as one."""
+        images = [sides, sides.translate(str.maketrans("RL", "LR"))][: 1 + alike]
+        return max(image[i:] + image[:i] for image in images for i in range(len(sides)))
+
+    orders = [order for n in range(2, 6) for order in itertools.product("RL", repeat=n)]
+    wanted = {(same("".join(o)), k) for o in orders for k in (1, 2) if len(set(o)) == 2}
+    patterns = [(what.split("/"), share) for share, what in told if what != "simulations"]
+    assert len(patterns) == len(wanted)
+    assert {(same(sides), int(cycles)) for (sides, cycles), _ in patterns} == wanted
+    done = np.cumsum([len(sides) ** 2 for (sides, _), _ in patterns])
+    assert np.allclose(
+        [share for _, share in patterns], done / done[-1] * patterns[-1][1], rtol=1e-12
+    )
 
 
 def test_little_work_is_done_without_threads(monkeypatch):
