@@ -258,7 +258,8 @@ def test_impacts_at_one_instant(damping, kind):
     assert run.gradient().status == {}
     phases = motion.gradient()["phases", "opening_0"]
     moved = []
-    for h in (-1e-6, 1e-6):  # small: second derivatives differ between the two orders, so the error is O(h)
+    # small: second derivatives differ between the two orders, so the error is O(h)
+    for h in (-1e-6, 1e-6):
         gaps = [vi.Gap([1, 0], 0.5 + h, 0.7), structure.gaps[1]]
         other = vi.Structure(structure.mass, structure.damping, joined, gaps)
         order = [0, 1] if h < 0 else [1, 0]  # the narrower gap is struck first
