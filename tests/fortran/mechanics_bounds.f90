@@ -292,9 +292,41 @@ contains
             call check(given*slope >= 0, 'march: the sign of the slope')
          end if
          if (abs(slope) > 2*error) call check(abs(given) > 0, 'march: a clear direction')
+         call check_ratio(b, a, size)
       end do
       call check(wrong > 200, 'march: slopes that change sign were seen')
    end subroutine check_worst_slopes
+
+   !> A direction is given only where the slope of z - x does not fall below an eighth of its
+   !! maximum within the cell.
+   subroutine check_ratio(b, a, size)
+      type(both_type), intent(inout) :: b
+      integer, intent(in) :: a, size
+      integer, parameter :: samples = 24
+      real(wp) :: bounds(0:2), slopes(0:samples), d(0:5), h, given
+      integer :: j
+
+      b%at%free = draw(random, -1.0_wp, 1.0_wp)
+      b%at%free_dot = draw(random, -1.0_wp, 1.0_wp)
+      b%at%sine = draw(random, -1.0_wp, 1.0_wp)
+      b%at%cosine = draw(random, -1.0_wp, 1.0_wp)
+      b%flight = new_flight(b%m%xi, b%m%r, hypot(b%at%sine, b%at%cosine), &
+         atan2(b%at%sine, b%at%cosine), b%at%free + b%at%sine, &
+         b%at%free_dot + b%m%r*b%at%cosine, 0.0_wp, 0.0_wp, 1.0_wp)
+      bounds = bounds_after(b%m, b%at)
+      h = 2**(size + 1)*b%m%h
+      do j = 0, samples
+         d = derivatives(b%flight, a*b%m%h + j*h/samples)
+         slopes(j) = d(1)
+      end do
+      ! the least slope is zero, or some share of the greatest one
+      b%at%z_dot = minval(slopes) - draw(random, -0.2_wp, 0.3_wp)*(maxval(slopes) - minval(slopes))
+      if (draw_integer(random, 0, 1) == 1) b%at%z_dot = maxval(slopes) + minval(slopes) - b%at%z_dot
+      slopes = b%at%z_dot - slopes
+      given = direction(b%m, b%at, a, size, bounds(2))
+      if (abs(given) > 0) call check(minval(given*slopes) > maxval(given*slopes)/8 &
+         - 1e-12_wp*bounds(0), 'march: no slope is much smaller than another one')
+   end subroutine check_ratio
 
    !> A state that three equations leave, scaled to 1: the minors of the matrix, with signs.
    pure subroutine null_vector(equations, at)

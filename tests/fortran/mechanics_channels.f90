@@ -6,7 +6,7 @@ module mechanics_channels
    use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
       reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_lane_rows, only: advance_pairs
+   use vi_lane_rows, only: advance_pairs, sizes_of_pairs
    use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs
    use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare
    use vi_processor, only: runs_wide
@@ -28,6 +28,9 @@ contains
       integer :: i
 
       call test_tolerated()
+      do i = 1, 300
+         call check_sizes()
+      end do
       do i = 1, 300
          call test_pair()
          call check_advance()
@@ -129,6 +132,69 @@ contains
       call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: the same bits')
    end subroutine check_advance
+
+   !> Sums of squares of bounds on pairs: of no force, and of a free mass with forces, they bound
+   !! what the pairs reach; signs do not matter, and many pairs have the sum of each.
+   subroutine check_sizes()
+      type(modes_type) :: modes
+      real(wp), allocatable, dimension(:) :: x, v, x_now, v_now, sign_of
+      real(wp) :: duration, sums(2), other(2), one(2), total(2)
+      integer :: i, k, n
+      logical :: driven
+
+      n = draw_integer(random, 1, 70)
+      allocate (modes%stiffness(n), modes%damping(n), modes%drift(n), modes%force(n), x(n), v(n))
+      allocate (x_now(n), v_now(n), sign_of(n))
+      driven = draw_integer(random, 0, 1) == 1
+      do k = 1, n
+         modes%stiffness(k) = merge(0.0_wp, draw_log(random, 1e-2_wp, 1e2_wp), driven)
+         modes%damping(k) = draw(random, 0.0_wp, 1.1_wp)*sqrt(modes%stiffness(k))
+         modes%force(k) = merge(draw(random, -1.0_wp, 1.0_wp), 0.0_wp, driven)
+         modes%drift(k) = merge(draw(random, -1.0_wp, 1.0_wp), 0.0_wp, driven)
+         x(k) = draw(random, -1.0_wp, 1.0_wp)
+         v(k) = draw(random, -1.0_wp, 1.0_wp)
+         sign_of(k) = 2*draw_integer(random, 0, 1) - 1
+      end do
+      call prepare(modes, driven)
+      if (driven) then
+         do k = 1, n
+            modes%force_rate(k) = draw(random, -1.0_wp, 1.0_wp)
+            modes%drift_rate(k) = draw(random, -1.0_wp, 1.0_wp)
+         end do
+      end if
+      duration = draw_log(random, 1e-2_wp, 1e2_wp)
+      call sizes(1, n, sums)
+      do i = 0, 20
+         call advance(modes, i*duration/20, x, v, x_now, v_now)
+         call check(all([sum(x_now**2), sum(v_now**2)] <= sums*(1 + 1e-12_wp)), &
+            'sizes: bounds on all pairs')
+      end do
+      total = 0
+      do k = 1, n
+         call sizes(k, k, one)
+         total = total + one
+      end do
+      call check(all(abs(total - sums) <= 1e-13_wp*sums), 'sizes: the sum of each')
+      modes%force = sign_of*modes%force
+      modes%force_rate = sign_of(n:1:-1)*modes%force_rate
+      modes%drift = sign_of*modes%drift
+      modes%drift_rate = sign_of(n:1:-1)*modes%drift_rate
+      x = -x
+      v = sign_of*v
+      call sizes(1, n, other)
+      call check(.not. any(abs(other - sums) > 0), 'sizes: of either sign')
+   contains
+      !> Both sums for some of the pairs.
+      subroutine sizes(first, last, of)
+         integer, intent(in) :: first, last
+         real(wp), intent(out) :: of(2)
+
+         call sizes_of_pairs(last - first + 1, duration, modes%stiffness(first:last), &
+            modes%damping(first:last), modes%inverse(first:last), modes%drift(first:last), &
+            modes%drift_rate(first:last), modes%force(first:last), modes%force_rate(first:last), &
+            x(first:last), v(first:last), of(1), of(2))
+      end subroutine sizes
+   end subroutine check_sizes
 
    !> A chain of two masses with gaps, under some harmonics; the state of its pairs.
    subroutine draw_chain(harmonics, state, most_damped, regime, x, v, phase)

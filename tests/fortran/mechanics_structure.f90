@@ -4,7 +4,8 @@ module mechanics_structure
    use random_numbers, only: draw, random_type
    use random_systems, only: determinant
    use vi_kinds, only: wp
-   use vi_modes, only: advance
+   use vi_lapack, only: eigenvalues
+   use vi_modes, only: advance, step_functions
    use vi_restitution, only: new_restitution, power_law, restitution_at, restitution_type, table_law
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
@@ -21,6 +22,8 @@ contains
       call test_restitution_at_rest()
       call test_flight(.false.)
       call test_flight(.true.)
+      call test_coinciding()
+      call test_responses()
    end subroutine test_structure
 
    !> Values in [0, 1], and slopes by differences.
@@ -142,5 +145,111 @@ contains
             + 0.5_wp*dot_product(q, matmul(matrices(:, :, 3), q))
       end function energy
    end subroutine test_flight
+
+   !> Two real eigenvalues that meet as damping grows, with their eigenvectors: a flight near there
+   !! against the exponential of the matrix.
+   subroutine test_coinciding()
+      integer, parameter :: n = 2
+      real(wp), parameter :: offsets(9) = [-1.0e-3_wp, -1.0e-6_wp, -1.0e-9_wp, -1.0e-12_wp, &
+         0.0_wp, 1.0e-12_wp, 1.0e-9_wp, 1.0e-6_wp, 1.0e-3_wp], time = 1.3_wp
+      type(structure_type) :: structure
+      type(regime_type) :: regime
+      complex(wp) :: lambda(2*n)
+      real(wp) :: matrices(n, n, 3), a(2*n, 2*n), unit(n, n), range(2), middle, error, &
+         map(2*n, 2*n), state(2*n), x(n), v(n), x_now(n), v_now(n)
+      integer :: i, k, status
+
+      unit = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [n, n])
+      range = [0.1_wp, 3.0_wp]
+      do i = 1, 60
+         middle = 0.5_wp*sum(range)
+         call set_matrices(middle)
+         call eigenvalues(a, lambda, status)
+         range(merge(1, 2, all(abs(lambda%im) > 0))) = middle
+      end do
+      do k = 1, size(offsets)
+         call set_matrices(range(1)*(1 + offsets(k)))
+         structure = new_structure(matrices, reshape([1.0_wp, -1.0_wp], [n, 1]), &
+            reshape([1.0_wp, 0.5_wp], [2, 1]))
+         call check_structure(structure, status)
+         call new_regime(structure, new_load(0.0_wp, reshape([real(wp) ::], [n, 2, 0]), &
+            [0.0_wp, 0.0_wp]), [integer ::], regime, status)
+         call check(status == stat%ok, 'coinciding eigenvalues')
+         do i = 1, 2*n
+            state = 0
+            state(i) = 1
+            call to_pairs(regime, 0.0_wp, state(:n), state(n + 1:), x, v)
+            call advance(regime%modes, time, x, v, x_now, v_now)
+            call state_of(regime, 0.0_wp, x_now, v_now, map(:n, i), map(n + 1:, i))
+         end do
+         error = maxval(abs(map - exponential(a, time)))
+         call check_close(error, 0.0_wp, 1.0e-9_wp, 'a flight with coinciding eigenvalues')
+      end do
+   contains
+      !> M, C, K and the matrix of the first-order system for a size of the damping.
+      subroutine set_matrices(c)
+         real(wp), intent(in) :: c
+
+         matrices(:, :, 1) = unit
+         matrices(:, :, 2) = c*reshape([2.0_wp, 0.6_wp, 0.6_wp, 0.8_wp], [n, n])
+         matrices(:, :, 3) = reshape([2.0_wp, -0.5_wp, -0.5_wp, 1.0_wp], [n, n])
+         a = 0
+         a(:n, n + 1:) = unit
+         a(n + 1:, :n) = -matrices(:, :, 3)
+         a(n + 1:, n + 1:) = -matrices(:, :, 2)
+      end subroutine set_matrices
+   end subroutine test_coinciding
+
+   !> exp(a t): the Taylor series for a short time, squared ten times.
+   pure function exponential(a, t) result(e)
+      real(wp), intent(in) :: a(:, :), t
+      real(wp) :: e(size(a, 1), size(a, 1)), term(size(a, 1), size(a, 1))
+      integer :: i
+
+      e = 0
+      do i = 1, size(a, 1)
+         e(i, i) = 1
+      end do
+      term = e
+      do i = 1, 12
+         term = matmul(term, a)*(t/1024/i)
+         e = e + term
+      end do
+      do i = 1, 10
+         e = matmul(e, e)
+      end do
+   end function exponential
+
+   !> Responses of a pair to a unit state, a constant and a growing force, against the exponential
+   !! of the matrix: undamped, damped, critical, over-damped, and without stiffness.
+   subroutine test_responses()
+      ! frequencies, and decay rates
+      real(wp), parameter :: pairs(2, 9) = reshape([1.0_wp, 0.0_wp, 1.0_wp, 0.1_wp, 1.0_wp, &
+         0.999999_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.000001_wp, 1.0_wp, 1.5_wp, 1.0_wp, 6.0_wp, 0.0_wp, &
+         0.7_wp, 0.0_wp, 0.0_wp], [2, 9])
+      real(wp) :: a(4, 4), e(4, 4), u, w, s2, s3, omega, sigma, t
+      integer :: i, j
+
+      a = 0
+      a(1, 2) = 1
+      a(2, 3) = 1
+      a(3, 4) = 1
+      do i = 1, size(pairs, 2)
+         omega = pairs(1, i)
+         sigma = pairs(2, i)
+         do j = 1, 40
+            t = min(0.05_wp*1.2_wp**j, 60/(1 + sigma))
+            a(2, 1) = -omega**2
+            a(2, 2) = -2*sigma
+            call step_functions(omega**2, sigma, t, u, w, s2, s3)
+            ! x, v, and a force that grows from 0
+            e = exponential(a, t)
+            call check_close(u, e(1, 1), 1.0e-11_wp*(1 + t), 'responses: of x')
+            call check_close(w, e(1, 2), 1.0e-11_wp*(1 + t), 'responses: of v')
+            call check_close(s2, e(1, 3), 1.0e-11_wp*(1 + t**2), 'responses: to a force')
+            call check_close(s3, e(1, 4), 1.0e-11_wp*(1 + t**3), 'responses: to a growing force')
+         end do
+      end do
+   end subroutine test_responses
 
 end module mechanics_structure

@@ -4,10 +4,11 @@ program test_numerics
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
    use random_systems, only: determinant, misfit
+   use vi_advance, only: safe_step
    use vi_bernstein, only: sag, stays_within
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
-   use vi_lane_rows, only: mark_doubts
+   use vi_lane_rows, only: add_product, add_products, mark_doubts
    use vi_linear, only: eliminate, most
    use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
@@ -30,6 +31,9 @@ program test_numerics
    call test_unit_circle()
    call test_between_nodes()
    call test_worst_quartics()
+   call test_products()
+   call test_units()
+   call test_huge_matrices()
    call test_spacing()
    call test_status()
    call finish()
@@ -92,6 +96,70 @@ contains
       end do
       call check(locate_spectrum(a) == near_circle, 'on the circle it cannot tell')
    end subroutine test_unit_circle
+
+   !> Products of matrices of every shape, with numbers beyond the ends that must not be used.
+   subroutine test_products()
+      real(wp) :: a(40*40), x(60), v(60), y(50), z(50), wanted(50, 2)
+      integer :: i, m, n
+
+      do i = 1, 400
+         n = draw_integer(random, 1, 40)
+         m = draw_integer(random, 1, 40)
+         a = 1e100_wp
+         x = 1e100_wp
+         v = 1e100_wp
+         call fill(random, -1.0_wp, 1.0_wp, a(:n*m))
+         call fill(random, -1.0_wp, 1.0_wp, x(:m))
+         call fill(random, -1.0_wp, 1.0_wp, v(:m))
+         call fill(random, -1.0_wp, 1.0_wp, y)
+         call fill(random, -1.0_wp, 1.0_wp, z)
+         wanted(:, 1) = y
+         wanted(:, 2) = z
+         wanted(:n, 1) = y(:n) + matmul(reshape(a(:n*m), [n, m]), x(:m))
+         wanted(:n, 2) = z(:n) + matmul(reshape(a(:n*m), [n, m]), v(:m))
+         call add_products(n, m, a, x, v, y, z)
+         call check_close(maxval(abs(y - wanted(:, 1))), 0.0_wp, 1e-13_wp, 'products: the first')
+         call check_close(maxval(abs(z - wanted(:, 2))), 0.0_wp, 1e-13_wp, 'products: the second')
+         y(:n) = wanted(:n, 2)
+         call add_product(n, m, a, v, y)
+         wanted(:n, 2) = wanted(:n, 2) + matmul(reshape(a(:n*m), [n, m]), v(:m))
+         call check_close(maxval(abs(y(:n) - wanted(:n, 2))), 0.0_wp, 1e-13_wp, 'products: one')
+      end do
+   end subroutine test_products
+
+   !> A step to a zero does not depend on the unit of the function, however large or small.
+   subroutine test_units()
+      real(wp) :: numbers(5), step, other, unit
+      integer :: i
+
+      do i = 1, 2000
+         call fill(random, -1.0_wp, 1.0_wp, numbers)
+         numbers([1, 5]) = abs(numbers([1, 5]))
+         if (mod(i, 2) == 0) numbers([1, 3]) = numbers([1, 3])*1e-3_wp
+         unit = 2.0_wp**draw_integer(random, -300, 1000)
+         step = safe_step(numbers(1), numbers(2), numbers(3), numbers(4), numbers(5), 2.0_wp)
+         other = safe_step(unit*numbers(1), unit*numbers(2), unit*numbers(3), unit*numbers(4), &
+            unit*numbers(5), 2.0_wp)
+         call check_close(other, step, 8*epsilon(1.0_wp)*step, 'steps: of any unit')
+      end do
+   end subroutine test_units
+
+   !> A matrix whose trace exceeds 4 has an eigenvalue outside the circle, whatever its sign.
+   subroutine test_huge_matrices()
+      real(wp) :: a(4, 4), factor
+      integer :: i, j
+
+      do i = 1, 500
+         do j = 1, 4
+            call fill(random, -1.0_wp, 1.0_wp, a(:, j))
+         end do
+         if (abs(a(1, 1) + a(2, 2) + a(3, 3) + a(4, 4)) < 0.1_wp) cycle
+         ! up to there the trace is accurate enough
+         factor = draw_log(random, 1e2_wp, 0.99e8_wp)
+         call check(locate_spectrum(factor*a) == some_outside .and. &
+            locate_spectrum(-factor*a) == some_outside, 'outside the circle by the trace')
+      end do
+   end subroutine test_huge_matrices
 
    !> No function is certain to stay below a level that the worst one with its values and slopes,
    !! a quartic, exceeds between two nodes.
