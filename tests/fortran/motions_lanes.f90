@@ -97,7 +97,7 @@ contains
    subroutine test_spectra()
       real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), terms(lanes), least(lanes), &
          radius(lanes), &
-         slope(lanes), doubt(lanes), one(4, 4), scale, noise
+         slope(lanes), doubt(lanes), one(4, 4), e_twice(lanes, 4), twice(lanes, 2), scale, noise
       complex(wp) :: lambda(4)
       integer :: i, j, k, l, status, given
 
@@ -114,6 +114,12 @@ contains
          call lane_polynomial(p, e, largest, terms)
          call lane_circle(e, largest, least, doubt)
          call lane_radius(e, radius, slope)
+         ! all terms of a coefficient have the same degree
+         call lane_polynomial(2*p, e_twice, twice(:, 1), twice(:, 2))
+         call check(.not. any(abs(twice(:, 1) - 2*largest) > 0 &
+            .or. abs(twice(:, 2) - 16*terms) > 0 .or. maxval(abs(e_twice - e*spread([2, 4, 8, 16], 1, lanes)), 2) > 0), &
+            'lanes: a matrix twice as large')
+         call check(all(abs(e(:, 4)) <= terms*(1 + 1e-14_wp)), 'lanes: terms of the determinant')
          do l = 1, lanes
             one = p(l, :, :)
             call check_close(maxval(abs(e(l, :) - characteristic(one))), 0.0_wp, &
@@ -128,6 +134,12 @@ contains
             call check_close(radius(l), maxval(abs(lambda)), &
                100*(1 + noise)*epsilon(1.0_wp)*radius(l), &
                'lanes: radius')
+            ! the polynomial's derivative at a zero is the product of the distances to the others
+            j = maxloc(abs(lambda), 1)
+            if (count(abs(lambda) > (1 - 1e-6_wp)*abs(lambda(j))) > merge(2, 1, &
+               abs(lambda(j)%im) > 0)) cycle
+            call check_close(slope(l), product(abs(lambda(j) - lambda), [(i /= j, i=1, 4)]), &
+               1.0e-6_wp*slope(l) + 1.0e-12_wp*radius(l)**3, 'lanes: slope at the radius')
          end do
       end do
       call check(given > 20000, 'lanes: most radii are given')
@@ -186,9 +198,10 @@ contains
          terms(lanes), &
          residual(lanes), quality(lanes), radius(lanes, 2), unit(4), error, parts(4, 4, n), sums(4)
       complex(wp) :: lambda(4)
-      integer :: i, j, l, status, verdicts(lanes, 2, 2)
+      integer :: decided, i, j, l, status, verdicts(lanes, 2, 2)
       logical :: regular
 
+      decided = 0
       do i = 1, 300
          call random_motion(random, n, motion)
          plan = new_plan(motion%osc, motion%pattern, motion%restitution, 0.03_wp)
@@ -227,6 +240,7 @@ contains
             verdicts(:, 1, 1), verdicts(:, 2, 1), radius(:, 1))
          call check(all(verdicts(:, :, 1) >= unsure .and. verdicts(:, :, 1) <= 1), &
             'lanes: verdicts are yes, no or unsure')
+         decided = decided + count(verdicts(:, 2, 1) /= unsure)
          ! two impacts have as many unknowns as equations: they are consistent to any accuracy
          plan%acceptance = 0
          call lane_verdicts(plan, n, 2*n, r, phases, .false., system, x, flight, &
@@ -243,6 +257,7 @@ contains
          call check(all(transfer(radius(:, 1), [0]) == transfer(radius(:, 2), [0])), &
             'lanes: the same bits')
       end do
+      call check(decided > 0.75_wp*300*lanes, 'lanes: most are stable or unstable')
    end subroutine test_maps
 
 end module motions_lanes
