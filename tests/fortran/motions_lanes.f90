@@ -117,7 +117,8 @@ contains
          ! all terms of a coefficient have the same degree
          call lane_polynomial(2*p, e_twice, twice(:, 1), twice(:, 2))
          call check(.not. any(abs(twice(:, 1) - 2*largest) > 0 &
-            .or. abs(twice(:, 2) - 16*terms) > 0 .or. maxval(abs(e_twice - e*spread([2, 4, 8, 16], 1, lanes)), 2) > 0), &
+            .or. abs(twice(:, 2) - 16*terms) > 0 &
+            .or. maxval(abs(e_twice - e*spread([2, 4, 8, 16], 1, lanes)), 2) > 0), &
             'lanes: a matrix twice as large')
          call check(all(abs(e(:, 4)) <= terms*(1 + 1e-14_wp)), 'lanes: terms of the determinant')
          do l = 1, lanes
