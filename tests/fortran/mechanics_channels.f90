@@ -2,12 +2,15 @@
 !! that they bound, and the search that rests on them against dense samples.
 module mechanics_channels
    use checks, only: check, check_close
-   use random_numbers, only: draw, draw_integer, draw_log, random_type
+   use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
    use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
       reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_lane_rows, only: advance_pairs, sizes_of_pairs
-   use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs
+   use vi_lane_rows, only: add_derivatives, advance_pairs, bound_pairs, side_by_side, &
+      sizes_of_pairs, step_pairs
+   use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
+      advance_pairs_wide => advance_pairs, bound_pairs_wide => bound_pairs, &
+      sizes_of_pairs_wide => sizes_of_pairs, step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare
    use vi_processor, only: runs_wide
    use vi_series, only: order, tolerated
@@ -34,6 +37,7 @@ contains
       do i = 1, 300
          call test_pair()
          call check_advance()
+         call check_registers()
          if (mod(i, 2) == 0) call check_rows(mod(i/2, 3))
       end do
       do i = 1, 300
@@ -132,6 +136,74 @@ contains
       call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: the same bits')
    end subroutine check_advance
+
+   !> All other procedures for pairs have the same bits in wide registers; their sums are those of
+   !! the derivatives, taken in any order.
+   subroutine check_registers()
+      real(wp), allocatable :: pair(:, :), map(:, :), x(:, :), v(:, :)
+      real(wp) :: duration, sums(2, 2), total(0:4, 2), exact(4), most(4)
+      integer :: i, k, n
+
+      if (runs_wide() == 0) return
+      n = side_by_side*draw_integer(random, 1, 9)
+      allocate (pair(n, 9), map(n, 6), x(n, 2), v(n, 2))
+      do k = 1, n
+         pair(k, 1) = merge(0.0_wp, draw_log(random, 1e-3_wp, 1e3_wp), &
+            draw_integer(random, 1, 4) == 1)
+         pair(k, 2) = draw(random, 0.0_wp, 1.1_wp)*sqrt(pair(k, 1))
+         pair(k, 3) = merge(1/sqrt(max(pair(k, 1), tiny(duration))), 0.0_wp, pair(k, 1) > 0)
+         call fill(random, -1.0_wp, 1.0_wp, pair(k, 4:))
+         call fill(random, -1.0_wp, 1.0_wp, map(k, :))
+      end do
+      duration = draw_log(random, 1e-2_wp, 1e2_wp)
+      associate (stiffness => pair(:, 1), damping => pair(:, 2), inverse => pair(:, 3), &
+         drift => pair(:, 4), drift_rate => pair(:, 5), force => pair(:, 6), &
+         force_rate => pair(:, 7), x0 => pair(:, 8), v0 => pair(:, 9))
+         call step_pairs(n, map, x0, v0, x(:, 1), v(:, 1))
+         call step_pairs_wide(n, map, x0, v0, x(:, 2), v(:, 2))
+         call check_bits('step')
+         call bound_pairs(n, stiffness, damping, inverse, drift, drift_rate, force, force_rate, &
+            x0, v0, x(:, 1), v(:, 1))
+         call bound_pairs_wide(n, stiffness, damping, inverse, drift, drift_rate, force, &
+            force_rate, x0, v0, x(:, 2), v(:, 2))
+         call check_bits('bound')
+         call sizes_of_pairs(n, duration, stiffness, damping, inverse, drift, drift_rate, force, &
+            force_rate, x0, v0, sums(1, 1), sums(2, 1))
+         call sizes_of_pairs_wide(n, duration, stiffness, damping, inverse, drift, drift_rate, &
+            force, force_rate, x0, v0, sums(1, 2), sums(2, 2))
+         call check(all(transfer(sums(:, 1), [0]) == transfer(sums(:, 2), [0])), &
+            'sizes: the same bits')
+         x(:, 1) = x0
+         v(:, 1) = v0
+         do i = 1, size(exact)
+            x(:, 2) = v(:, 1)
+            v(:, 2) = -stiffness*x(:, 1) - 2*damping*v(:, 1)
+            x(:, 1) = x(:, 2)
+            v(:, 1) = v(:, 2)
+            exact(i) = dot_product(map(:, 1), x(:, 1)) + dot_product(map(:, 2), v(:, 1))
+            most(i) = sum(abs(x(:, 1)) + abs(v(:, 1)))
+         end do
+         x = spread(x0, 2, 2)
+         v = spread(v0, 2, 2)
+         total = 0
+         call add_derivatives(n, 1, 4, stiffness, 2*damping, map(:, 1), map(:, 2), x(:, 1), &
+            v(:, 1), total(:, 1))
+         call add_derivatives_wide(n, 1, 4, stiffness, 2*damping, map(:, 1), map(:, 2), x(:, 2), &
+            v(:, 2), total(:, 2))
+         call check_bits('derivatives')
+         call check(all(transfer(total(:, 1), [0]) == transfer(total(:, 2), [0])), &
+            'derivatives: the same bits of their sums')
+         call check(all(abs(total(1:, 1) - exact) <= 1e-13_wp*most), 'derivatives: their sums')
+      end associate
+   contains
+      !> Both give the same x and v.
+      subroutine check_bits(what)
+         character(*), intent(in) :: what
+
+         call check(all(transfer(x(:, 1), [0]) == transfer(x(:, 2), [0])) .and. &
+            all(transfer(v(:, 1), [0]) == transfer(v(:, 2), [0])), what//': the same bits')
+      end subroutine check_bits
+   end subroutine check_registers
 
    !> Sums of squares of bounds on pairs: of no force, and of a free mass with forces, they bound
    !! what the pairs reach; signs do not matter, and many pairs have the sum of each.
