@@ -18,9 +18,10 @@ def installed(tmp_path_factory):
     call(tool("meson"), "install", "-C", BUILD, "--no-rebuild", "--quiet", "--destdir", away)
     (settings,) = away.rglob("vibroimpact.pc")
     (program,) = away.rglob("vibroimpact-batch")
-    prefix = program.parents[1]
+    (header,) = away.rglob("vibroimpact.h")
+    prefix = header.parents[1]
     flags = call("pkg-config", f"--define-variable=prefix={prefix}", "--cflags", "--libs", settings)
-    return Installed(prefix, settings.parents[1], tuple(flags.split()))
+    return Installed(program, prefix, settings.parents[1], tuple(flags.split()))
 
 
 @pytest.fixture(scope="session")

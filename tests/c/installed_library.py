@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-BUILD = ROOT / "build/fortran"
+BUILD = Path(os.environ.get("VIBROIMPACT_FORTRAN_BUILD", ROOT / "build/fortran"))
 
 
 def call(*words, **options):
@@ -26,15 +26,12 @@ def tool(name):
 
 @dataclass(frozen=True)
 class Installed:
-    """A folder with bin, include and lib, and the flags by pkg-config."""
+    """The program, the folder with include and lib, and the flags by pkg-config."""
 
+    program: Path
     prefix: Path
     libdir: Path
     flags: tuple[str, ...]
-
-    @property
-    def program(self):
-        return self.prefix / "bin/vibroimpact-batch"
 
     def environment(self):
         """Environment in which other programs find the library."""

@@ -7,15 +7,14 @@ ROOT = Path(__file__).resolve().parents[2]
 HIDE = "import sys; sys.meta_path[:] = [f for f in sys.meta_path if type(f).__name__ != 'MesonpyMetaFinder']\n"
 
 
-def copy_package(site: Path, build: Path, first: str = "") -> Path:
+def copy_package(site: Path, build: Path) -> Path:
     """Link the package's files into a folder for PYTHONPATH; return where the module _core belongs.
 
-    `build` is a folder with a build that has what meson writes of the package, and `first` what else every
-    interpreter does.
+    `build` is a folder with a build that has what meson writes of the package.
     """
     package = site / "vibroimpact"
     package.mkdir(parents=True)
-    (site / "sitecustomize.py").write_text(HIDE + first, encoding="utf-8")
+    (site / "sitecustomize.py").write_text(HIDE, encoding="utf-8")
     written = (path for path in (build / "python").glob("_*.py"))
     for path in (*(ROOT / "python/vibroimpact").iterdir(), *written):
         (package / path.name).symlink_to(path)
