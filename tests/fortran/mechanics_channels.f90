@@ -33,6 +33,7 @@ contains
       call test_tolerated()
       do i = 1, 300
          call check_sizes()
+         call check_driven()
       end do
       do i = 1, 300
          call test_pair()
@@ -267,6 +268,51 @@ contains
             x(first:last), v(first:last), of(1), of(2))
       end subroutine sizes
    end subroutine check_sizes
+
+   !> Bounds on the fourth derivatives of pairs under growing forces, against the derivatives that
+   !! the equations give; an undamped pair comes near them.
+   subroutine check_driven()
+      integer, parameter :: n = 7, samples = 200
+      type(modes_type) :: modes
+      real(wp), dimension(n) :: x, v, x_now, v_now, of_x, of_v, x1, v1, x2, v2, v3
+      real(wp) :: most(n, 2), t
+      integer :: i, k
+
+      allocate (modes%stiffness(n), modes%damping(n), modes%drift(n), modes%force(n))
+      do k = 1, n
+         modes%stiffness(k) = draw_log(random, 1e-1_wp, 1e1_wp)
+         modes%damping(k) = merge(0.0_wp, draw(random, 0.0_wp, 1.2_wp), mod(k, 2) == 0) &
+            *sqrt(modes%stiffness(k))
+         modes%force(k) = draw(random, -1.0_wp, 1.0_wp)
+         modes%drift(k) = draw(random, -1.0_wp, 1.0_wp)
+         x(k) = draw(random, -1.0_wp, 1.0_wp)
+         v(k) = draw(random, -1.0_wp, 1.0_wp)
+      end do
+      call prepare(modes, .true.)
+      do k = 1, n
+         modes%force_rate(k) = draw(random, -1.0_wp, 1.0_wp)
+         modes%drift_rate(k) = draw(random, -1.0_wp, 1.0_wp)
+      end do
+      call bound_pairs(n, modes%stiffness, modes%damping, modes%inverse, modes%drift, &
+         modes%drift_rate, modes%force, modes%force_rate, x, v, of_x, of_v)
+      most = 0
+      do i = 0, samples
+         ! a cycle of the slowest pair
+         t = i*2*pi/(samples*sqrt(minval(modes%stiffness)))
+         call advance(modes, t, x, v, x_now, v_now)
+         x1 = v_now + modes%drift + t*modes%drift_rate
+         v1 = -modes%stiffness*x_now - 2*modes%damping*v_now + modes%force + t*modes%force_rate
+         x2 = v1 + modes%drift_rate
+         v2 = -modes%stiffness*x1 - 2*modes%damping*v1 + modes%force_rate
+         v3 = -modes%stiffness*x2 - 2*modes%damping*v2
+         most(:, 1) = max(most(:, 1), abs(v3))
+         most(:, 2) = max(most(:, 2), abs(modes%stiffness*v2 + 2*modes%damping*v3))
+      end do
+      call check(all(most(:, 1) <= of_x*(1 + 1e-10_wp) .and. most(:, 2) <= of_v*(1 + 1e-10_wp)), &
+         'driven: bounds on fourth derivatives')
+      call check(all(1.02_wp*most(2:n:2, 1) >= of_x(2:n:2) .and. 1.02_wp*most(2:n:2, 2) >= &
+         of_v(2:n:2)), 'driven: which are reached without damping')
+   end subroutine check_driven
 
    !> A chain of two masses with gaps, under some harmonics; the state of its pairs.
    subroutine draw_chain(harmonics, state, most_damped, regime, x, v, phase)

@@ -13,6 +13,7 @@ program test_numerics
    use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
    use vi_lapack_routines, only: geev, gels, gesv
+   use vi_processor, only: usable_threads
    use vi_spacing, only: even, spaced
    use vi_status, only: stat, status_text
    use vi_unit_circle, only: all_inside, locate_spectrum, near_circle, some_outside
@@ -34,6 +35,7 @@ program test_numerics
    call test_products()
    call test_units()
    call test_huge_matrices()
+   call test_numbers_of_threads()
    call test_spacing()
    call test_status()
    call finish()
@@ -143,6 +145,17 @@ contains
          call check_close(other, step, 8*epsilon(1.0_wp)*step, 'steps: of any unit')
       end do
    end subroutine test_units
+
+   !> At least one thread, and no more than are wanted.
+   subroutine test_numbers_of_threads()
+      integer :: wanted
+
+      do wanted = -1, 100
+         call check(usable_threads(wanted) >= 1, 'threads: at least one')
+         call check(usable_threads(wanted) <= max(1, wanted), 'threads: no more than wanted')
+         call check(usable_threads(wanted) >= usable_threads(wanted - 1), 'threads: as wanted')
+      end do
+   end subroutine test_numbers_of_threads
 
    !> A matrix whose trace exceeds 4 has an eigenvalue outside the circle, whatever its sign.
    subroutine test_huge_matrices()
