@@ -5,7 +5,8 @@
 !! body (DGEEV) give pairs that damping does not couple. At critical damping the two eigenvectors of
 !! a pair coincide; near it, the pair comes from the plane that they span.
 module vi_decoupling
-   use vi_eigen_routines, only: dgesv, dsygv
+   use vi_columns, only: solve_columns
+   use vi_eigen_routines, only: dsygv
    use vi_kinds, only: wp
    use vi_lapack_routines, only: geev
    use vi_status, only: stat
@@ -276,10 +277,10 @@ contains
       type(decoupled_type), intent(inout) :: decoupled
       !> As in `decouple`.
       integer, intent(out) :: status
-      real(wp), allocatable, dimension(:, :) :: a, matrix, vectors, back, factor
+      real(wp), allocatable, dimension(:, :) :: a, matrix, vectors, back
       real(wp), allocatable :: re(:), im(:), work(:), speeds(:), omega2(:), sigma(:), plane(:, :)
       real(wp) :: unused(1, 1), to_pairs(size(at), size(at))
-      integer, allocatable :: rigid(:), others(:), pivot(:), reals(:), list(:), free(:)
+      integer, allocatable :: rigid(:), others(:), reals(:), list(:), free(:)
       integer :: i, j, k, m, n, info
       logical :: coincide
       logical, allocatable :: zero(:)
@@ -291,7 +292,7 @@ contains
       others = pack([(i, i=1, m)], [(.not. any(rigid == i), i=1, m)])
       n = size(others)
       allocate (a(2*n, 2*n), vectors(2*n, 2*n), back(2*n, 2*n), re(2*n), im(2*n), work(16*n), &
-         pivot(2*n), omega2(n), sigma(n))
+         omega2(n), sigma(n))
       a = 0
       do i = 1, n
          a(i, n + i) = 1
@@ -385,9 +386,8 @@ contains
       do i = 1, 2*n
          back(i, i) = 1
       end do
-      factor = a
-      call dgesv(2*n, 2*n, factor, 2*n, pivot, back, 2*n, info)
-      if (info /= 0) then
+      call solve_columns(a, back, status)
+      if (status /= stat%ok) then
          status = stat%defective
       else if (.not. condition(a, back, [speeds, spread(1.0_wp, 1, n)]) <= largest_condition) then
          status = stat%defective
@@ -428,7 +428,7 @@ contains
       real(wp), parameter :: offset = 0.02_wp, accuracy = 1.0e-14_wp
       real(wp), dimension(size(matrix, 1), size(matrix, 1)) :: scaled, factor
       real(wp) :: q(size(matrix, 1), 2), scale(size(matrix, 1)), t(2, 2), part(2, 2), y(2)
-      integer :: i, info, n, pivot(size(matrix, 1))
+      integer :: i, n, status
 
       n = size(matrix, 1)
       scale = [speeds, spread(1.0_wp, 1, size(speeds))]
@@ -439,12 +439,13 @@ contains
          ! differs by rounding
          factor = scaled
          call add_to_diagonal(factor, -(1 + offset)*mean)
-         call dgesv(n, 2, factor, n, pivot, q, n, info)
-         if (info /= 0) exit
+         call solve_columns(factor, q, status)
+         if (status /= stat%ok) exit
          call make_orthonormal(q)
       end do
       t = matmul(transpose(q), matmul(scaled, q))
-      good = info == 0 .and. norm2(matmul(scaled, q) - matmul(q, t)) <= accuracy*norm2(scaled)
+      good = status == stat%ok .and. norm2(matmul(scaled, q) - matmul(q, t)) &
+         <= accuracy*norm2(scaled)
       sigma = -0.5_wp*(t(1, 1) + t(2, 2))
       part = t
       call add_to_diagonal(part, sigma)

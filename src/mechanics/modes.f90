@@ -11,11 +11,11 @@
 !! the functions u(t) (x if x = 1 and v = 0 at the start) and w(t) (x if x = 0 and v = 1 at the
 !! start).
 module vi_modes
-   use, intrinsic :: iso_c_binding, only: c_int
    use vi_kinds, only: wp
    use vi_lane_rows, only: advance_pairs
    use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs
    use vi_lanes, only: largest_angle
+   use vi_processor, only: runs_wide
    implicit none (type, external)
    private
 
@@ -64,14 +64,6 @@ module vi_modes
       !> (12, m) x from x = 1, v = 1, f = 1, f = t, p = 1 and p = t; v from the same.
       real(wp), allocatable :: map(:, :)
    end type interval_type
-
-   interface
-      !> As in vi_processor; here as a pure function.
-      pure integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
-         import :: c_int
-         implicit none (type, external)
-      end function runs_wide
-   end interface
 
 contains
 

@@ -4,11 +4,11 @@
 !! y_i = offset_i + sum over k of position_ik x_k + velocity_ik v_k + the harmonics of the load.
 !! Pairs that occur in most rows of a range form dense blocks; the others are listed one by one.
 module vi_rows
-   use, intrinsic :: iso_c_binding, only: c_int
    use vi_kinds, only: wp
    use vi_lane_rows, only: add_product, add_products, side_by_side
    use vi_lane_rows_wide, only: add_product_wide => add_product, add_products_wide => add_products
    use vi_modes, only: modes_type
+   use vi_processor, only: runs_wide
    implicit none (type, external)
    private
 
@@ -54,14 +54,6 @@ module vi_rows
       !> Whether the processor runs the procedures for wide registers, which give the same bits.
       logical :: wide = .false.
    end type rows_type
-
-   interface
-      !> As in vi_processor; here as a pure function.
-      pure integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
-         import :: c_int
-         implicit none (type, external)
-      end function runs_wide
-   end interface
 
 contains
 

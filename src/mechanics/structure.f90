@@ -4,8 +4,9 @@
 !! - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has one
 !! coordinate fewer for each, and each pushes back with a force p_j >= 0.
 module vi_structure
+   use vi_columns, only: solve_columns
    use vi_decoupling, only: decouple, decoupled_type
-   use vi_eigen_routines, only: dgeqrf, dgesv, dorgqr
+   use vi_eigen_routines, only: dgeqrf, dorgqr
    use vi_kinds, only: wp
    use vi_modes, only: interval_type, levels, modes_type, new_interval, new_steps, prepare, &
       steady_response, steps_type
@@ -190,7 +191,7 @@ contains
          structure%begins, structure%at, structure%part, structure%coupled_begins, &
          structure%coupled)
       structure%mobility = structure%directions
-      call solve(structure%mass, structure%mobility, status)
+      call solve_columns(structure%mass, structure%mobility, status)
       if (status /= stat%ok) status = stat%mass_not_definite
       if (status /= stat%ok) return
       associate (gaps => size(structure%directions, 2))
@@ -334,7 +335,7 @@ contains
       call prepare(regime%modes, load%step > 0)
       if (load%step > 0) then
          forces = transpose(basis)
-         call solve(between(structure%mass), forces, status)
+         call solve_columns(between(structure%mass), forces, status)
          if (status /= stat%ok) return
          regime%to_drift = matmul(parts%xd, forces)
          regime%drifts = any(abs(regime%to_drift) > 0)
@@ -387,7 +388,7 @@ contains
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
 
-      call solve(mass, forces, status)
+      call solve_columns(mass, forces, status)
       if (status /= stat%ok) return
       drifts = matmul(xd, forces)
       forces = matmul(vd, forces)
@@ -407,35 +408,6 @@ contains
          end do
       end do
    end function sparse_product
-
-   !> Solves several systems with one matrix.
-   pure subroutine solve(matrix, right, status)
-      !> (n, n)
-      real(wp), intent(in) :: matrix(:, :)
-      !> In: right sides (n, m). Out: the solutions.
-      real(wp), intent(inout) :: right(:, :)
-      !> `stat%ok` or `stat%singular`.
-      integer, intent(out) :: status
-      real(wp), allocatable :: factor(:, :)
-      integer :: pivot(size(matrix, 1)), i, info, n
-
-      allocate (factor, source=matrix)
-      status = stat%ok
-      if (size(matrix) == 0) return
-      n = size(matrix, 1)
-      do i = 1, n
-         if (count(abs(matrix(:, i)) > 0) > 1 .or. .not. abs(matrix(i, i)) > 0) exit
-      end do
-      if (i > n) then
-         do i = 1, n
-            right(i, :) = right(i, :)/matrix(i, i)
-         end do
-         return
-      end if
-      call dgesv(size(matrix, 1), size(right, 2), factor, size(matrix, 1), pivot, right, &
-         size(matrix, 1), info)
-      if (info /= 0) status = stat%singular
-   end subroutine solve
 
    !> The motions that closed gaps allow: q = offset + basis.xi.
    !!
@@ -499,7 +471,7 @@ contains
          needed(i, 1) = structure%openings(resting(i))/norm2(unit*structure%directions(:, &
             resting(i)))
       end do
-      call solve(gram, needed, status)
+      call solve_columns(gram, needed, status)
       if (status == stat%ok) offset = unit*matmul(directions, needed(:, 1))
    end subroutine constraint
 
@@ -568,7 +540,7 @@ contains
             structure%mobility(:, regime%resting))
          associate (forces => of_force(structure%channels + 1:, :))
             forces = transpose(structure%mobility(:, regime%resting))
-            call solve(gram, forces, status)
+            call solve_columns(gram, forces, status)
             if (status /= stat%ok) return
             of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
             of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)

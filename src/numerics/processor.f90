@@ -13,7 +13,7 @@ module vi_processor
 
    interface
       !> Not 0 if this processor runs the vi_*_wide procedures.
-      integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
+      pure integer(c_int) function runs_wide() bind(c, name='vibroimpact_runs_wide')
          import :: c_int
          implicit none (type, external)
       end function runs_wide

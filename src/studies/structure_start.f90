@@ -4,7 +4,7 @@ module vi_structure_start
    use vi_family, only: new_family, repetition_distance, repetition_type, whole_unknowns
    use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
-   use vi_eigen_routines, only: dgesv
+   use vi_columns, only: solve_columns
    use vi_linear, only: most
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
@@ -323,9 +323,8 @@ contains
       real(wp), allocatable, intent(out) :: unknowns(:)
       type(member_type) :: member
       real(wp), dimension(size(regime%modes%stiffness)) :: x, v
-      real(wp) :: turn(s%p, s%p), shift(s%p, 1)
-      integer :: pairs(s%p), pivot(s%p)
-      integer :: info, n
+      real(wp) :: shift(s%p, 1)
+      integer :: pairs(s%p), n, status
 
       n = size(found%gaps)
       allocate (unknowns(2*n + s%p), source=0.0_wp)
@@ -342,9 +341,8 @@ contains
       pairs = offset_pairs(regime)
       shift(:, 1) = x(pairs) - member%x_after(pairs, 1)
       if (allocated(s%symmetry)) then
-         turn = member%turn
-         call dgesv(s%p, 1, turn, s%p, pivot, shift, s%p, info)
-         if (info == 0) unknowns(2*n + 1:) = shift(:, 1)
+         call solve_columns(member%turn, shift, status)
+         if (status == stat%ok) unknowns(2*n + 1:) = shift(:, 1)
       else
          unknowns(2*n + 1:) = maxval(abs(regime%qx(:, pairs)), dim=1)*shift(:, 1)/s%length
       end if

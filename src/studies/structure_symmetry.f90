@@ -5,8 +5,9 @@
 !! opposite sign. The order of the impacts says which gaps it exchanges. With the load this
 !! determines S on all that M^-1 C and M^-1 K reach from there; nothing acts on the remainder.
 module vi_structure_symmetry
+   use vi_columns, only: solve_columns
    use vi_kinds, only: wp
-   use vi_eigen_routines, only: dgesv
+   use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
    use vi_structure_path, only: changed, same_law, structure_path_type
    implicit none (type, external)
@@ -69,8 +70,8 @@ contains
       !> Its dimension.
       integer, intent(out) :: m
       real(wp), dimension(size(y, 1), 2*size(y, 1) + 1 + 2*size(path%load%sine, 2)) :: right
-      real(wp) :: factor(size(y, 1), size(y, 1)), signs(1 + 2*size(path%load%sine, 2))
-      integer :: pivot(size(y, 1)), h, info, j, k, n, harmonics
+      real(wp) :: signs(1 + 2*size(path%load%sine, 2))
+      integer :: h, j, k, n, harmonics, status
 
       n = size(y, 1)
       harmonics = size(path%load%sine, 2)
@@ -83,12 +84,11 @@ contains
          right(:, 2*n + 2*h + 1) = path%load%sine(:, h)
          signs(2*h:2*h + 1) = (-1)**modulo(h*cycles, 2)
       end do
-      factor = path%structure%mass
       m = 0
       y = 0
       z = 0
-      call dgesv(n, size(right, 2), factor, n, pivot, right, n, info)
-      if (info /= 0) return
+      call solve_columns(path%structure%mass, right, status)
+      if (status /= stat%ok) return
       do j = 1, size(exchanged)
          if (exchanged(j) == 0) cycle
          call add_direction(path%structure%mass, path%structure%mobility(:, exchanged(j)), &

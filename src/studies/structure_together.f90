@@ -10,8 +10,8 @@
 !! displacements, where it is [P] of the smaller structure, and what is orthogonal to them with
 !! respect to M onto itself: the latter disturbances part the impacts.
 module vi_structure_together
+   use vi_columns, only: solve_columns
    use vi_kinds, only: wp
-   use vi_lapack, only: solve
    use vi_lapack_routines, only: geev
    use vi_orbit, only: family_type
    use vi_responses, only: offset_pairs
@@ -165,27 +165,6 @@ contains
       if (status == stat%ok) call solve_columns(sample%structure%mass, sample%maps(:, :, 2), status)
       if (status == stat%ok) call solve_columns(sample%structure%mass, sample%forces, status)
    end subroutine set_sample
-
-   !> Solves several systems with one matrix.
-   pure subroutine solve_columns(matrix, right, status)
-      !> (n, n)
-      real(wp), intent(in) :: matrix(:, :)
-      !> In: right sides (n, m). Out: the solutions.
-      real(wp), intent(inout) :: right(:, :)
-      !> `stat%ok` or `stat%singular`.
-      integer, intent(out) :: status
-      real(wp), allocatable :: a(:, :), b(:)
-      integer :: j
-
-      status = stat%ok
-      do j = 1, size(right, 2)
-         a = matrix
-         b = right(:, j)
-         call solve(a, b, status)
-         if (status /= stat%ok) return
-         right(:, j) = b
-      end do
-   end subroutine solve_columns
 
    !> Bases of what the impacts at one instant reach together, and of what they reach besides one by
    !! one.

@@ -3,7 +3,7 @@
 !! form, through impacts, rests and releases.
 module vi_structure_variation
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_eigen_routines, only: dgesv
+   use vi_columns, only: solve_columns
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_status, only: stat
@@ -193,17 +193,14 @@ contains
       real(wp), intent(inout) :: p(:, :)
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
-      real(wp), allocatable :: carried(:, :), mass(:, :)
-      integer, allocatable :: pivot(:)
-      integer :: i, n, info
+      real(wp), allocatable :: carried(:, :)
+      integer :: i, n
 
       n = size(p, 1)/2
-      allocate (carried(n, 1), pivot(n))
-      allocate (mass, source=structure%mass)
+      allocate (carried(n, 1))
       carried(:, 1) = matmul(structure%damping, structure%mobility(:, gap))
-      call dgesv(n, 1, mass, n, pivot, carried, n, info)
-      status = merge(stat%ok, stat%singular, info == 0)
-      if (info /= 0) return
+      call solve_columns(structure%mass, carried, status)
+      if (status /= stat%ok) return
       do i = 1, size(p, 2)
          p(n + 1:, i) = p(n + 1:, i) + carried(:, 1)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), p(:n, i))
@@ -224,15 +221,13 @@ contains
       integer, intent(out) :: status
       real(wp) :: gram(size(gaps), size(gaps)), parts(size(gaps), size(vectors, 2))
       real(wp), dimension(size(vectors, 1), size(gaps)) :: directions, kicks
-      integer :: pivot(size(gaps)), info
 
       directions = structure%directions(:, gaps)
       kicks = structure%mobility(:, gaps)
       gram = matmul(transpose(directions), kicks)
       parts = matmul(transpose(directions), vectors)
-      call dgesv(size(gaps), size(parts, 2), gram, size(gaps), pivot, parts, size(gaps), info)
-      status = merge(stat%ok, stat%singular, info == 0)
-      if (info == 0) vectors = vectors - matmul(kicks, parts)
+      call solve_columns(gram, parts, status)
+      if (status == stat%ok) vectors = vectors - matmul(kicks, parts)
    end subroutine project
 
 end module vi_structure_variation
