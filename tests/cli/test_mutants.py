@@ -1,5 +1,6 @@
 """The tool that tries mutants of the core: what it changes, and its list of survivors."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -67,3 +68,26 @@ def test_survivors_are_mutants_of_today():
         of_today = {(m.before.strip(), m.after.strip()) for m in mutants_of(ROOT, file)}
         assert (before, after) in of_today
         assert len(reason) > 20
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--sample", "0"),
+        ("--sample", "-3"),
+        ("--sample", "x"),
+        ("-j", "0"),
+        ("--least", "101"),
+        ("--least", "nan"),
+    ],
+)
+def test_bad_options(option, value):
+    """The message names the option, its value and what is allowed."""
+    told = subprocess.run(
+        [sys.executable, ROOT / "tests/quality/mutate.py", option + "=" * option.startswith("--") + value],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert told.returncode == 2
+    assert option in told.stderr
+    assert repr(value) in told.stderr
+    assert "Traceback" not in told.stderr

@@ -210,6 +210,20 @@ def sample(files: list[str], size: int | None, seed: int) -> list[Mutant]:
     return sorted((mutant for file in files for mutant in mutants_of(ROOT, file)), key=rank)[:size]
 
 
+def count(text: str) -> int:
+    """Return a whole number >= 1 of the command line."""
+    if not re.fullmatch(r"0*[1-9]\d{0,8}", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to 999999999")
+    return int(text)
+
+
+def percentage(text: str) -> float:
+    """Return a percentage of the command line."""
+    if not re.fullmatch(r"\d{1,3}(\.\d*)?", text) or float(text) > 100:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to 100")
+    return float(text)
+
+
 def arguments() -> argparse.Namespace:
     """Return what the command line asks for."""
     parser = argparse.ArgumentParser(
@@ -218,7 +232,7 @@ def arguments() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "--sample", type=int, metavar="N", help="so many mutants, drawn at random (default: all)"
+        "--sample", type=count, metavar="N", help="so many mutants, drawn at random (default: all)"
     )
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="seed of the sample (1)")
     parser.add_argument(
@@ -235,13 +249,13 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument(
         "--least",
-        type=float,
+        type=percentage,
         default=95,
         metavar="P",
         help="percentage of mutants to be killed at least (95)",
     )
     parser.add_argument(
-        "-j", "--jobs", type=int, default=1, metavar="N", help="mutants at a time (1)"
+        "-j", "--jobs", type=count, default=1, metavar="N", help="mutants at a time (1)"
     )
     parser.add_argument(
         "--build", type=Path, default=ROOT / "build/fortran", help=argparse.SUPPRESS
