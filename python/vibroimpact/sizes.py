@@ -9,6 +9,8 @@ from .errors import ParameterError
 
 #: Bytes of memory that may be needed for each byte of a text, and for each byte of packed numbers.
 TEXT, NUMBERS = 16, 4
+#: Bytes of memory that are always there; to ask the system for each small file would take longer than to read it.
+SMALL = 2**20
 
 
 def free() -> int:
@@ -50,6 +52,8 @@ def check_size(size: int, each: int, what: str) -> None:
     Traceback (most recent call last):
     vibroimpact.errors.ParameterError: its record has 1000000000000000000 bytes; must have at most ...
     """
+    if size * each <= SMALL:
+        return
     limit = free() // each
     if size > limit:
         raise ParameterError(

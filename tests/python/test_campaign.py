@@ -452,6 +452,34 @@ def test_zarr_reads_it(tmp_path):
     assert sorted(set(rows["case"].values)) == list(range(12))
 
 
+@pytest.mark.parametrize("study", ["motion", "find", "zone", "structure_wall"])
+def test_all_rows_of_a_table(tmp_path, study):
+    """They are the rows of the single results, one after the other, whatever the size of chunks."""
+    pytest.importorskip("xarray")
+    texts = texts_of(study)
+    found = vi.campaign(texts, tmp_path / "store", chunk=1 if len(texts) < 5 else 5)
+    results = [found[i]._result for i in range(len(texts))]
+    for table in {name: None for result in results for name in result.tables}:
+        rows = found.to_xarray(table)
+        sizes = [
+            int(np.prod(list(result.tables[table].dims.values()))) if table in result.tables else 0
+            for result in results
+        ]
+        np.testing.assert_array_equal(rows["case"], np.repeat(np.arange(len(texts)), sizes))
+        for i, result in enumerate(results):
+            part = rows.isel({f"{table}_row": rows["case"].values == i})
+            for key, column in result.tables[table].columns.items() if sizes[i] else ():
+                values = column.decoded().reshape(sizes[i], -1)
+                if column.kind == "complex":
+                    there = part[f"{key}_real"].values + 1j * part[f"{key}_imag"].values
+                else:
+                    there = part[key].values
+                there = there.reshape(sizes[i], -1)[:, : values.shape[1]]
+                assert (there == values).all() or np.array_equal(there, values, equal_nan=True), key
+    with pytest.raises(vi.ParameterError, match="table = 'nothing'"):
+        found.to_xarray("nothing")
+
+
 # -- whatever computes it
 
 

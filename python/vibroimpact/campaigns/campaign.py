@@ -16,6 +16,7 @@ from ..errors import OutOfMemoryError, ParameterError, ParameterTypeError
 from ..libraries import xarray
 from ..noun import Noun
 from ..tables import declared, language
+from .chunk import joined, recoded
 from .store import PARTS, PLAN, Store
 from .sweep import Sweep
 
@@ -223,9 +224,17 @@ class Campaign:
         return (self.size,) if self.sweep is None else self.sweep.shape
 
     def to_xarray(
-        self, table: str, column: str, reduce: str = "first", where: Mapping[str, Any] | None = None
-    ) -> Any:
-        """`values` as an array of xarray, with the values of the keys along its dimensions."""
+        self, table: str, column: str | None = None, reduce: str = "first",
+        where: Mapping[str, Any] | None = None,
+    ) -> Any:  # fmt: skip
+        """`values` as an array of xarray, with the values of the keys along its dimensions.
+
+        Without a column: a dataset of all rows of the table of all finished cases, one after the other, in which
+        `case` is the case of each row, and `owner` the row of the parent table within this case. Lists that are
+        shorter than others are filled with NaN, -1 (verdicts) or 0.
+        """
+        if column is None:
+            return self._rows(table)
         values = self.values(table, column, reduce, where)
         item = declared(self.study)[table, column]
         about = {"long_name": item["meaning"], "units": item["unit"] or "1", "reduction": reduce}
@@ -239,3 +248,49 @@ class Campaign:
             key: axis if np.ndim(axis) == 1 else list(map(str, axis)) for key, axis in axes.items()
         }
         return xarray().DataArray(values, ends, list(ends), name=column, attrs=about)
+
+    def _rows(self, table: str) -> Any:
+        """All rows of a table."""
+        known = declared(self.study)
+        coded = {
+            key for (one, key), item in known.items() if one == table and item["kind"] == "word"
+        }
+        cases: list[NDArray[Any]] = []
+        parts: dict[str, list[Any]] = {}
+        codes: dict[str, dict[str, int]] = {}
+        for first, name in self._chunks():
+            columns, words = self._store.table(name, table, coded)
+            if not len(columns.get("case", ())):
+                continue
+            cases.append(columns["case"].astype(np.int64) + first)
+            for key, values in columns.items():
+                if key == "owner":
+                    parts.setdefault(key, []).append(values)
+                elif key != "case":
+                    if key in coded:
+                        values = recoded(words[key], values, codes.setdefault(key, {}))
+                    whole = values if values.ndim == 2 else values[:, np.newaxis]
+                    parts.setdefault(key, []).append((int(cases[-1][0]), whole))
+        if not cases:  # one without columns of its own is not declared
+            checks.choice(table, "table", tuple(dict.fromkeys(one for one, _ in known)))
+        row = f"{table}_row"
+        data: dict[str, Any] = {}
+        for key, given in parts.items():
+            values = joined(self.study, table, key, given, cases)
+            if key == "owner":
+                data[key] = (row, values, {"long_name": "row of the parent table within the case"})
+                continue
+            item = known[table, key]
+            about = {"long_name": item["meaning"], "units": item["unit"] or "1"}
+            if key in codes:
+                values = np.array(["", *codes[key]], dtype=object)[values]
+            dims = [row, f"{key}_item"][: values.ndim]
+            if item["kind"] == "complex":
+                data |= {
+                    f"{key}_real": (dims, values.real, about),
+                    f"{key}_imag": (dims, values.imag, about),
+                }
+            else:
+                data[key] = (dims, values, about)
+        found = np.concatenate(cases) if cases else np.empty(0, np.int64)
+        return xarray().Dataset(data, {"case": (row, found, {"long_name": "number of the case"})})

@@ -19,7 +19,7 @@ from ..case import case_of
 from ..errors import ParameterError, VibroimpactError
 from ..interrupt import new_counters
 from ..noun import RESULTS, Noun
-from ..tables import STORED, Column, Found, Result, Table, declared, declared_column, language
+from ..tables import STORED, Found, Result, Table, declared, declared_column, language
 
 __all__ = ["Chunk", "compute", "core_digest", "name_of"]
 
@@ -150,7 +150,7 @@ def packed(study: str, texts: Sequence[str], found: Iterable[Result | str]) -> C
                     column.values.reshape(size, inner[key]) if size else np.empty((0, inner[key]))
                 )
                 if column.kind == "word":
-                    values = recoded(column, values, words.setdefault((name, key), {}))
+                    values = recoded(column.words, values, words.setdefault((name, key), {}))
                 else:
                     values = values.copy()
                 into.setdefault(key, []).append((number, values))
@@ -167,9 +167,9 @@ def packed(study: str, texts: Sequence[str], found: Iterable[Result | str]) -> C
     return Chunk(study, heads, arrays, {place: tuple(codes) for place, codes in words.items()})
 
 
-def recoded(column: Column, values: NDArray[Any], codes: dict[str, int]) -> NDArray[np.int32]:
-    """The codes of words in the list of the chunk, which grows."""
-    new = [0, *(codes.setdefault(word, len(codes) + 1) for word in column.words)]
+def recoded(words: Sequence[str], values: NDArray[Any], codes: dict[str, int]) -> NDArray[np.int32]:
+    """The codes of words in a list of several tables, which grows."""
+    new = [0, *(codes.setdefault(word, len(codes) + 1) for word in words)]
     return np.asarray(np.array(new, "<i4")[values.astype(int)])
 
 

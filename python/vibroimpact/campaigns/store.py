@@ -11,7 +11,7 @@ import re
 import secrets
 import shutil
 import socket
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import IO, Any, NamedTuple
@@ -172,7 +172,8 @@ class Store:
             sums = read_json(self._sums(name))
         except (OSError, ValueError):
             raise damaged(self.chunks / name) from None
-        return Contents(self.chunks / name, sums)
+        place = self.chunks / name
+        return Contents(place, os.path.realpath(place), sums)
 
     def columns(self, name: str, table: str, keys: Iterable[str]) -> dict[str, NDArray[Any]]:
         """Some columns of a chunk; nothing if it lacks one, since none of its cases has it."""
@@ -182,6 +183,19 @@ class Store:
             return {}
         found = files.arrays(f"{table}/{key}" for key in wanted)
         return dict(zip(wanted, found, strict=True))
+
+    def table(
+        self, name: str, table: str, coded: Container[str]
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, tuple[str, ...]]]:
+        """All columns of a table of a chunk, and the words of those that have codes of words."""
+        files = self._contents(name)
+        keys = [
+            path.split("/")[1] for path in files.sums
+            if path.startswith(f"{table}/") and path.endswith("/zarr.json") and path.count("/") == 2
+        ]  # fmt: skip
+        arrays = files.arrays(f"{table}/{key}" for key in keys)
+        words = {key: files.words(f"{table}/{key}") for key in keys if key in coded}
+        return dict(zip(keys, arrays, strict=True)), words
 
     def heads(self, name: str) -> dict[str, Any]:
         """What a chunk holds besides its tables."""
@@ -232,14 +246,15 @@ class Contents(NamedTuple):
     """The files of a chunk, with their checksums."""
 
     place: Path
+    real: str
     sums: dict[str, str]
 
     def bytes(self, path: str) -> bytes:
         """A file; an error if it is damaged or elsewhere, or KeyError if the chunk has none of this name."""
         if path not in self.sums:
             raise KeyError(path)
-        file = (self.place / path).resolve()
-        if not file.is_relative_to(self.place.resolve()):
+        file = Path(os.path.realpath(os.path.join(self.real, path)))
+        if not str(file).startswith(self.real + os.sep):
             raise ParameterError(
                 f"{self.place}: is no chunk that a campaign wrote; {path!r} leads out of it"
             )
@@ -269,6 +284,12 @@ class Contents(NamedTuple):
         if about["codecs"] != codecs(kind):
             raise ValueError("its arrays are packed otherwise")
         return kind, about["shape"]
+
+    def words(self, path: str) -> tuple[str, ...]:
+        """The words whose codes from 1 an array has."""
+        with foreign(self.place):
+            about = json.loads(self.bytes(f"{path}/zarr.json"))
+            return tuple(map(str, about["attributes"].get("words", ())[1:]))
 
     def unpacked(self, path: str, kind: str, shape: list[int]) -> NDArray[Any]:
         """An array of this kind and shape."""

@@ -63,7 +63,7 @@ def save_dataset(data: Any, path: Path) -> None:
 
 
 def unpacked(data: Any) -> int:
-    """Bytes that are needed to read a dataset of h5py: those of its values, and of a chunk, which can be larger."""
+    """Bytes that are needed to read a dataset of h5py: of its values, and of a chunk, which can be larger."""
     chunk = math.prod(data.chunks or (0,))
     return int((data.size + chunk) * data.dtype.itemsize)
 
