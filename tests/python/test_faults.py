@@ -374,6 +374,8 @@ def scheduler(tmp_path):
         "--port",
         "0",
         "--no-dashboard",
+        "--dashboard-address",
+        "127.0.0.1:0",
         "--scheduler-file",
         file,
     )
