@@ -162,6 +162,22 @@ def test_a_fold_that_leaves_a_pitchfork(lines):
 
 
 @pytest.mark.parametrize(
+    ("xi", "mu", "restitution", "lines"),
+    [
+        (0.00754670733528118, 0.39404804696469653, 0.9014763538990613, 7),
+        (0.006030513241567463, 0.35955313165583597, 0.9111231932152131, 6),
+        (0.005355200207456664, 0.392074616105469, 0.6571103217073224, 7),
+    ],
+)
+def test_borders_that_do_not_close_are_tried_again(xi, mu, restitution, lines):
+    """At a greater distance from the symmetric motions the zone closes, and needs no joint of loose ends."""
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
+    zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=2)
+    assert zone.closed
+    assert sorted(piece.type for piece in zone.boundary) == ["flip", "fold", "pitchfork", "window"]
+
+
+@pytest.mark.parametrize(
     ("xi", "mu", "restitution", "sides"),
     [
         (0.05, 0.05, 0.37314990615573823, "RRLL"),
