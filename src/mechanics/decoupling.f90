@@ -132,6 +132,7 @@ contains
       scale = maxval(abs(omega_squared))
       call find_zeros(stiffness(at, at), shapes, omega_squared, status)
       if (status /= stat%ok) return
+      call refine_free(stiffness(at, at), omega_squared, shapes)
       coupling = 0
       if (any(abs(damping(at, at)) > 0)) then
          coupling = matmul(transpose(shapes), matmul(damping(at, at), shapes))
@@ -165,7 +166,9 @@ contains
          decoupled%vd(at, at) = shapes
       else
          decoupled%classical = .false.
-         call decouple_damping(at, mass(at, at), shapes, omega_squared, coupling, decoupled, status)
+         call decouple_damping(at, mass(at, at), shapes, omega_squared, coupling, &
+            matmul(transpose(abs(shapes)), matmul(abs(damping(at, at)), abs(shapes))), decoupled, &
+            status)
       end if
    end subroutine decouple_body
 
@@ -230,6 +233,61 @@ contains
       end do
    end subroutine find_zeros
 
+   !> Turns the modes of frequency 0 and the others so that the stiffness has no effect on the
+   !! former.
+   !!
+   !! The eigenvalue solver leaves errors in proportion to the ratio of the stiffnesses. With them
+   !! impulses between two masses of a free structure would seem to change its momentum.
+   pure subroutine refine_free(stiffness, omega_squared, shapes)
+      !> (m, m) K, and (m) omega^2 of the modes.
+      real(wp), intent(in) :: stiffness(:, :), omega_squared(:)
+      !> (m, m) In and out: the modes.
+      real(wp), intent(inout) :: shapes(:, :)
+      real(wp) :: force(size(shapes, 1)), free(size(shapes, 1)), turn
+      integer :: i, j, pass
+
+      do pass = 1, 2
+         do i = 1, size(omega_squared)
+            if (abs(omega_squared(i)) > 0) cycle
+            do j = 1, size(force)
+               force(j) = fine_product(stiffness(:, j), shapes(:, i))
+            end do
+            do j = 1, size(omega_squared)
+               if (.not. abs(omega_squared(j)) > 0) cycle
+               turn = dot_product(shapes(:, j), force)/omega_squared(j)
+               free = shapes(:, i)
+               shapes(:, i) = free - turn*shapes(:, j)
+               shapes(:, j) = shapes(:, j) + turn*free
+            end do
+         end do
+      end do
+   end subroutine refine_free
+
+   !> The sum of products as if it had twice as many digits: the rounding errors of all products and
+   !! sums are exact numbers, which are added.
+   pure real(wp) function fine_product(a, b) result(total)
+      !> The factors.
+      real(wp), intent(in) :: a(:), b(:)
+      real(wp) :: product, error, sum, share, high(2), low(2)
+      integer :: i
+
+      total = 0
+      error = 0
+      do i = 1, size(a)
+         product = a(i)*b(i)
+         high = (scale(1.0_wp, ceiling(0.5*digits(1.0_wp))) + 1)*[a(i), b(i)]
+         high = high - (high - [a(i), b(i)])
+         low = [a(i), b(i)] - high
+         error = error + (low(1)*low(2) - (((product - high(1)*high(2)) - low(1)*high(2)) &
+            - high(1)*low(2)))
+         sum = total + product
+         share = sum - total
+         error = error + ((total - (sum - share)) + (product - share))
+         total = sum
+      end do
+      total = total + error
+   end function fine_product
+
    !> Takes combinations of the modes of frequency 0 that damping does not couple: without stiffness
    !! any combination is a mode, and those that damping couples could have a defective eigenvalue 0.
    pure subroutine decouple_free(omega_squared, shapes, coupling, info)
@@ -268,16 +326,19 @@ contains
    end subroutine decouple_free
 
    !> The pairs of a body whose modes are coupled by damping.
-   pure subroutine decouple_damping(at, mass, shapes, omega_squared, coupling, decoupled, status)
+   pure subroutine decouple_damping(at, mass, shapes, omega_squared, coupling, terms, decoupled, &
+      status)
       !> (m) Coordinates of the body.
       integer, intent(in) :: at(:)
       !> (m, m) M, the undamped modes, omega^2 of each (m), and C between them (m, m).
       real(wp), intent(in) :: mass(:, :), shapes(:, :), omega_squared(:), coupling(:, :)
+      !> (m, m) The sums of the moduli of the terms of `coupling`.
+      real(wp), intent(in) :: terms(:, :)
       !> In and out: filled in.
       type(decoupled_type), intent(inout) :: decoupled
       !> As in `decouple`.
       integer, intent(out) :: status
-      real(wp), allocatable, dimension(:, :) :: a, matrix, vectors, back
+      real(wp), allocatable, dimension(:, :) :: a, matrix, sizes, vectors, back
       real(wp), allocatable :: re(:), im(:), work(:), speeds(:), omega2(:), sigma(:), plane(:, :)
       real(wp) :: unused(1, 1), to_pairs(size(at), size(at))
       integer, allocatable :: rigid(:), others(:), reals(:), list(:), free(:)
@@ -391,6 +452,10 @@ contains
          status = stat%defective
       else if (.not. condition(a, back, [speeds, spread(1.0_wp, 1, n)]) <= largest_condition) then
          status = stat%defective
+      else
+         allocate (sizes, source=abs(matrix))
+         sizes(n + 1:, n + 1:) = terms(others, others)
+         if (.not. are_separate(matrix, sizes, a, back, omega2, sigma)) status = stat%too_stiff
       end if
       if (status /= stat%ok) return
       decoupled%qx(at, at(others)) = matmul(shapes(:, others), a(:n, :n))
@@ -405,6 +470,41 @@ contains
       decoupled%vq(at(others), at) = matmul(back(n + 1:, :n), to_pairs(others, :))
       decoupled%vd(at(others), at) = matmul(back(n + 1:, n + 1:), to_pairs(others, :))
    end subroutine decouple_damping
+
+   !> Whether the pairs are those of A: A between the pairs, but for rounding, leaves each of them
+   !! its omega^2 and sigma, and couples none of them.
+   !!
+   !! The eigenvalue solver has errors in proportion to the fastest mode, which slow modes may not
+   !! survive.
+   pure logical function are_separate(matrix, terms, a, inverse, omega2, sigma) result(separate)
+      !> (2n, 2n) A, the sums of the moduli of the terms of its entries, and the pairs with the
+      !! inverse.
+      real(wp), intent(in) :: matrix(:, :), terms(:, :), a(:, :), inverse(:, :)
+      !> (n) omega^2 and sigma of the pairs.
+      real(wp), intent(in) :: omega2(:), sigma(:)
+      real(wp), dimension(size(a, 1), size(a, 1)) :: rest, noise
+      real(wp), dimension(size(a, 1)) :: rate, units
+      integer :: i, k, n
+
+      n = size(omega2)
+      rest = matmul(inverse, matmul(matrix, a))
+      noise = matmul(abs(inverse), matmul(terms, abs(a)))
+      do k = 1, n
+         rest(n + k, k) = rest(n + k, k) + omega2(k)
+         rest(k, n + k) = rest(k, n + k) - 1
+         rest(n + k, n + k) = rest(n + k, n + k) + 2*sigma(k)
+      end do
+      ! positions times a rate are comparable with velocities
+      rate(:n) = sqrt(max(0.0_wp, omega2))
+      where (.not. rate(:n) > 0) rate(:n) = 2*abs(sigma)
+      rate(n + 1:) = rate(:n)
+      units = [rate(:n), spread(1.0_wp, 1, n)]
+      separate = .true.
+      do i = 1, 2*n
+         separate = separate .and. all((abs(rest(i, :)) + epsilon(1.0_wp)*noise(i, :))*units(i) &
+            <= largest_error*units*max(rate(i), rate))
+      end do
+   end function are_separate
 
    !> The pair of two eigenvalues that nearly coincide, and whose eigenvectors do, too: x and v are
    !! coordinates in the plane that is spanned by both.

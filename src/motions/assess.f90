@@ -4,7 +4,7 @@
 !! it a motion lies; they give no verdicts.
 module vi_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_doubt, only: modulus_doubt, unknowns_doubt
+   use vi_doubt, only: modulus_doubt, spread_of_orders, unknowns_doubt
    use vi_exact, only: exact_acceptance
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
@@ -56,6 +56,11 @@ contains
       call multipliers_of_matrix(p, motion%multipliers, status)
       if (lawful .and. status == stat%ok .and. .not. is_doubtful(motion%multipliers(1), &
          motion%rounding)) motion%stable = stability(abs(motion%multipliers(1)))
+      if (motion%stable == unknown .or. .not. audited) return
+      if (.not. is_near_circle(motion%multipliers(1))) return
+      ! digits also cancel in the product of the [P_i]
+      call doubt_stability(rounding_margin*motion%rounding &
+         + spread_of_orders(motion, abs(motion%multipliers(1))), motion)
    end subroutine assess_linear
 
    !> Refuses an exact motion of which rounding leaves too few digits.

@@ -15,7 +15,7 @@ module vi_doubt
    implicit none (type, external)
    private
 
-   public :: greater, modulus_doubt, unknowns_doubt, worst_change
+   public :: greater, modulus_doubt, spread_of_orders, unknowns_doubt, worst_change
 
    !> Assumed error of a residual, over the sum of the residual itself and the rounding of its
    !! terms.

@@ -11,7 +11,7 @@ module motions_assess
    use vi_motion, only: complete_motion, flight_of, motion_type, no, start_motion, unknown, yes
    use vi_oscillator, only: lag, oscillator_type
    use vi_pattern, only: new_pattern
-   use vi_periodic, only: linear_system_type
+   use vi_periodic, only: linear_system_type, solve_periodic
    use vi_sample, only: sample_motion
    use vi_status, only: stat
    implicit none (type, external)
@@ -30,6 +30,7 @@ contains
       call test_acceptance()
       call test_corners()
       call test_stability_verdict()
+      call test_cancelling_product()
       call test_no_approach()
       call test_rest_verdicts()
       call test_sample()
@@ -215,6 +216,20 @@ contains
       end do
       call check(all(found > 20), 'stable and unstable motions came up often')
    end subroutine test_stability_verdict
+
+   !> Where digits cancel in the product of the [P_i], rounding changes the multipliers more than
+   !! the errors of the motion tell: with 50 digits the leading one is outside by 7e-14.
+   subroutine test_cancelling_product()
+      type(motion_type) :: motion
+      type(linear_system_type) :: system
+
+      call solve_periodic(oscillator_type(0.29788814797669283_wp, 2.0968310992757824e-3_wp, &
+         0.5_wp), 0.23382205255169919_wp, new_pattern('LLR', 3), spread(0.42226646020290526_wp, 1, &
+         3), [0.0_wp, 3.4881738149192136_wp, 10.336533420465331_wp], system, motion)
+      call assess_linear(motion, paper_acceptance)
+      call check(abs(abs(motion%multipliers(1)) - 1) < 1e-11_wp, 'cancelling product: near 1')
+      call check(motion%stable == unknown, 'cancelling product: stability is unknown')
+   end subroutine test_cancelling_product
 
    !> An impact without approach: the motion is returned, with unknown stability.
    subroutine test_no_approach()
