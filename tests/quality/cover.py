@@ -50,6 +50,7 @@ package =
 exclude_also =
     if TYPE_CHECKING:
     @overload
+    raise NotImplementedError
 """
 
 
