@@ -4,11 +4,12 @@ module studies_structures
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, random_type
    use vi_kinds, only: wp
-   use vi_motion, only: yes
+   use vi_motion, only: unknown, yes
    use vi_responses, only: offset_pairs
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
       regime_type, structure_type
+   use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
    use vi_structure_exact, only: solve_structure_exact
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
    use vi_structure_return, only: settle, settled_type
@@ -29,7 +30,35 @@ contains
       call test_rest()
       call test_recognised()
       call test_newton_step()
+      call test_audit()
    end subroutine test_structures
+
+   !> A wrong entry of [P] changes the determinant, and the verdict on stability is withdrawn.
+   subroutine test_audit()
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(structure_motion_type) :: motion
+      type(structure_verdicts_type) :: verdicts
+      integer :: i, j, status
+
+      call oscillator([0.75_wp, 0.75_wp], 0.042_wp, 0.005_wp, 37.0_wp, structure)
+      load = sine_load(0.94_wp)
+      call periodic_structure(structure, load, [1, 2], [0.517272128279_wp, 1.899298624085_wp]*pi, &
+         1, exact, motion, status)
+      do j = 1, 4
+         do i = 1, 4
+            verdicts = motion%verdicts
+            verdicts%stable = unknown
+            verdicts%p(i, j) = verdicts%p(i, j)*(1 + 1.0e-5_wp)
+            call assess_multipliers(0.0_wp, verdicts)
+            call check(verdicts%stable == unknown, 'a wrong entry of [P] fails the audit')
+         end do
+      end do
+      verdicts = motion%verdicts
+      verdicts%stable = unknown
+      call assess_multipliers(0.0_wp, verdicts)
+      call check(verdicts%stable == yes, 'the right [P] passes it')
+   end subroutine test_audit
 
    !> The third column of Table 1 of the 1983 paper, by its two masses: the same motion three ways.
    subroutine test_pair()
