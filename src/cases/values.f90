@@ -663,7 +663,7 @@ contains
             else if (key%kind == a_word) then
                do j = 1, size(value%words)
                   if (j > 1) text = text//', '
-                  text = text//''''//value%words(j)%text//''''
+                  call add_word(value%words(j)%text, text)
                end do
             else
                do j = 1, size(value%numbers)
@@ -676,6 +676,22 @@ contains
       end do
       call append(lines, '# /')
    end subroutine echo
+
+   !> Adds a word to a text, in quotes; a quote in it is doubled.
+   pure subroutine add_word(word, text)
+      !> The word.
+      character(*), intent(in) :: word
+      !> The text so far.
+      character(:), allocatable, intent(inout) :: text
+      integer :: i
+
+      text = text//''''
+      do i = 1, len(word)
+         if (word(i:i) == '''') text = text//''''
+         text = text//word(i:i)
+      end do
+      text = text//''''
+   end subroutine add_word
 
    !> Adds a list of numbers to a text; three or more equal numbers in a row are one repeat.
    pure subroutine add_numbers(numbers, text)
