@@ -59,6 +59,9 @@ module vi_structure_run
       real(wp), allocatable :: x(:), v(:), q(:), rate(:)
    end type run_event_type
 
+   !> The samples of a record may be 1e-300 apart: time beyond so many stays in the remainder.
+   integer(int64), parameter :: most_periods = 2_int64**52
+
 contains
 
    !> A structure under a load, ready to be simulated.
@@ -83,15 +86,14 @@ contains
       if (status == stat%ok) call recognise(run%structure, load, run%pair)
    end subroutine new_run
 
-   !> Whole periods at a time. The samples of a record may be 1e-300 apart: what is above 2^52 of
-   !! them stays in the remainder.
+   !> Whole periods at a time, not more than `most_periods`.
    pure integer(int64) function whole_periods(run, time)
       !> The run.
       type(run_type), intent(in) :: run
       !> The time.
       real(wp), intent(in) :: time
 
-      whole_periods = floor(min(time/run%period, 2.0_wp**52), int64)
+      whole_periods = floor(min(time/run%period, real(most_periods, wp)), int64)
    end function whole_periods
 
    !> A state from coordinates and velocities.
@@ -356,7 +358,7 @@ contains
       if (time > 0) call advance_in_place(run%regimes(state%regime)%modes, time, state%x, state%v)
       state%elapsed = state%elapsed + time
       if (state%elapsed < run%period) return
-      cycles = int(state%elapsed/run%period, int64)
+      cycles = min(whole_periods(run, state%elapsed), most_periods - state%cycle)
       state%cycle = state%cycle + cycles
       state%elapsed = max(0.0_wp, state%elapsed - real(cycles, wp)*run%period)
    end subroutine move
