@@ -5,7 +5,7 @@ module vi_basins_structure_study
    use vi_common_keys, only: check_product, max_events_key
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
-   use vi_status, only: stat
+   use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_find, only: random_structure_states, settle_states, settling_type
    use vi_structure_found, only: found_columns, found_list_type, put_found
@@ -195,7 +195,9 @@ contains
       call put_attractors(result, list, labels, numbers, names, n)
       lost = count(labels == undecided .or. labels == event_limited)
       result%empty = count(labels > 0) == 0
-      if (result%empty) call result%fail('no state settles')
+      i = findloc(status /= stat%ok .and. status /= stat%not_computed, .true., 1)
+      if (result%empty .and. i == 0) call result%fail('no state settles')
+      if (result%empty .and. i > 0) call result%fail('no state settles: '//status_text(status(i)))
       if (.not. result%empty .and. lost > 0) call result%fail(whole(lost)//' of '// &
          counted(reached, 'state')//' not decided')
    end subroutine run_basins
