@@ -4,12 +4,11 @@ import functools
 import json
 import random
 import shutil
-import signal
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from child import PATIENCE, in_child, where
+from child import in_child, limited, where
 from language import Language
 
 #: Damaged files of a whole run for each sound one.
@@ -146,16 +145,13 @@ def damaged(path, reader, count, seed, begin):
             shutil.copytree(path, place)
             (place / chosen.relative_to(path)).write_bytes(data)
         begin(f"{path.name}, {chosen.name}, number {i}")
-        signal.setitimer(signal.ITIMER_REAL, 20 * PATIENCE)
-        try:
-            reader(place)
+        error = limited(functools.partial(reader, place), 10)
+        if error is None:
             counts[1] += 1
-        except (VibroimpactError, OSError):
+        elif isinstance(error, (VibroimpactError, OSError)):
             counts[0] += 1
-        except KeyboardInterrupt:
+        elif isinstance(error, KeyboardInterrupt):
             faults.setdefault("does not end", (data, chosen.suffix))
-        except Exception as error:
+        else:
             faults.setdefault(where(error), (data, chosen.suffix))
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
     return *counts, faults

@@ -5,10 +5,10 @@ import functools
 import json
 import math
 import random
-import signal
+import threading
 from urllib.parse import quote, urlencode
 
-from child import PATIENCE, in_child, where
+from child import in_child, limited, where
 from language import Language
 
 #: Calls of the library, messages and links of a whole run.
@@ -97,7 +97,11 @@ def call(options, count, begin):
             maker(text(), ctypes.byref(fresh))
             handles.append(fresh.value)
         elif kind == 1 and len(handles) < 8:
-            library.vibroimpact_run(text(), whole(), None, ctypes.byref(fresh))
+            progress = (ctypes.c_int32 * 3)()
+            clock = threading.Timer(5, progress.__setitem__, (2, 1))
+            clock.start()
+            library.vibroimpact_run(text(), whole(), progress, ctypes.byref(fresh))
+            clock.cancel()
             handles.append(fresh.value)
         elif kind == 2 and handles:
             library.vibroimpact_free(ctypes.c_int64(handles.pop(rng.randrange(len(handles)))))
@@ -172,22 +176,19 @@ def answered(session, sent, message, counts, faults):
 
     data = repr(message).encode("utf-8", "replace")
     sent.clear()
-    signal.setitimer(signal.ITIMER_REAL, 40 * PATIENCE)
-    try:
-        session.heard(checked(message))
+    error = limited(lambda: session.heard(checked(message)), 20)
+    if error is None:
         own = next((text for text in sent if "explorer's own" in text), None)
         if own is not None:
             at = own.index("a fault of the explorer's own")
             faults.setdefault(own[at : at + 200], (data, ".txt"))
         counts[1] += 1
-    except VibroimpactError:
+    elif isinstance(error, VibroimpactError):
         counts[0] += 1
-    except KeyboardInterrupt:
+    elif isinstance(error, KeyboardInterrupt):
         faults.setdefault("does not end", (data, ".txt"))
-    except Exception as error:
+    else:
         faults.setdefault(where(error), (data, ".txt"))
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
 
 
 def listen(options, count, begin):
@@ -246,15 +247,17 @@ def follow(options, count, begin):
             )
         link = link if rng.random() < 0.8 else quote(link, errors="replace")
         begin(link)
-        signal.setitimer(signal.ITIMER_REAL, 10 * PATIENCE)
-        try:
-            state, wrong = State.read(link)
-            State.read(state.query)
-            counts[0 if wrong else 1] += 1
-        except KeyboardInterrupt:
+        states = []
+
+        def read(link=link, states=states):
+            states.append(State.read(link))
+            State.read(states[0][0].query)
+
+        error = limited(read, 5)
+        if error is None:
+            counts[0 if states[0][1] else 1] += 1
+        elif isinstance(error, KeyboardInterrupt):
             faults.setdefault("does not end", (link.encode("utf-8", "replace"), ".txt"))
-        except Exception as error:
+        else:
             faults.setdefault(where(error), (link.encode("utf-8", "replace"), ".txt"))
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
     return *counts, faults

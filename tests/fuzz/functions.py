@@ -11,10 +11,9 @@ import functools
 import inspect
 import math
 import re
-import signal
 
 import numpy as np
-from child import PATIENCE, in_child, where
+from child import in_child, limited, where
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
@@ -296,15 +295,17 @@ def fault_of(function, arguments, parameters, counts, errors):
         for name, value in arguments.items()
         if positional[name].kind is not inspect.Parameter.POSITIONAL_ONLY
     }
-    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
-    try:
+
+    def call():
         answer = function(*first, **named)
         if inspect.isgenerator(answer):
             list(zip(range(10), answer, strict=False))
-    except KeyboardInterrupt:
+
+    error = limited(call)
+    if error is None or isinstance(error, KeyboardInterrupt):
         counts[1] += 1
-    except own_error as error:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+        return None
+    if isinstance(error, own_error):
         message = str(error)
         of_object = inspect.ismethod(function) and re.match(r"<|\w+( = |:)", message)
         if (
@@ -313,18 +314,9 @@ def fault_of(function, arguments, parameters, counts, errors):
             and not names_one(message, parameters)
         ):
             return f"{type(error).__name__} without the name of a parameter: {message[:150]!r}"
-        counts[0] += 1
-    except RuntimeError as error:
-        if str(error) not in ("no number", "no array"):
-            return where(error)
-        counts[0] += 1
-    except Exception as error:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+    elif not isinstance(error, RuntimeError) or str(error) not in ("no number", "no array"):
         return where(error)
-    else:
-        counts[1] += 1
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+    counts[0] += 1
     return None
 
 

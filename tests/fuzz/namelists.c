@@ -73,18 +73,18 @@ static void tick(int number)
     }
 }
 
-/* The clock of one call: CPU time, and two minutes of waiting. */
+/* The clock of one call: CPU time, and half an hour of waiting, since a busy machine may leave it little. */
 static void set_clock(int on)
 {
-    struct itimerval each = {{0, 0}, {0, 0}}, minute = {{0, 0}, {0, 0}};
+    struct itimerval each = {{0, 0}, {0, 0}}, wait = {{0, 0}, {0, 0}};
     if (on) {
         each.it_value.tv_sec = each.it_interval.tv_sec = (long)(budget / 1e3);
         each.it_value.tv_usec = each.it_interval.tv_usec = (long)(budget * 1e3) % 1000000;
-        minute.it_value.tv_sec = 120;
+        wait.it_value.tv_sec = 1800;
     }
     ticks = 0;
     setitimer(ITIMER_PROF, &each, NULL);
-    setitimer(ITIMER_REAL, &minute, NULL);
+    setitimer(ITIMER_REAL, &wait, NULL);
 }
 
 static char *copy_text(vibroimpact_result result, int what)

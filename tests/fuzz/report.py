@@ -14,6 +14,8 @@ class Report:
 
     #: Examples that are kept of findings of one kind.
     most = 3
+    #: Bytes of each that are printed.
+    shown = 2000
 
     def __init__(self):
         self.rows = {}
@@ -41,12 +43,20 @@ class Report:
             print(f"{what}: {kind}: {path}", file=sys.stderr, flush=True)
 
     def finish(self):
-        """Prints the table; the exit status."""
+        """Prints the findings with the beginning of their inputs, and the table; the exit status."""
+        for (what, kind), paths in self.kinds.items():
+            print(f"\n{what}: {kind}")
+            for path in paths:
+                text = path.read_bytes()[: self.shown].decode(errors="backslashreplace")
+                print(f"--- {path}\n{''.join(map(visible, text))}")
         print(f"{'':32}{'tried':>10}{'refused':>10}{'accepted':>10}{'findings':>10}")
         for what, row in self.rows.items():
             print(f"{what:32}{sum(row):10,}{row[0]:10,}{row[1]:10,}{row[2]:10,}")
-        for (what, kind), paths in self.kinds.items():
-            print(f"{what}: {kind}", *(f"  {path}" for path in paths), sep="\n")
         used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
         print(f"{sum(use.ru_utime + use.ru_stime for use in used):.0f} s of CPU time")
         return 1 if self.kinds else 0
+
+
+def visible(character):
+    """A character as a log can show it."""
+    return character if character.isprintable() or character == "\n" else ascii(character)[1:-1]

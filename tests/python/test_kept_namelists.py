@@ -24,7 +24,6 @@ def test_kept_namelists(path, tmp_path):
     try:
         log = vi.run_namelists([path], tmp_path)
     except KeyboardInterrupt:
-        assert path.stem in ("find_many_guesses", "basins_far")
         assert time.process_time() < begin + 20
         return
     finally:
