@@ -1,6 +1,7 @@
 !> The study &response of a &structure: the size of settled motions along the load frequency.
 module vi_response_structure_study
    use vi_kinds, only: wp
+   use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_spacing, only: even
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: load_frequency, structure_of
@@ -111,18 +112,21 @@ contains
       associate (s => case%study)
          call new_change('frequency', [s%number('low'), s%number('high')], structure, load, &
             path%changes(1), message)
+         n = case%coordinates
+         m = s%whole_number('values')
+         allocate (shares, source=even(0.0_wp, 1.0_wp, m))
+         allocate (largest(n, m), rms(n, m), source=0.0_wp)
+         call add_expected_work(m, progress)
+         !$omp parallel do schedule(dynamic, 1) num_threads(threads)
+         do i = 1, m
+            if (is_stopped(progress)) cycle  ! and the sweep, which is next, reaches no value
+            call steady_size(path, shares(i), largest(:, i), rms(:, i))
+            call add_done_work(1, progress)
+         end do
+         !$omp end parallel do
          call run_sweep(s, path, 0, cells, result, progress)
          call put_cells(result, path, s, cells)
-         m = s%whole_number('values')
       end associate
-      n = case%coordinates
-      allocate (shares, source=even(0.0_wp, 1.0_wp, m))
-      allocate (largest(n, m), rms(n, m))
-      !$omp parallel do schedule(dynamic, 1) num_threads(threads)
-      do i = 1, m
-         call steady_size(path, shares(i), largest(:, i), rms(:, i))
-      end do
-      !$omp end parallel do
       call result%put('cells', 'largest', [(max(abs(cells(i)%q_min), abs(cells(i)%q_max)), &
          i=1, size(cells))], n)
       call result%put('cells', 'rms', [(cells(i)%q_rms, i=1, size(cells))], n)

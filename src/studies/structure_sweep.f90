@@ -86,11 +86,12 @@ contains
       call add_expected_work(size(cells), progress)
       here = [q, rate]
       do i = 1, size(cells)
+         done = i - 1
+         if (is_stopped(progress)) return
          call changed(path, [shares(order(i))], structure, load)
          call examine(structure, load, how, here, cells(i), progress)
          cells(i)%value = order(i)
          cells(i)%run = runs(i)
-         done = i - 1
          if (cells(i)%status == stat%not_computed) return
          done = i
          ! after a failure anew

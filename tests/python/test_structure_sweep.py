@@ -206,10 +206,15 @@ def test_errors_name_the_parameter(change, message):
 
 
 def test_a_stop_keeps_what_was_reached(diagram):
-    counters = new_counters()
-    counters[2] = 1
-    handle, _ = _core.run_case(np.frombuffer(diagram.to_namelist().encode(), "S1"), 1, counters)
-    assert from_core("bifurcation_structure", handle).cut == "0 of 10 values were reached"
+    sizes = vi.response(WALL, LOAD, np.linspace(0.9, 1.1, 5))
+    for result, study, count in (
+        (diagram, "bifurcation_structure", 10), (sizes, "response_structure", 10),
+    ):  # fmt: skip
+        counters = new_counters()
+        counters[2] = 1
+        handle, _ = _core.run_case(np.frombuffer(result.to_namelist().encode(), "S1"), 1, counters)
+        assert from_core(study, handle).cut == f"0 of {count} values were reached"
+        assert counters[0] == 0  # no work was done
 
 
 def test_an_event_limit_is_a_status():
