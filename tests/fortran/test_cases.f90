@@ -1,5 +1,6 @@
 !> Tests of cases: values as they are written, and the descriptions of keys.
 program test_cases
+   use cases_files, only: test_files
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, random_type
    use vi_key, only: a_whole, a_word, describe_key, key_type
@@ -16,6 +17,7 @@ program test_cases
    call test_words()
    call test_subscripts()
    call test_descriptions()
+   call test_files()
    call finish()
 
 contains

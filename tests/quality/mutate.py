@@ -81,8 +81,10 @@ class Build:
             objects.append(str(source.with_suffix(".o")))
             kept = [word for word in words[:-1] if not word.startswith(("-J", "-W"))]
             kept[kept.index("-o") + 1] = objects[-1]
+            # a value that is never set is not 0 by chance
+            kept += ["-O1", "-w", "-finit-integer=-77777", "-finit-real=nan", f"-J{modules}"]
             if subprocess.run(
-                [*kept, str(source), "-O1", "-w", f"-J{modules}"],
+                [*kept, str(source)],
                 cwd=self.folder,
                 capture_output=True,
             ).returncode:
@@ -203,11 +205,15 @@ def listed() -> dict[tuple[str, str, str], str]:
 def sample(files: list[str], size: int | None, seed: int) -> list[Mutant]:
     """Return mutants of files, `size` of them drawn by the seed; a change of one line changes few of them."""
 
-    def rank(mutant: Mutant) -> bytes:
-        text = f"{seed} {mutant.file} {mutant.before} {mutant.after}"
-        return hashlib.sha256(text.encode()).digest()
-
-    return sorted((mutant for file in files for mutant in mutants_of(ROOT, file)), key=rank)[:size]
+    ranked, seen = [], Counter()
+    for file in files:
+        for mutant in mutants_of(ROOT, file):
+            text = f"{seed} {mutant.file} {mutant.before} {mutant.after}"
+            # the same change of another line is drawn on its own
+            seen[text] += 1
+            text += f" {seen[text]}" if seen[text] > 1 else ""
+            ranked.append((hashlib.sha256(text.encode()).digest(), mutant))
+    return [mutant for _, mutant in sorted(ranked, key=lambda pair: pair[0])[:size]]
 
 
 def count(text: str) -> int:

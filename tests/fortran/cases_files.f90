@@ -1,0 +1,371 @@
+!> Texts of files: what is written in any of their forms is read back, and faults are named by line.
+module cases_files
+   use checks, only: check
+   use random_numbers, only: draw, draw_integer, random_type
+   use vi_key, only: a_whole, key_type
+   use vi_kinds, only: wp
+   use vi_matrix_file, only: read_matrix, read_samples
+   use vi_namelist, only: group_type, scan_namelist
+   use vi_text, only: exact, join, line_type, split, whole
+   use vi_values, only: read_values, values_type
+   implicit none (type, external)
+   private
+
+   public :: test_files
+
+   character, parameter :: line_feed = achar(10), tab = achar(9)
+   character(*), parameter :: path = 'test_cases.file', market = '%%MatrixMarket matrix '
+   type(random_type) :: random
+
+contains
+
+   subroutine test_files()
+      integer :: i
+
+      do i = 1, 60
+         call test_split(i)
+         call test_namelist(i)
+         call test_matrix(draw_integer(random, 1, 5), mod(i, 2) == 0)
+         call test_samples(merge(1500, i, i == 60), draw_integer(random, 1, 4), mod(i, 4))
+      end do
+      call test_wrong_matrices()
+      call test_wrong_samples()
+      call test_lists_in_parts()
+      open (newunit=i, file=path)
+      close (i, status='delete')
+   end subroutine test_files
+
+   !> A text is its parts with the separators between them.
+   subroutine test_split(n)
+      integer, intent(in) :: n
+      type(line_type), allocatable :: parts(:)
+      character(n) :: text
+      integer :: i
+
+      do i = 1, n
+         text(i:i) = merge(';', 'x', draw_integer(random, 1, 3) == 1)
+      end do
+      allocate (parts, source=split(text, ';'))
+      call check(join(parts, ';') == text, 'parts that are joined are the text')
+      call check(all([(index(parts(i)%text, ';') == 0, i=1, size(parts))]), &
+         'no part holds a separator')
+   end subroutine test_split
+
+   !> Groups that are written with comments and in any layout, in a file and in a result.
+   subroutine test_namelist(n_groups)
+      integer, intent(in) :: n_groups
+      type(group_type), allocatable :: groups(:)
+      character(:), allocatable :: text, message
+      character(*), parameter :: gaps(*) = [character(12) :: ' ', '', line_feed, &
+         '! = / '' '//line_feed, tab//line_feed//line_feed]
+      integer :: lines(0:3, n_groups), counts(n_groups), form, i, j, line
+
+      text = ''
+      do i = 1, n_groups
+         call add_gap(text)
+         lines(0, i) = line_of(text)
+         text = text//'&'//merge('G', 'g', mod(i, 2) == 0)//whole(i)//' '
+         counts(i) = draw_integer(random, 0, 3)
+         do j = 1, counts(i)
+            call add_gap(text)
+            lines(j, i) = line_of(text)
+            text = text//'K'//whole(j)//'('//whole(i)//')'
+            call add_gap(text)
+            text = text//'= '//whole(10*i + j)//', ''a = /!'''
+            if (draw_integer(random, 1, 2) == 1) text = text//','
+            text = text//' '
+         end do
+         text = text//trim(merge('/   ', '&end', mod(i, 3) > 0))//line_feed
+      end do
+      do form = 1, 2
+         if (form == 2) text = '#'//with_sharps(text)//line_feed//'1,2,3'
+         call scan_namelist(text, groups, line, message)
+         call check(message == '' .and. line == 0 .and. size(groups) == n_groups, 'all groups')
+         do i = 1, min(n_groups, size(groups))
+            call check(groups(i)%name == 'g'//whole(i) .and. groups(i)%line == lines(0, i) .and. &
+               size(groups(i)%items) == counts(i), 'name and line of a group')
+            do j = 1, min(counts(i), size(groups(i)%items))
+               associate (item => groups(i)%items(j))
+                  call check(item%target == 'k'//whole(j)//'('//whole(i)//')' .and. &
+                     item%key == 'k'//whole(j), 'name of a key')
+                  call check(item%value == whole(10*i + j)//', ''a = /!''', 'value of a key')
+                  call check(item%line == lines(j, i), 'line of a key')
+               end associate
+            end do
+         end do
+      end do
+
+   contains
+
+      !> Adds blanks, line ends or a comment.
+      subroutine add_gap(to)
+         character(:), allocatable, intent(inout) :: to
+
+         to = to//' '//trim(gaps(draw_integer(random, 1, size(gaps))))
+      end subroutine add_gap
+
+   end subroutine test_namelist
+
+   !> Number of the last line of a text.
+   pure integer function line_of(text)
+      character(*), intent(in) :: text
+      integer :: i
+
+      line_of = 1 + count([(text(i:i) == line_feed, i=1, len(text))])
+   end function line_of
+
+   !> A text with # at the beginning of each line but the first.
+   pure function with_sharps(text) result(marked)
+      character(*), intent(in) :: text
+      character(len(text) + line_of(text) - 1) :: marked
+      integer :: i, n
+
+      n = 0
+      do i = 1, len(text)
+         n = n + 1
+         marked(n:n) = text(i:i)
+         if (text(i:i) == line_feed) then
+            n = n + 1
+            marked(n:n) = '#'
+         end if
+      end do
+   end function with_sharps
+
+   !> One matrix in all forms of both formats.
+   subroutine test_matrix(n, symmetric)
+      integer, intent(in) :: n
+      logical, intent(in) :: symmetric
+      character(:), allocatable :: list, entries, kind, bytes
+      character :: order
+      real(wp) :: matrix(n, n)
+      integer :: i, j
+
+      do j = 1, n
+         do i = 1, n
+            matrix(i, j) = draw(random, -1.0_wp, 1.0_wp)
+            if (symmetric) matrix(j, i) = matrix(i, j)
+         end do
+      end do
+      list = ''
+      entries = ''
+      do j = 1, n
+         do i = merge(j, 1, symmetric), n
+            list = list//exact(matrix(i, j))//line_feed//'% comment'//line_feed//line_feed
+            entries = whole(i)//tab//whole(j)//' '//exact(matrix(i, j))//line_feed//entries
+         end do
+      end do
+      kind = trim(merge('symmetric', 'general  ', symmetric))
+      call write_file(market//'array real '//kind//achar(13)//line_feed//whole(n)//' '//whole(n) &
+         //line_feed//list)
+      call check_matrix(matrix, 'column by column')
+      i = n**2
+      if (symmetric) i = n*(n + 1)/2
+      call write_file(market//' coordinate'//tab//'real '//kind//line_feed//'%'//line_feed &
+         //whole(n)//' '//whole(n)//' '//whole(i)//line_feed//entries)
+      call check_matrix(matrix, 'entry by entry')
+      do i = 1, 2
+         bytes = ''
+         order = merge('F', 'T', i == 1)
+         do j = 1, n*n
+            associate (row => 1 + (j - 1)/n, column => 1 + modulo(j - 1, n))
+               bytes = bytes//bytes_of(merge(matrix(row, column), matrix(column, row), i == 1), &
+                  i == 1)
+            end associate
+         end do
+         call write_numpy(merge('<', '>', i == 1), trim(merge('False', 'True ', i == 1)), &
+            '('//whole(n)//', '//whole(n)//')', bytes, i)
+         call check_matrix(matrix, 'NumPy, fortran_order '//order)
+      end do
+      bytes = ''
+      do j = 1, n
+         bytes = bytes//bytes_of(matrix(j, 1), .true.)
+      end do
+      call write_numpy('<', 'True', '('//whole(n)//',)', bytes, 3)
+      call check_matrix(matrix(:, :1), 'a list')
+   end subroutine test_matrix
+
+   !> The eight bytes of a number, the lowest first or last.
+   pure function bytes_of(value, lowest_first) result(bytes)
+      real(wp), intent(in) :: value
+      logical, intent(in) :: lowest_first
+      character(8) :: bytes, given
+      integer :: i
+
+      given = transfer(value, given)
+      if (iachar(transfer(1, 'a')) == 1 .eqv. lowest_first) then
+         bytes = given
+      else
+         bytes = ''
+         do i = 1, 8
+            bytes(i:i) = given(9 - i:9 - i)
+         end do
+      end if
+   end function bytes_of
+
+   !> Writes a file in NumPy's format of a version.
+   subroutine write_numpy(first, order, shape_text, bytes, version)
+      character(*), intent(in) :: first, order, shape_text, bytes
+      integer, intent(in) :: version
+      character(:), allocatable :: head
+
+      head = '{''descr'': '''//first//'f8'', ''fortran_order'': '//order//', ''shape'': '// &
+         shape_text//', }'//repeat(' ', 300)//line_feed
+      call write_file(char(147)//'NUMPY'//char(version)//char(0)//char(modulo(len(head), 256))// &
+         char(len(head)/256)//repeat(char(0), merge(0, 2, version == 1))//head//bytes)
+   end subroutine write_numpy
+
+   !> The file is read as the rows of a matrix.
+   subroutine check_matrix(matrix, what)
+      real(wp), intent(in) :: matrix(:, :)
+      character(*), intent(in) :: what
+      real(wp), allocatable :: numbers(:)
+      character(:), allocatable :: message
+
+      call read_matrix(path, 5, numbers, message)
+      call check(message == '', what//' '//message)
+      call check(size(numbers) == size(matrix), 'size of a matrix '//what)
+      if (size(numbers) == size(matrix)) call check(all(abs(numbers - [transpose(matrix)]) <= 0), &
+         'numbers of a matrix '//what)
+   end subroutine check_matrix
+
+   !> Samples in a table with or without names and times, with each kind of line end.
+   subroutine test_samples(n, m, form)
+      integer, intent(in) :: n, m, form
+      character(:), allocatable :: text, message, ending
+      real(wp) :: table(m, n), time(n)
+      real(wp), allocatable :: numbers(:), times(:)
+      integer :: i, j, columns
+
+      ending = line_feed
+      if (mod(n, 3) == 0) ending = achar(13)//line_feed
+      if (mod(n, 3) == 1) ending = achar(13)
+      text = ''
+      if (form == 0) text = char(239)//char(187)//char(191)
+      if (mod(n, 2) == 0) text = text//'# a comment'//ending//ending//' % another'//ending
+      if (form == 1) text = text//'"Time (s)", x, 2'//ending
+      if (form == 2) text = text//'t'//tab//'x'//ending
+      if (form == 3) text = text//'torque 1'//ending
+      do i = 1, n
+         time(i) = draw(random, 0.0_wp, 1.0_wp)
+         if (form == 1 .or. form == 2) text = text//exact(time(i))//','
+         do j = 1, m
+            table(j, i) = draw(random, -1.0_wp, 1.0_wp)
+            text = text//exact(table(j, i))//merge(tab, ' ', form == 2)
+         end do
+         if (i < n .or. mod(n, 2) == 0) text = text//ending
+      end do
+      call write_file(text)
+      call read_samples(path, m, (m + 1)*n, numbers, columns, times, message)
+      call check(message == '', 'samples: '//message)
+      call check(columns == m .and. size(numbers) == m*n .and. &
+         size(times) == merge(n, 0, form == 1 .or. form == 2), 'shape of a table of samples')
+      if (size(numbers) == m*n) call check(all(abs(numbers - [table]) <= 0), 'numbers of samples')
+      if (size(times) == n) call check(all(abs(times - time) <= 0), 'times of samples')
+   end subroutine test_samples
+
+   !> The first line that is wrong is named, with what it must hold.
+   subroutine test_wrong_matrices()
+      call refuse_matrix('array real general|2 2|1|x|y|4|', &
+         'line 4: must hold one number of entry 2 of 4')
+      call refuse_matrix('array real general|2 2|1|2|3|', &
+         'line 6: must hold one number of entry 4 of 4')
+      call refuse_matrix('array real general|1 1|1|%|2|', 'line 5: stands after the last entry')
+      call refuse_matrix('array real general|1.5 1|1|', &
+         'line 2: must hold the numbers of rows and columns')
+      call refuse_matrix('array real symmetric|1 2|1|2|', &
+         'line 2: must be square as it is symmetric')
+      call refuse_matrix('array real general|1 2|1|2|', &
+         'it has 1 rows and 2 columns; must be square')
+      call refuse_matrix('array real general|6 6|1|', &
+         'it has 6 rows and 6 columns; must be 1 to 5')
+      call refuse_matrix('coordinate real general|2 2 2|1 1 3|1 1 4|2 2 5|', &
+         'line 4: must be another entry of the 2 rows and 2 columns')
+      call refuse_matrix('coordinate real symmetric|2 2 2|2 1 3|1 2 4|', &
+         'line 4: must be another entry of the 2 rows and 2 columns')
+      call refuse_matrix('coordinate real general|2 2 1|3 1 3|', &
+         'line 3: must be another entry of the 2 rows and 2 columns')
+      call refuse_matrix('coordinate real general|2 2 5|1 1 3|', &
+         'line 2: it has more than 4 entries')
+      call refuse_matrix('coordinate real general|2 2|1 1 3|', &
+         'line 2: must hold the numbers of rows, columns and entries')
+      call refuse_matrix('array complex general|1 1|1|', &
+         'line 1: must be matrix, coordinate or array, real, general or symmetric')
+   end subroutine test_wrong_matrices
+
+   !> The message about a Matrix Market file whose lines end with |.
+   subroutine refuse_matrix(text, expected)
+      character(*), intent(in) :: text, expected
+      character(:), allocatable :: message
+      real(wp), allocatable :: numbers(:)
+
+      call write_file(market//join(split(text, '|'), line_feed))
+      call read_matrix(path, 5, numbers, message)
+      call check(message == expected, expected//', not '//message)
+   end subroutine refuse_matrix
+
+   !> The first fault of a table of samples is named: at most 2 columns and 6 numbers.
+   subroutine test_wrong_samples()
+      call refuse_samples('1 2|3|4 5|', 'line 2: must hold 2 finite numbers, as the lines before')
+      call refuse_samples('#|1 2 3 4|1 2|', 'line 2: must hold finite numbers, at most 2')
+      call refuse_samples('1||2|', 'line 2: must hold 1 finite number, as the lines before')
+      call refuse_samples('1 2|3 4|5 6|7 8|x|', 'it has more than 6 numbers')
+      call refuse_samples('1 2|3 nan|', 'line 2: must hold 2 finite numbers, as the lines before')
+      call refuse_samples('2*1|', 'line 1: must hold finite numbers, at most 2')
+      call refuse_samples('x y|', 'it holds no numbers')
+      call refuse_samples('time|1|2|', 'it has a column of times alone')
+   end subroutine test_wrong_samples
+
+   !> The message about a table whose lines end with |.
+   subroutine refuse_samples(text, expected)
+      character(*), intent(in) :: text, expected
+      character(:), allocatable :: message
+      real(wp), allocatable :: numbers(:), times(:)
+      integer :: columns
+
+      call write_file(join(split(text, '|'), line_feed))
+      call read_samples(path, 2, 6, numbers, columns, times, message)
+      call check(message == expected, expected//', not '//message)
+   end subroutine refuse_samples
+
+   !> A list may be given in parts in any order, without gaps, and each place once.
+   subroutine test_lists_in_parts()
+      call check_list('n(3:4) = 3, 4|n(1) = 1|n(2) = 2|n(5:) = 5, 6', 6, '', 0)
+      call check_list('n = 1, 2|n(3) = 3', 3, '', 0)
+      call check_list('n(3) = 3|n(1) = 1', 0, 'must be', 0)
+      call check_list('n(2) = 2|n(9) = 9|n(1:2) = 1, 2', 0, 'was given before, in line 1', 3)
+   end subroutine test_lists_in_parts
+
+   !> Reads assignments in lines that end with |: the numbers 1 to n, or a fault.
+   subroutine check_list(text, n, fault, line)
+      character(*), intent(in) :: text, fault
+      integer, intent(in) :: n, line
+      type(group_type), allocatable :: groups(:)
+      type(values_type) :: values
+      character(:), allocatable :: message
+      integer, allocatable :: numbers(:)
+      integer :: at, i
+
+      call scan_namelist('&g '//join(split(text, '|'), line_feed)//' /', groups, at, message)
+      call check(message == '', text)
+      call read_values('g', [key_type('n', a_whole, low=1.0_wp, most=9)], groups(1), values)
+      call check(index(values%fault, fault) > 0 .and. (fault == '') .eqv. values%fault == '', &
+         text//': '//values%fault)
+      if (line > 0) call check(values%fault_line == line, 'line of the fault')
+      if (n == 0 .or. values%fault /= '') return
+      allocate (numbers, source=values%whole_numbers('n'))
+      call check(size(numbers) == n, 'length of a list in parts')
+      if (size(numbers) == n) call check(all(numbers == [(i, i=1, n)]), 'numbers of such a list')
+   end subroutine check_list
+
+   !> Writes the file that is read next.
+   subroutine write_file(text)
+      character(*), intent(in) :: text
+      integer :: unit
+
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='replace', &
+         action='write')
+      write (unit) text
+      close (unit)
+   end subroutine write_file
+
+end module cases_files
