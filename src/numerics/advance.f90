@@ -17,7 +17,9 @@ contains
    !! Over a step of at most H, a bound B on |g''''| gives g(t + h) >= g + g' h + (g''/2 + min(0,
    !! g'''/6 - B H/24) H) h^2, and the first positive zero of this parabola is safe. A large H makes
    !! the parabola pessimistic and a small one limits the step, so H is lowered towards the zero.
-   !! Near a simple zero of g the step converges to it with third order.
+   !! Near a simple zero of g the step converges to it with third order. Where the lowered H is by
+   !! far too small, as just after a release, when g and its slope are all but 0, the best H is
+   !! bracketed by orders of magnitude: between `near`, all of which is safe, and `far`.
    pure real(wp) function safe_step(g, slope, curvature, jerk, bound, limit) result(step)
       !> Value and first three derivatives now; g > 0, or g = 0 where the function starts to rise.
       real(wp), intent(in) :: g, slope, curvature, jerk
@@ -25,7 +27,7 @@ contains
       real(wp), intent(in) :: bound
       !> Longest step that is wanted.
       real(wp), intent(in) :: limit
-      real(wp) :: zero, reach
+      real(wp) :: zero, reach, near, far
       integer :: i
 
       step = 0
@@ -33,13 +35,25 @@ contains
       zero = first_zero(g, slope, 0.5_wp*curvature)
       if (zero < 0.7_wp*limit) reach = min(limit, 1.5_wp*zero)
       if (.not. reach > 0) return
-      do i = 1, 2
+      do i = 1, 30
          zero = first_zero(g, slope, 0.5_wp*curvature &
             + min(0.0_wp, jerk/6 - bound*reach/24)*reach)
          step = max(step, min(zero, reach))
-         ! a second look pays only with a much smaller H
-         if (.not. zero < 0.6_wp*reach) return
-         reach = 1.5_wp*zero
+         if (i == 1) then
+            ! a second look pays only with a much smaller H
+            if (.not. zero < 0.6_wp*reach) return
+            far = reach
+            reach = 1.5_wp*zero
+         else
+            if (i == 2 .and. zero < reach) return
+            if (zero < reach) then
+               far = reach
+            else
+               near = reach
+            end if
+            if (.not. near < 0.01_wp*far) return
+            reach = sqrt(near)*sqrt(far)
+         end if
       end do
    end function safe_step
 
