@@ -14,6 +14,9 @@ from .errors import ParameterError, ParameterTypeError
 
 TWO_PI = 2 * math.pi
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
+#: The largest number of a state: squares and products of any two are finite.
+MOST = 1e100
+RANGE = "a number from -1e100 to 1e100"
 EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
 #: Keys of a state: t, x, x_dot, z, z_dot, and those that a `final_state` adds to continue with the same bits.
@@ -120,9 +123,9 @@ def checked_state(state: Any, clearance: float) -> dict[str, float]:
     for name in state:
         if name == "since":
             continue
-        given[name] = checks.to_float(state[name], f"state[{name!r}]", "a finite number")
-        if not math.isfinite(given[name]):
-            raise ParameterError(f"state[{name!r}] = {state[name]!r}: must be a finite number")
+        given[name] = checks.to_float(state[name], f"state[{name!r}]", RANGE)
+        if not abs(given[name]) <= MOST:
+            raise ParameterError(f"state[{name!r}] = {state[name]!r}: must be {RANGE}")
     y, half = given["z"] - given["x"], 0.5 * clearance
     if abs(y) > half * (1 + 1e-9):
         raise ParameterError(

@@ -8,7 +8,7 @@ module vi_basins_study
    use vi_attractor_spread, only: random_states
    use vi_basin_tables, only: find_shares, open_states, set_axes, tell_apart
    use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, max_events_key, &
-      state_keys
+      most_state, state_keys
    use vi_forced_system, only: new_forced_system
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
@@ -32,31 +32,38 @@ module vi_basins_study
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
       meaning='number of random states, instead of a plane'), &
       key_type('list', least=5, most=5*most_numbers, may_miss=.true., never='states', &
-      takes='finite numbers: t, x, x_dot, z and z_dot of each state', &
+      low=-most_state, high=most_state, &
+      takes='numbers from -1e100 to 1e100: t, x, x_dot, z and z_dot of each state', &
       meaning='t, x, x_dot, z and z_dot of each state, instead of a plane'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=real(huge(1), wp), only='states', &
       meaning='seed of the random states'), &
       key_type('axes', a_word, least=2, most=2, words='x x_dot y z_dot t', never=beside, &
       why=random, takes='two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'', or states = &
       &N instead of a plane', option='plane', meaning='axes of the plane of initial states'), &
-      key_type('low', least=2, most=2, never=beside, why=random, &
-      takes='two finite numbers, one for each axis', option='plane', &
+      key_type('low', least=2, most=2, low=-most_state, high=most_state, &
+      never=beside, why=random, &
+      takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       meaning='first value along each axis'), &
-      key_type('high', least=2, most=2, over='low', never=beside, why=random, &
-      takes='two finite numbers, one for each axis', option='plane', &
+      key_type('high', least=2, most=2, low=-most_state, high=most_state, &
+      over='low', never=beside, why=random, &
+      takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       meaning='last value along each axis'), &
       key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=beside, &
       why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values along each axis'), &
-      key_type('t', default='0', never=beside, why=random, unit='1/omega', &
-      meaning='time, unless it is an axis'), &
-      key_type('x', default='0', never=beside, why=random, unit='F0/K', &
+      key_type('t', default='0', low=-most_state, high=most_state, &
+      never=beside, why=random, unit='1/omega', meaning='time, unless it is an axis'), &
+      key_type('x', default='0', low=-most_state, high=most_state, &
+      never=beside, why=random, unit='F0/K', &
       meaning='displacement of the primary mass, unless it is an axis'), &
-      key_type('x_dot', default='0', never=beside, why=random, unit='omega F0/K', &
+      key_type('x_dot', default='0', low=-most_state, high=most_state, &
+      never=beside, why=random, unit='omega F0/K', &
       meaning='velocity of the primary mass, unless it is an axis'), &
-      key_type('y', default='0', never=beside, why=random, unit='F0/K', &
+      key_type('y', default='0', low=-most_state, high=most_state, &
+      never=beside, why=random, unit='F0/K', &
       meaning='z - x, unless it is an axis'), &
-      key_type('z_dot', default='0', never=beside, why=random, unit='omega F0/K', &
+      key_type('z_dot', default='0', low=-most_state, high=most_state, &
+      never=beside, why=random, unit='omega F0/K', &
       meaning='velocity of the free mass, unless it is an axis'), &
       key_type('cycles', a_whole, default='1000', low=1.0_wp, high=1.0e7_wp, &
       meaning='load cycles after which an undecided state is examined again'), &

@@ -3,7 +3,8 @@ module vi_bifurcation_study
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
    use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, load_key, &
       parameter_of, parameter_place, parameter_takes, parameter_values, parameter_words, &
-      max_events_key, range_takes, resonance, spacing_key, state_keys, state_of, window_keys
+      max_events_key, most_state, range_takes, resonance, spacing_key, state_keys, &
+      state_of, window_keys
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance
    use vi_status, only: stat, status_text
@@ -49,15 +50,16 @@ module vi_bifurcation_study
       meaning='load cycles then examined; periods of up to half of them are detected'), &
       key_type('points', a_whole, default='100', low=1.0_wp, high=4096.0_wp, &
       meaning='impacts kept of each run and value'), &
-      key_type('t', may_miss=.true., never=states, why=own, unit='1/omega', &
-      meaning=state_keys(1)%meaning), &
-      key_type('x', may_miss=.true., never=states, why=own, option='state', unit='F0/K', &
-      meaning=state_keys(2)%meaning), &
-      key_type('x_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
-      meaning=state_keys(3)%meaning), &
-      key_type('z', may_miss=.true., never=states, why=own, option='state', unit='F0/K', &
-      meaning=state_keys(4)%meaning), &
-      key_type('z_dot', may_miss=.true., never=states, why=own, option='state', unit='omega F0/K', &
+      key_type('t', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, unit='1/omega', meaning=state_keys(1)%meaning), &
+      key_type('x', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='F0/K', meaning=state_keys(2)%meaning), &
+      key_type('x_dot', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='omega F0/K', meaning=state_keys(3)%meaning), &
+      key_type('z', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='F0/K', meaning=state_keys(4)%meaning), &
+      key_type('z_dot', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='omega F0/K', &
       meaning=state_keys(5)%meaning), load_key, max_events_key]
 
    type(column_type), parameter :: bifurcation_columns(*) = [ &

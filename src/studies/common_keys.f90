@@ -15,6 +15,8 @@ module vi_common_keys
 
    real(wp), parameter, public :: least_r = 1.0e-6_wp, most_r = 1.0e6_wp, least_gap = 1.0e-12_wp, &
       most_gap = 1.0e12_wp
+   !> Largest coordinate or velocity of a state: squares and products of any two are finite.
+   real(wp), parameter, public :: most_state = 1.0e100_wp
 
    !> The parameters that a study can vary, in the order of the core, with their ranges.
    character(11), parameter, public :: parameters(7) = [character(11) :: 'r', 'clearance', 'xi', &
@@ -58,15 +60,16 @@ module vi_common_keys
 
    !> An initial state.
    type(key_type), parameter, public :: state_keys(5) = [ &
-      key_type('t', default='0', unit='1/omega', meaning='time; the load phase is r t'), &
-      key_type('x', default='0', option='state', unit='F0/K', &
-      meaning='displacement of the primary mass'), &
-      key_type('x_dot', default='0', option='state', unit='omega F0/K', &
-      meaning='velocity of the primary mass'), &
-      key_type('z', default='0', option='state', unit='F0/K', &
-      meaning='displacement of the free mass'), &
-      key_type('z_dot', default='0', option='state', unit='omega F0/K', &
-      meaning='velocity of the free mass')]
+      key_type('t', default='0', low=-most_state, high=most_state, unit='1/omega', &
+      meaning='time; the load phase is r t'), &
+      key_type('x', default='0', low=-most_state, high=most_state, &
+      option='state', unit='F0/K', meaning='displacement of the primary mass'), &
+      key_type('x_dot', default='0', low=-most_state, high=most_state, &
+      option='state', unit='omega F0/K', meaning='velocity of the primary mass'), &
+      key_type('z', default='0', low=-most_state, high=most_state, &
+      option='state', unit='F0/K', meaning='displacement of the free mass'), &
+      key_type('z_dot', default='0', low=-most_state, high=most_state, &
+      option='state', unit='omega F0/K', meaning='velocity of the free mass')]
 
    character(*), parameter, public :: parameter_words = 'r clearance xi mu R1 R2 restitution'
    character(*), parameter, public :: parameter_takes = '''r'', ''clearance'', ''xi'', ''mu'', &

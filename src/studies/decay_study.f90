@@ -1,7 +1,8 @@
 !> The study &decay: the peaks and the damping of free vibration, for one or several clearances.
 module vi_decay_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_common_keys, only: check_product, clearance_key, half_gap, max_events_key, state_keys
+   use vi_common_keys, only: check_product, clearance_key, half_gap, max_events_key, most_state, &
+      state_keys
    use vi_forced_system, only: two_pi
    use vi_kinds, only: wp
    use vi_peaks, only: find_peaks, peak_type
@@ -22,11 +23,13 @@ module vi_decay_study
       or='clearance', unit='K/F0', meaning='F0/(d K) of each clearance'), &
       key_type('amplitude', default='1', low=-1.0e9_wp, high=1.0e9_wp, unit='F0/K', &
       meaning='displacement of the primary mass at the start'), &
-      key_type('x_dot', default='0', unit=state_keys(3)%unit, &
+      key_type('x_dot', default='0', low=-most_state, high=most_state, &
+      unit=state_keys(3)%unit, &
       meaning='velocity of the primary mass at the start'), &
-      key_type('y', default='0', unit='F0/K', &
+      key_type('y', default='0', low=-most_state, high=most_state, unit='F0/K', &
       meaning='position z - x of the free mass between the walls at the start'), &
-      key_type('z_dot', default='0', unit=state_keys(5)%unit, &
+      key_type('z_dot', default='0', low=-most_state, high=most_state, &
+      unit=state_keys(5)%unit, &
       meaning='velocity of the free mass at the start'), &
       key_type('cycles', a_whole, default='20', low=1.0_wp, high=1.0e6_wp, &
       meaning='oscillations of the primary mass; there are 2 cycles + 1 peaks'), &

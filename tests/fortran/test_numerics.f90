@@ -34,6 +34,7 @@ program test_numerics
    call test_worst_quartics()
    call test_products()
    call test_units()
+   call test_steps_after_a_release()
    call test_huge_matrices()
    call test_numbers_of_threads()
    call test_spacing()
@@ -145,6 +146,26 @@ contains
          call check_close(other, step, 8*epsilon(1.0_wp)*step, 'steps: of any unit')
       end do
    end subroutine test_units
+
+   !> Just after a release t^2 (k - t^2) is all but 0, and so is its slope: few safe steps lead to its
+   !! zero at sqrt(k), however small that is, and none leads beyond it.
+   subroutine test_steps_after_a_release()
+      real(wp) :: k, t, zero
+      integer :: i, n
+
+      do i = 0, 24
+         k = 10.0_wp**(-i)
+         zero = sqrt(k)
+         t = 1e-3_wp*k
+         do n = 1, 200
+            t = t + safe_step(max(0.0_wp, t**2*(k - t**2)), 2*k*t - 4*t**3, 2*k - 12*t**2, -24*t, &
+               24.0_wp, 1.0_wp)
+            if (.not. t < zero*(1 - 4*epsilon(t))) exit
+         end do
+         call check(n <= 200, 'steps: few after a release')
+         call check_close(t, zero, 8*epsilon(t)*zero, 'steps: up to the zero')
+      end do
+   end subroutine test_steps_after_a_release
 
    !> At least one thread, and no more than are wanted.
    subroutine test_numbers_of_threads()
