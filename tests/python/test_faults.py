@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vibroimpact as vi
-from test_campaign import equispaced_case, files_of, small_sweep
+from shared_campaign import equispaced_case, files_of, small_sweep
 
 pytest.importorskip("zarr")
 pytestmark = [
