@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.plot.structure import KINDS, modes_of
+from vibroimpact.plot.structure import KINDS, _Scene, modes_of
+from vibroimpact.plot.structure_curves import parameter_label
 from vibroimpact.plot.structure_sketch import bodies_of, draw_sketch
+from vibroimpact.plot.style import REST, condition_name
 
 plt = pytest.importorskip("matplotlib.pyplot")
+same_color = pytest.importorskip("matplotlib.colors").same_color
 
 
 @pytest.fixture(autouse=True)
@@ -128,6 +131,43 @@ def test_still_structure():
     assert run._repr_html_()
 
 
+def test_history_of_many_coordinates():
+    """Coordinates one above the other: each by its number, all by the same scale, and events on their curves."""
+    run = run_of(5)
+    ax = run.plot(kind="history")
+    times = ax.lines[0].get_xdata()
+    q = run.sample(times)[0]
+    middle = (q.max(1) + q.min(1)) / 2
+    scale = np.ptp(q, axis=1).max() / 3
+    for i, values in enumerate(q):
+        assert ax.lines[i].get_ydata() == pytest.approx(i + (values - middle[i]) / scale)
+    free, coupled = ax.lines[9].get_color(), ax.lines[0].get_color()
+    assert [line.get_color() for line in ax.lines[:10]] == [coupled] * 5 + [free] * 5
+    assert free != coupled
+    texts = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert {"coupled", "free masses", "impact", f"one division: {scale:.3g}"} <= {*texts}
+    (marks,) = (line for line in ax.lines if line.get_label() == "impact")
+    impacts = run.events[run.events["kind"] == "impact"]
+    drawn = {*zip(marks.get_xdata(), np.round(marks.get_ydata(), 9), strict=True)}
+    here = run.states[:, 0][run.events["kind"] == "impact"]
+    for event, state in zip(impacts, here, strict=True):
+        for i in np.flatnonzero(run.structure.gaps[event["gap"]].direction):
+            assert (event["time"], round(i + (state[i] - middle[i]) / scale, 9)) in drawn
+    low, high = ax.get_ylim()
+    assert low < marks.get_ydata().min() <= marks.get_ydata().max() < high
+
+
+def test_energy_of_one_coordinate():
+    """A single coordinate has no shares; its energy is that of its displacement and velocity."""
+    run = vi.simulate(vi.Structure([2.0], [0.1], [3.0]), duration=5, state=([1.0], [0.5]))
+    ax = run.plot(kind="energy")
+    times, energy = ax.lines[0].get_data()
+    q, rate = run.sample(times)
+    assert energy == pytest.approx(rate[0] ** 2 + 1.5 * q[0] ** 2)
+    assert ax.get_ylim()[0] == 0
+    assert ax.get_xlim() == (0, 5)
+
+
 def test_animation(tmp_path):
     image = pytest.importorskip("PIL.Image")
     run = run_of(2)
@@ -135,3 +175,190 @@ def test_animation(tmp_path):
     assert image.open(path).n_frames == 10
     with pytest.raises(vi.ParameterError, match="seconds"):
         run.animate(tmp_path / "run.gif", seconds=0)
+    with pytest.raises(
+        vi.ParameterError, match=r"seconds = 0\.01: makes 0 pictures at 20 a second; must be 2 to"
+    ):
+        run.animate(tmp_path / "run.gif", seconds=0.01)
+
+
+def test_frames_show_the_state_and_the_contact():
+    """Dots stand at the coordinates by their numbers, and those in contact have the colour of rest."""
+    structure = vi.Structure([1, 1], [0.05] * 2, [1, 1], [vi.Gap([1, 0], 0.1, 0.2)])
+    load = vi.Load(0.3, sine=[0, 0.1], constant=[1.0, 0])
+    run = vi.simulate(structure, load, duration=40)
+    (stick,) = run.events[run.events["kind"] == "stick"]
+    scene = _Scene(run, run.start, run.end, plt.subplots(2)[1])
+    for time in (0.5 * stick["time"], 30.0):
+        scene.show(time)
+        q = run.sample([time])[0][:, 0]
+        assert np.array_equal(scene.dots.get_offsets(), np.column_stack([[0, 1], q]))
+        ends = [segment[1] for segment in scene.stems.get_segments()]
+        assert np.array_equal(ends, np.column_stack([[0, 1], q]))
+        before = (run.events["time"] <= time) & (run.events["kind"] == "impact")
+        assert scene.text.get_text() == f"$t$ = {time:.4g}   impacts: {before.sum()}"
+    colours = scene.dots.get_facecolor()
+    assert same_color(colours[0], REST)
+    assert not same_color(colours[1], REST)
+
+
+def links(springs, dashpots=(), walls=()):
+    """Stiffness and damping of a row of three bodies: links {(i, j): value}, and walls {i: value}."""
+    matrices = np.zeros((2, 3, 3))
+    for matrix, links in zip(matrices, (springs, dict(dashpots)), strict=True):
+        for (i, j), value in links.items():
+            matrix[np.ix_([i, j], [i, j])] += value * (2 * np.eye(2) - 1)
+    for i, value in dict(walls).items():
+        matrices[:, i, i] += value
+    return matrices
+
+
+def sketch_of(structure, load=None):
+    _, ax = plt.subplots()
+    draw_sketch(ax, structure, load)
+    bodies = [p for p in ax.patches if p.get_height() == 1.8 and p.get_facecolor()[3] > 0]
+    return ax, [(p.get_x(), p.get_x() + p.get_width()) for p in bodies]
+
+
+def text_of(ax, words):
+    (text,) = (text for text in ax.texts if text.get_text() == words)
+    return text
+
+
+def stops_of(ax):
+    """The abscissae of the vertical thick lines, which stand for stops."""
+    return sorted(line.get_xdata()[0] for line in ax.lines if line.get_lw() == 2.6)
+
+
+def test_sketch_of_links_beyond_neighbours_and_to_the_ground():
+    """A link over a body is drawn above it, from middle to middle; one to the ground stands below its body."""
+    stiffness, damping = links({(0, 1): 2.0, (0, 2): 0.5}, {(1, 2): 0.25}, {1: 0.125, 2: 4.0})
+    gap = vi.Gap([1, 0, -1], 0.3)
+    ax, boxes = sketch_of(vi.Structure([1, 2, 3], damping, stiffness, [gap]))
+    middle = np.mean(boxes, axis=1)
+    words = [text.get_text() for text in ax.texts]
+    assert [word for word in words if word.startswith("$k$")] == [
+        "$k$ = 2", "$k$ = 0.5", "$k$ = 0.125", "$k$ = 4"
+    ]  # fmt: skip
+    assert [word for word in words if word.startswith("$c$")] == [
+        "$c$ = 0.125", "$c$ = 0.25", "$c$ = 4"
+    ]  # fmt: skip
+    over = [line.get_xdata() for line in ax.lines if line.get_lw() == 0.8]
+    assert np.array_equal(over, [middle[[0, 0, 2, 2]]])
+    assert text_of(ax, "$k$ = 0.5").get_position()[0] == middle[[0, 2]].mean()
+    for words, side in (("$k$ = 0.125", -1), ("$c$ = 0.125", 1)):
+        x, y = text_of(ax, words).get_position()
+        assert boxes[1][0] < x < boxes[1][1]
+        assert (x - middle[1]) * side > 0
+        assert y < 0
+    # the gap of the outer bodies is below the one between them, with its two stops
+    assert text_of(ax, "$e$ = 0.3").get_position()[1] < 0
+    assert stops_of(ax) == pytest.approx(middle[[0, 2]].mean() + np.array([-0.3, 0.3]))
+    apart = vi.Structure([1, 2, 3], damping, stiffness, [vi.Gap(-gap.direction, 0.3)])
+    assert text_of(sketch_of(apart)[0], "$e$ = 0.3 (apart)")
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_sketch_of_fixed_stops(side):
+    """A stop of an outer body is a wall beside it, one of an inner or held body a post below it."""
+    stiffness, damping = links({(0, 1): 1.0, (1, 2): 1.0}, (), {2 if side < 0 else 0: 0.5})
+    outer, inner = np.zeros((2, 3))
+    outer[0 if side < 0 else 2], inner[1] = side, side
+    gaps = [vi.Gap(outer, 0.2), vi.Gap(inner, 0.4)]
+    ax, boxes = sketch_of(vi.Structure([1, 1, 1], damping, stiffness, gaps))
+    wall = boxes[2][1] + 1.4 if side > 0 else boxes[0][0] - 1.4
+    post, beside = sorted(stops_of(ax), key=lambda x: abs(x - wall), reverse=True)
+    assert beside == wall
+    low, high = ax.get_xlim()
+    assert low < wall < high
+    assert (
+        min(boxes[0][0], wall) < text_of(ax, "$e$ = 0.2").get_position()[0] < max(boxes[2][1], wall)
+    )
+    assert boxes[1][0] - 0.8 < post < boxes[1][1] + 0.8
+    assert (text_of(ax, "$e$ = 0.4").get_position()[0] - post) * side > 0
+    # where a spring holds the body to a wall, its stop is a post too
+    held = links({(0, 1): 1.0, (1, 2): 1.0}, (), {0: 0.5})
+    ax, _ = sketch_of(vi.Structure([1, 1, 1], held[1], held[0], [vi.Gap([-1, 0, 0], 0.1)]))
+    assert text_of(ax, "$e$ = 0.1").get_position()[1] == -0.6
+
+
+@pytest.mark.parametrize("count", [1, 6])
+def test_sketch_of_modes(count):
+    """Coordinates of modes are no bodies: a block with the frequencies and up to four gaps."""
+    omega = [1.0, 6.27, 17.5, 34.4, 56.8][: max(2, count - 1)]
+    shapes = [np.arange(1, len(omega) + 1)]
+    gaps = [vi.Gap([(-1.0) ** k], 0.05 * (k + 1)) for k in range(count)]
+    ax, _ = sketch_of(vi.Structure.from_modes(omega, [0.01] * len(omega), shapes, gaps))
+    shown = ", ".join(f"{value:.3g}" for value in omega[:4]) + (", …" if len(omega) > 4 else "")
+    words = [text.get_text() for text in ax.texts]
+    assert f"linear structure, $n$ = {len(omega)}\n$\\omega$ = {shown}" in words
+    assert [word for word in words if word.startswith("gap ")] == [
+        f"gap {k}: $e$ = {gap.opening:.3g}" for k, gap in enumerate(gaps[:4])
+    ]
+    assert ("and 2 more gaps" in words) == (count == 6)
+    assert stops_of(ax) == [6.9] * min(count, 4) + [7.8] * min(count, 4)
+    low, high = ax.get_ylim()
+    assert all(low < y < high for line in ax.lines for y in line.get_ydata())
+
+
+@pytest.mark.parametrize(("name", "label"), [
+    ("frequency", r"$\Omega$"), ("opening", "$e$"), ("opening_2", "$e_{2}$"),
+    ("stiffness_0_1", "$K_{0,1}$"), ("damping", "factor of $C$"),
+])  # fmt: skip
+def test_labels_of_parameters(name, label):
+    assert parameter_label(name) == label
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """A motion of Table 1 of the 1983 paper as that of a structure, periodic by its closed form."""
+    phases = [0.517272128279 * np.pi, 1.899298624085 * np.pi]
+    gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    damper = vi.Structure([1, 0.042], [0.01, 0], [1, 0], gaps)
+    return vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, [0, 1]))
+
+
+def test_branches_are_drawn_whole(motion):
+    """Each point of a branch is drawn by its verdict, and a bad column is named with all that there are."""
+    branch = vi.branch(motion, "frequency", (0.85, 1.1))
+    for y, column, label in (
+        ("q_max_1", branch.q_max[1], r"$\max q_{1}$"), ("speed_2", branch.speeds[1], "$v_{2}$"),
+        ("largest", np.abs(branch.multipliers).max(axis=0), r"$\max|\lambda|$"),
+    ):  # fmt: skip
+        ax = branch.plot(y=y)
+        assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\Omega$", label)
+        curves = {line.get_label(): line for line in ax.lines}
+        good, stable = branch.admissible == 1, branch.stable == 1
+        for name, here in (("stable", good & stable), ("unstable", good & ~stable)):
+            x, values = curves[name].get_data()
+            assert np.array_equal(x, branch.values)
+            assert np.array_equal(values[here], column[here])
+        legend = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert {"stable", "unstable"} <= {*legend}
+        assert len({*legend}) == len(legend)
+    with pytest.raises(vi.ParameterError) as caught:
+        branch.plot(y="q_max_2")
+    columns = "largest q_max_0 q_max_1 q_min_0 q_min_1 speed_1 speed_2 impulse_1 impulse_2 phase_1 phase_2"
+    assert str(caught.value) == "y = 'q_max_2': must be " + ", ".join(map(repr, columns.split()))
+
+
+def test_zones_are_drawn_whole(motion):
+    """The fill of a zone is that of its loops, its label is inside, and each kind of boundary has one entry."""
+    zone = vi.zone(motion, x=("frequency", 0.9, 1.1), y=("opening", 5.0, 25.0), lines=9)
+    ax = zone.plot(label="RL")
+    (fill,) = ax.patches
+    corners = fill.get_path().vertices
+    assert len(corners) == sum(len(ring) + 1 for ring in zone.loops)
+    assert {*map(tuple, corners)} == {tuple(point) for ring in zone.loops for point in ring}
+    assert bool(zone.contains(*text_of(ax, "RL").xy))
+    pieces = [piece for piece in zone.boundary if piece.type != "window"]
+    assert len(ax.lines) == len(pieces) > 0
+    for line, piece in zip(ax.lines, pieces, strict=True):
+        assert np.array_equal(line.get_xydata(), np.column_stack([piece.x, piece.y]))
+    kinds = {condition_name(piece.type) for piece in pieces}
+    assert sorted(text.get_text() for text in ax.get_legend().get_texts()) == sorted(kinds)
+    assert (ax.get_xlim(), ax.get_ylim()) == ((0.9, 1.1), (5.0, 25.0))
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\Omega$", "$e$")
+    # a second zone in the same axes has another colour, and no second entries
+    zone.plot(ax)
+    assert not same_color(ax.patches[1].get_facecolor(), fill.get_facecolor())
+    assert len(ax.get_legend().get_texts()) == len(kinds)

@@ -339,7 +339,7 @@ class _Scene:
         alone = {body[0] for body in bodies_of(run.structure) if len(body) == 1}
         self.base = [FREE if i in alone else PRIMARY for i in range(n)]
         self.directions = [np.flatnonzero(gap.direction) for gap in run.structure.gaps]
-        x = np.arange(1, n + 1)
+        x = np.arange(n)
         size = 60.0 if n <= 12 else max(4.0, 700.0 / n)
         self.stems = ax.vlines(x, 0, np.zeros(n), color="0.8", lw=0.8)
         self.dots = ax.scatter(x, np.zeros(n), s=size, c=self.base, zorder=3)
@@ -348,7 +348,7 @@ class _Scene:
         low, high = min(0.0, float(q.min())), max(0.0, float(q.max()))
         margin = 0.08 * (high - low or 1.0)
         ax.set(
-            xlim=(0.3, n + 0.7), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
+            xlim=(-0.7, n - 0.3), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
             ylabel="$q_i$",
         )  # fmt: skip
         ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
@@ -359,7 +359,7 @@ class _Scene:
     def show(self, time: float) -> list[Any]:
         """Move all artists to their positions at a time."""
         q = self.run.sample([time])[0][:, 0]
-        x = np.arange(1, len(q) + 1)
+        x = np.arange(len(q))
         self.dots.set_offsets(np.column_stack([x, q]))
         self.stems.set_segments([[(i, 0), (i, value)] for i, value in zip(x, q, strict=True)])
         colours: list[Any] = [*self.base]

@@ -62,9 +62,11 @@ class Box:
 
 
 def has_bodies(structure: Structure) -> bool:
-    """Whether the coordinates are displacements of bodies; those of modes are not."""
+    """Whether the coordinates are displacements of bodies, and gaps lie between two of them or beside one;
+    those of modes are not."""
     off = structure.mass - np.diag(np.diag(structure.mass))
-    return not (off.any() or any(np.count_nonzero(gap.direction) > 2 for gap in structure.gaps))
+    ends = (sorted(gap.direction[gap.direction != 0]) for gap in structure.gaps)
+    return not off.any() and all(end in ([-1], [1], [-1, 1]) for end in ends)
 
 
 def draw_sketch(ax: Any, structure: Structure, load: Load | Record | None = None) -> None:
