@@ -2,11 +2,12 @@
 module cases_files
    use checks, only: check
    use random_numbers, only: draw, draw_integer, random_type
+   use vi_case, only: check_output, output_keys
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_matrix_file, only: read_matrix, read_samples
    use vi_namelist, only: group_type, scan_namelist
-   use vi_text, only: exact, join, line_type, split, whole
+   use vi_text, only: exact, join, line_type, printable, split, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -31,6 +32,9 @@ contains
       call test_wrong_matrices()
       call test_wrong_samples()
       call test_lists_in_parts()
+      call test_near_zero()
+      call test_printable()
+      call test_names()
       open (newunit=i, file=path)
       close (i, status='delete')
    end subroutine test_files
@@ -356,6 +360,79 @@ contains
       call check(size(numbers) == n, 'length of a list in parts')
       if (size(numbers) == n) call check(all(numbers == [(i, i=1, n)]), 'numbers of such a list')
    end subroutine check_list
+
+   !> Only a number that would be rounded to 0 is said to be one.
+   subroutine test_near_zero()
+      character(8), parameter :: texts(*) = [character(8) :: '1e-5000', '-.1d-999', 'xe-999', &
+         '1e-5x', '1e5000', '1x-999', 'e-999']
+      integer :: i
+
+      do i = 1, size(texts)
+         call check_fault(key_type('x'), 'x = '//trim(texts(i)), 'near 0', i <= 2)
+      end do
+      call check_fault(key_type('x', a_whole), 'x = 1e-999', 'near 0', .false.)
+   end subroutine test_near_zero
+
+   !> A control character becomes a question mark; all others of Latin-1 and UTF-8 are kept.
+   subroutine test_printable()
+      character(*), parameter :: letters = char(195)//char(188)//char(226)//char(130)//char(172) &
+         //char(240)//char(159)//char(152)//char(128)
+      integer :: i
+
+      do i = 0, 255
+         call check(printable(char(i)//'a') == merge('?', char(i), i < 32 .or. (i > 126 .and. &
+            i < 160))//'a', 'a byte of a text for a terminal')
+      end do
+      call check(printable(letters) == letters, 'letters of two to four bytes')
+   end subroutine test_printable
+
+   !> Names of results: no hidden files, no paths, no characters that cannot be seen.
+   subroutine test_names()
+      character(*), parameter :: wide = char(226)//char(129)
+      integer :: i
+
+      call check_name('a.b_1-c', .true.)
+      call check_name('.a', .false.)
+      call check_name('a/b', .false.)
+      call check_name('a b', .false.)
+      call check_name(repeat('a', 100), .true.)
+      call check_name(repeat('a', 101), .false.)
+      do i = 128, 191                                   ! U+2040 to U+207F
+         call check_name(wide//char(i), i > 175)
+         call check_name(char(226)//char(128)//char(i), .false.)
+      end do
+   end subroutine test_names
+
+   !> A name is accepted or refused.
+   subroutine check_name(name, accepted)
+      character(*), intent(in) :: name
+      logical, intent(in) :: accepted
+      type(group_type), allocatable :: groups(:)
+      type(values_type) :: values
+      character(:), allocatable :: message
+      integer :: line
+
+      call scan_namelist('&output name = '''//name//''' /', groups, line, message)
+      call read_values('output', output_keys, groups(1), values)
+      call check_output(values)
+      call check((values%fault == '') .eqv. accepted, 'the name '//name)
+   end subroutine check_name
+
+   !> An assignment is refused, and the reason holds some words or does not.
+   subroutine check_fault(key, text, words, holds)
+      type(key_type), intent(in) :: key
+      character(*), intent(in) :: text, words
+      logical, intent(in) :: holds
+      type(group_type), allocatable :: groups(:)
+      type(values_type) :: values
+      character(:), allocatable :: message
+      integer :: line
+
+      call scan_namelist('&g '//text//' /', groups, line, message)
+      call read_values('g', [key], groups(1), values)
+      call check(values%fault /= '' .and. (index(values%fault, words) > 0 .eqv. holds), &
+         text//': '//values%fault)
+   end subroutine check_fault
 
    !> Writes the file that is read next.
    subroutine write_file(text)

@@ -13,7 +13,7 @@ module studies_atlas
    implicit none (type, external)
    private
 
-   public :: test_atlas, test_outcomes, test_rings, test_shared_simulations
+   public :: test_atlas, test_outcomes, test_rings, test_rings_on_edges, test_shared_simulations
 
 contains
 
@@ -46,6 +46,32 @@ contains
          call check(all(winding(ring, points) == [-1, -1, 0, 0]), 'a hole goes round the other way')
       end do
    end subroutine test_rings
+
+   !> A triangle with a side on an edge of the window: its zone is on the side of the window, even
+   !! where the point that is said to lie in it does not.
+   subroutine test_rings_on_edges()
+      real(wp), parameter :: r(2) = [0.8_wp, 1.3_wp], clearance(2) = [5.0_wp, 40.0_wp]
+      real(wp), parameter :: outside(2) = [1.04_wp, 6.0_wp], middle(2) = [1.05_wp, sqrt(200.0_wp)]
+      real(wp) :: vertices(5, 3)
+      real(wp), allocatable :: ring(:, :)
+      integer :: axis, edge, way
+
+      do axis = 1, 2
+         do edge = 1, 2
+            vertices = 0
+            vertices(:2, 1) = [0.9_wp, 10.0_wp]
+            vertices(:2, 2) = [1.2_wp, 20.0_wp]
+            vertices(axis, :2) = merge(r(edge), clearance(edge), axis == 1)
+            vertices(:2, 3) = middle
+            do way = 1, 2
+               vertices = vertices(:, 3:1:-1)
+               call dense_ring(vertices, r, clearance, outside, ring)
+               call check(all(winding(ring, reshape(matmul(vertices(:2, :), [1, 1, 1])/3, [2, 1])) &
+                  == 1), 'a zone at an edge is on the side of the window')
+            end do
+         end do
+      end do
+   end subroutine test_rings_on_edges
 
    !> What simulations settle on lies in the zones, whatever the number of threads.
    subroutine test_atlas()

@@ -72,6 +72,9 @@ def test_patterns_with_rest_do_not_depend_on_the_survey():
 def test_survey_is_explained(atlas):
     assert len(atlas.attractors) > 20
     assert atlas.unexplained == []
+    columns = atlas._result.tables["points"].columns
+    periodic = columns["sides"].decoded() != ""
+    assert not columns["explained"].decoded()[~periodic].any()
     for item in atlas.attractors:
         assert item.pattern == item.pattern.standard(alike=True)
 

@@ -202,6 +202,7 @@ def test_best_motions_come_first():
     """With a single slot, an admissible and stable motion is kept wherever there is one."""
     pattern = vi.Pattern("RRL")
     one, many = (vi.chart(OSC, pattern, R, D, slots=slots) for slots in (1, 8))
+    assert (one.sizes["motion"], many.sizes["motion"]) == (1, 8)
     good = [((item.admissible == 1) & (item.stable == 1)).any("motion") for item in (one, many)]
     assert int(good[1].sum()) > 30
     assert good[0].equals(good[1])
