@@ -6,7 +6,7 @@ import signal
 import pytest
 
 # a failed assert in these modules shows the values compared, as in a test
-pytest.register_assert_rewrite("shared_laws", "shared_simulations")
+pytest.register_assert_rewrite("shared_laws", "shared_simulations", "shared_structures")
 
 import vibroimpact as vi  # noqa: E402
 from shared_explorer import browser, page, server  # noqa: E402, F401

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from test_structure import exponential
+from shared_structures import exponential
 
 
 def frame(gaps=True, coupling=False):

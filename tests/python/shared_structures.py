@@ -1,0 +1,117 @@
+"""Structures, and the laws of their flights and impacts by the matrix exponential."""
+
+import math
+
+import numpy as np
+import vibroimpact as vi
+
+
+def exponential(matrix):
+    """exp(matrix) by scaling, squaring and the Taylor series."""
+    halvings = max(0, math.ceil(math.log2(max(1e-300, np.abs(matrix).sum(1).max()))) + 4)
+    small = matrix / 2**halvings
+    total, term = np.eye(len(matrix)), np.eye(len(matrix))
+    for i in range(1, 20):
+        term = term @ small / i
+        total = total + term
+    for _ in range(halvings):
+        total = total @ total
+    return total
+
+
+def first_order(structure, load):
+    """The matrix of (q, q', 1, cos, sin of each harmonic), all of whose equations are linear."""
+    n, h = structure.coordinates, 0 if load is None else len(load.sine)
+    inverse = np.linalg.inv(structure.mass)
+    a = np.zeros((2 * n + 1 + 2 * h, 2 * n + 1 + 2 * h))
+    a[:n, n : 2 * n] = np.eye(n)
+    a[n : 2 * n, :n] = -inverse @ structure.stiffness
+    a[n : 2 * n, n : 2 * n] = -inverse @ structure.damping
+    if load is not None:
+        a[n : 2 * n, 2 * n] = inverse @ load.constant
+        for i in range(h):
+            at, omega = 2 * n + 1 + 2 * i, (i + 1) * load.frequency
+            a[n : 2 * n, at] = inverse @ load.cosine[i]
+            a[n : 2 * n, at + 1] = inverse @ load.sine[i]
+            a[at, at + 1], a[at + 1, at] = -omega, omega
+    return a
+
+
+def extended(state, load, t):
+    h = 0 if load is None else len(load.sine)
+    turns = [f(i * load.frequency * t) for i in range(1, h + 1) for f in (math.cos, math.sin)]
+    return np.concatenate([*state, [1.0], turns])
+
+
+def check_laws(run, tolerance=1e-10):
+    """Check each flight by the matrix exponential, each impact by its law, and that gaps are open in between."""
+    s, n = run.structure, run.structure.coordinates
+    a = first_order(s, run.load)
+    directions = np.array([gap.direction for gap in s.gaps])
+    openings = np.array([gap.opening for gap in s.gaps])
+    inverse = np.linalg.inv(s.mass)
+    t, state, resting = run.start, np.array(run.first_state), set()
+    for event, after in zip(run.events, run.states, strict=True):
+        if event["kind"] == "impact" and not resting:
+            duration = event["time"] - t
+            steps = exponential(a * duration / 50)
+            flight = extended(state, run.load, t)
+            for _ in range(50):
+                flight = steps @ flight
+                assert (openings - directions @ flight[:n] > -tolerance).all()
+            q, before = flight[:n], flight[n : 2 * n]
+            scale = 1 + np.abs(flight).max()
+            gap = s.gaps[event["gap"]]
+            effective = 1 / (gap.direction @ inverse @ gap.direction)
+            speed = gap.direction @ before
+            assert abs(gap.opening - gap.direction @ q) < tolerance * scale
+            assert abs(speed - event["speed"]) < tolerance * scale
+            impulse = (1 + gap.restitution) * effective * speed
+            assert abs(impulse - event["impulse"]) < tolerance * scale
+            assert np.abs(after[0] - q).max() < tolerance * scale
+            kick = inverse @ gap.direction * impulse
+            assert np.abs(after[1] - before + kick).max() < tolerance * scale
+        if event["kind"] == "stick":
+            resting.add(int(event["gap"]))
+        if event["kind"] == "release":
+            resting.discard(int(event["gap"]))
+        if event["kind"] != "impact":
+            gap = s.gaps[event["gap"]]
+            assert abs(gap.opening - gap.direction @ after[0]) < 1e-9
+            assert abs(gap.direction @ after[1]) < 1e-9
+        t, state = event["time"], after
+
+
+def energy(structure, state):
+    q, rate = state
+    return 0.5 * (rate @ structure.mass @ rate + q @ structure.stiffness @ q)
+
+
+def chain(cells):
+    """A free-free chain of hosts, each with a free mass: every coefficient of restitution is 1."""
+    stiffness = np.zeros((2 * cells, 2 * cells))
+    for i in range(cells - 1):
+        stiffness[i : i + 2, i : i + 2] += [[1, -1], [-1, 1]]
+    gaps = []
+    for i in range(cells):
+        direction = np.zeros(2 * cells)
+        direction[[i, cells + i]] = -1, 1
+        gaps += [vi.Gap(direction, 1.0), vi.Gap(-direction, 1.0)]
+    mass = [1.0] * cells + [0.3] * cells
+    return vi.Structure(mass, np.zeros(2 * cells), stiffness, gaps)
+
+
+def random_structure(rng, coupled):
+    n = int(rng.integers(2, 6))
+
+    def definite(scale):
+        a = rng.normal(size=(n, n))
+        return scale * (a @ a.T + 0.1 * np.eye(n))
+
+    mass, stiffness = definite(1.0), definite(4.0)
+    damping = definite(0.02) if coupled else 0.01 * stiffness
+    gaps = [
+        vi.Gap(rng.normal(size=n), float(rng.uniform(0.1, 0.5)), float(rng.uniform(0.6, 1)))
+        for _ in range(int(rng.integers(1, 4)))
+    ]
+    return vi.Structure(mass, damping, stiffness, gaps)

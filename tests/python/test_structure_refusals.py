@@ -1,0 +1,125 @@
+"""What structures, loads and simulations of them refuse, and what is kept of a run that stops."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+
+def test_coupled_impacts_at_one_instant_are_refused():
+    """A ball hits a wall and another ball at the same time: the impact law does not determine the result."""
+    gaps = [vi.Gap([1, 0], 1.0), vi.Gap([-1, 1], 1.0)]
+    s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
+    with pytest.raises(vi.SingularError, match="coupled gaps"):
+        vi.simulate(s, duration=3, state=([0, 0], [1, 2]))
+
+
+def test_what_was_computed_before_an_error_is_kept():
+    """The events of a ball between two walls, until a second ball arrives at the same time, are kept."""
+    gaps = [vi.Gap([1, 0], 1.0), vi.Gap([-1, 0], 1.0), vi.Gap([-1, 1], 1.0)]
+    s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
+    # the first ball meets walls at t = 1, 3, 5; the second one is at 2 = 1 + 1 then
+    with pytest.raises(vi.SingularError, match="coupled gaps") as caught:
+        vi.simulate(s, duration=9, state=([0, -8], [1, 2]))
+    part = caught.value.result
+    assert part.events["time"].tolist() == [1.0, 3.0]
+    assert part.events["gap"].tolist() == [0, 1]
+    assert not part.complete
+    assert "coupled gaps" in part.cut
+    assert part.end == pytest.approx(5.0)
+    assert part.sample([4.0])[0][:, 0].tolist() == [0.0, 0.0]
+
+
+def test_events_before_a_rest_that_cannot_be_computed_are_kept():
+    """The events before a rest at resonance, which cannot be computed, are kept."""
+    structure = vi.Structure([1.0, 0.21], [0, 0], [1.21, 0], [vi.Gap([-1, 1], 0.1, 0.0)])
+    load = vi.Load(1.0, sine=[0.01, 0], constant=[0, 0.5])
+    with pytest.raises(vi.SingularError, match="resonates") as error:
+        vi.simulate(structure, load, duration=5)
+    assert error.value.result.events["kind"].tolist() == ["impact"]
+    assert not error.value.result.complete
+
+
+@pytest.mark.parametrize("apart", [0, 1e-15, -1e-13, 1e-10])
+def test_resonance_without_damping_is_named(apart):
+    s = vi.Structure([1.0], [0.0], [4.0], [])
+    with pytest.raises(vi.SingularError, match="resonates"):
+        vi.simulate(s, vi.Load(2.0 * (1 + apart), sine=[1.0]), cycles=1)
+
+
+def test_a_slot_without_play_is_named():
+    gaps = [vi.Gap([-1, 1], 0.0, 0.8), vi.Gap([1, -1], 0.0, 0.8)]
+    with pytest.raises(vi.SingularError, match="a slot without play"):
+        vi.simulate(
+            vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps), vi.Load(1.04, sine=[0.1, 0]), cycles=2
+        )
+
+
+def test_a_frequency_beyond_all_units_is_named():
+    with pytest.raises(vi.SingularError, match="choose other units"):
+        vi.simulate(vi.Structure([1.0], [0.0], [1.0], []), vi.Load(1e300, sine=[1.0]), duration=1)
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    ({"mass": [[1, 2], [2, 1]]}, "mass: must be positive definite; its least eigenvalue is -1"),
+    ({"mass": [1, np.nan]}, "mass: must be a symmetric matrix"),
+    ({"stiffness": [[1, 2], [0, 1]]}, "stiffness[0, 1] = 2.0 and stiffness[1, 0] = 0.0: must be equal"),
+    ({"stiffness": [-1, 1]}, "stiffness: must have no negative eigenvalue"),
+    ({"damping": [1, 2, 3]}, "damping of shape (3, 3): must be (2, 2)"),
+    ({"gaps": [vi.Gap([1], 1)]}, "gaps[0].direction has 1 numbers: must have 2"),
+    ({"gaps": [3]}, "gaps[0] = 3: must be a vibroimpact.Gap"),
+])  # fmt: skip
+def test_bad_structures(words, message):
+    good = {"mass": [1, 1], "damping": [0, 0], "stiffness": [1, 1], "gaps": []}
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
+        vi.Structure(**(good | words))
+    assert message in str(caught.value)
+
+
+def test_help_names_the_study_of_structures():
+    for name in (
+        "simulate",
+        "periodic",
+        "exact",
+        "find",
+        "branch",
+        "zone",
+        "basins",
+        "lyapunov",
+        "response",
+    ):
+        assert f"`{name}_structure`" in getattr(vi, name).__doc__
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    ({}, "cycles = None, duration = None: must be one of them"),
+    ({"duration": -1}, "duration = -1.0: must be a number with 0 <= duration"),
+    ({"duration": math.nan}, "duration = nan"),
+    ({"cycles": 3}, "give duration without"),
+    ({"duration": 1, "state": [1]}, "state = [1]: must be two lists of 1"),
+    ({"duration": 1, "state": ([0, 1], [0, 1])}, "must be two lists of 1 finite numbers"),
+    ({"duration": 1, "load": vi.Load(1, sine=[1, 2])}, "load for 2 coordinates: must be for 1"),
+    ({"duration": 1, "max_events": 0}, "max_events = 0"),
+])  # fmt: skip
+def test_bad_simulations(words, message):
+    s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1.0)])
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
+        vi.simulate(s, **words)
+    assert message in str(caught.value)
+
+
+def test_a_gap_that_is_less_than_closed():
+    s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1.0)])
+    with pytest.raises(vi.SingularError, match=r"less than closed.*gaps\[0\] is -0.5"):
+        vi.simulate(s, duration=1, state=([1.5], [0.0]))
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    ({}, "one of them must be given"), ({"constant": 3.0}, r"constant of shape \(\): must be a list \(n,\)"),
+    ({"constant": [[1, 2]]}, r"constant of shape \(1, 2\): must be a list"), ({"constant": []}, "is for 0"),
+    ({"frequency": 1, "sine": [1, 0], "constant": [1, 2, 3]}, "sine is for 2, constant is for 3: must be"),
+])  # fmt: skip
+def test_bad_loads(words, message):
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.Load(**words)
