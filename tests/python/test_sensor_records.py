@@ -153,3 +153,85 @@ def test_an_unknown_unit_of_time_is_an_error(tmp_path):
     )
     with pytest.raises(vi.ParameterError, match=r"unit of time = 'days': must be one of s,"):
         vi.read_record(tmp_path / "bench.csv")
+
+
+def rows_of(times):
+    """A table of loads at some times."""
+    return "time,load\n" + "".join(f"{time},{i % 7}\n" for i, time in enumerate(times))
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("load,force\n" + "1,2\n" * 20, {}, "channel 'force': is a second load; must be one, or channels given"),
+        ("load,a\n" + "1,2\n" * 20, {"scale": [1.0]},
+         "scale = [1.0]: must be 2 numbers, one for each channel"),
+        ("load,a\n" + "1,2\n" * 20, {"units": ["N"]},
+         "units = ['N']: must be 2 words, one for each channel"),
+        ("load,a\n" + "1,2\n" * 20, {"channels": ["load", 3]}, "channels = ['load', 3]: must be words"),
+        (rows_of([0, 1, "", 3, 4]), {}, "time[2] = nan: must be a finite number"),
+        (rows_of([0]), {}, "time of shape (1,): must be one list of at least 2 numbers"),
+        (rows_of([3, 2, 1, 0]), {}, "time from 3 to 0: must increase"),
+        (rows_of([0, 1, 2, 3, 3.2, 4, 5, 6]), {}, "time[4] = 3.2 after 3: must be 1 later; samples are irregular"),
+    ],
+)  # fmt: skip
+def test_faults_of_tables_are_named(text, options, message, tmp_path):
+    """The channel or the sample that is wrong is named with its value."""
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    with pytest.raises(vi.ParameterError) as caught:
+        vi.read_record(path, **options)
+    assert str(caught.value) == f"path = {str(path)!r}: {message}"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ([3], "signal 0: must be a SEP005 dict with name, data, unit_str, and fs or time"),
+        ({"fs": 1000}, "fs from 500 to 1000: must be the same of all signals"),
+        ({"time": [0, 1]}, "fs from 1 to 500: must be the same of all signals"),
+        ({"name": ["load"], "data": np.ones((2, 20)), "fs": 500},
+         "name = ['load']: must be 2 names, one for each channel of data"),
+    ],
+)  # fmt: skip
+def test_faults_of_signals_are_named(change, message):
+    """Signals of different rates, and a signal whose channels lack names."""
+    first = {"name": "acceleration", "data": np.ones(20), "fs": 500}
+    signals = (
+        change
+        if isinstance(change, list)
+        else [first, {"name": "load", "data": np.ones(20)} | change]
+    )
+    with pytest.raises(vi.ParameterError) as caught:
+        vi.read_record(signals)
+    assert str(caught.value) == message
+
+
+def test_signals_of_several_channels_have_the_rate_of_their_times():
+    """One signal with the two channels of RECORD, and times in place of a rate."""
+    data = np.array([RECORD.load, RECORD.acceleration])
+    assert same(vi.read_record({"name": ["load", "a"], "data": data, "time": RECORD.times}))
+
+
+@pytest.mark.parametrize(("kind", "zero", "scale"), [("uint8", 128, 128), ("int16", 0, 32768)])
+def test_whole_numbers_of_sound_are_parts_of_the_full_scale(kind, zero, scale, tmp_path):
+    from scipy.io import wavfile
+
+    values = np.array([[-1.0, 0.5], [0.25, -0.125]] * 20)
+    wavfile.write(tmp_path / "a.wav", 1000, (values * scale + zero).astype(kind))
+    found = vi.read_record(tmp_path / "a.wav")
+    assert np.array_equal(found.load, values[:, 0])
+    assert np.array_equal(found.acceleration, values[:, 1])
+
+
+def test_a_step_and_a_bandwidth_are_variables(tmp_path):
+    from scipy.io import savemat
+
+    variables = {"dt": 0.004, "bandwidth": 90.0, "load": RECORD.load}
+    savemat(tmp_path / "a.mat", variables)
+    found = vi.read_record(tmp_path / "a.mat")
+    assert (found.rate, found.bandwidth) == (250, 90)
+    assert np.array_equal(found.load, RECORD.load)
+    savemat(tmp_path / "a.mat", variables | {"dt": -0.004})
+    with pytest.raises(vi.ParameterError, match=r"dt = -0\.004: must be"):
+        vi.read_record(tmp_path / "a.mat")

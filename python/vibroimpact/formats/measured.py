@@ -233,13 +233,15 @@ def seconds(times: _Array, unit: str) -> _Array:
 
 def rate_of(times: _Array) -> tuple[float, float]:
     """Sampling rate and first time of regular samples."""
+    if times.ndim != 1 or times.size < 2:
+        raise ParameterError(f"time of shape {times.shape}: must be one list of at least 2 numbers")
+    if not np.isfinite(times).all():
+        missing = int(np.argmax(~np.isfinite(times)))
+        raise ParameterError(f"time[{missing}] = {times[missing]}: must be a finite number")
     steps = np.diff(times)
-    if times.ndim != 1 or times.size < 2 or not np.isfinite(times).all():
-        missing = int(np.argmax(~np.isfinite(times))) if times.size else 0
-        raise ParameterError(f"time[{missing}]: must be a finite number")
     step = float(np.median(steps))
     if not step > 0:
-        raise ParameterError("time: must increase")
+        raise ParameterError(f"time from {times[0]:g} to {times[-1]:g}: must increase")
     off = abs(steps - step) > max(REGULAR * step, 4 * np.spacing(abs(times).max()))
     # digits of a text round times
     if (
@@ -315,7 +317,7 @@ def number(text: str) -> float | None:
 
 def read_wav(path: Path) -> Content:
     """Sound; whole numbers become parts of their full scale."""
-    rate, data = scipy_io().wavfile.read(path) if hasattr(scipy_io(), "wavfile") else wavfile(path)
+    rate, data = libraries.scipy("io.wavfile", "sound").read(path)
     values = np.atleast_2d(data.T).astype(np.float64)
     if data.dtype.kind == "u":
         values = (values - 128) / 128
@@ -330,15 +332,6 @@ def read_wav(path: Path) -> Content:
         [Channel(label, "", row) for label, row in zip(labels, values, strict=True)],
         rate=float(rate),
     )
-
-
-def wavfile(path: Path) -> tuple[int, NDArray[Any]]:
-    """scipy.io.wavfile, which scipy.io does not import by itself."""
-    import importlib
-
-    module = importlib.import_module("scipy.io.wavfile")
-    rate, data = module.read(path)
-    return rate, data
 
 
 def read_mat(path: Path) -> Content:
@@ -414,7 +407,7 @@ def of_sep005(signals: Any) -> Content:
     for i, signal in enumerate(several):
         if not isinstance(signal, Mapping) or not {"name", "data"} <= signal.keys():
             raise ParameterError(
-                f"path: its signal {i} must be a SEP005 dict with name, data, unit_str, and fs or time"
+                f"signal {i}: must be a SEP005 dict with name, data, unit_str, and fs or time"
             )
         data = checks.real_array(signal["data"], f"data of signal {signal['name']!r}", "numbers")
         unit = str(signal.get("unit_str") or "")
@@ -431,8 +424,12 @@ def of_sep005(signals: Any) -> Content:
                 if isinstance(signal["name"], (list, tuple))
                 else [signal["name"]] * len(data)
             )
+            if len(names) != len(data):
+                raise ParameterError(
+                    f"name = {signal['name']!r}: must be {len(data)} names, one for each channel of data"
+                )
             channels += [
-                Channel(str(name), unit, row) for name, row in zip(names, data, strict=False)
+                Channel(str(name), unit, row) for name, row in zip(names, data, strict=True)
             ]
         else:
             channels.append(Channel(str(signal["name"]), unit, data))

@@ -184,8 +184,7 @@ def smooth(values: _Array, rate: float, order: int) -> _Array:
     spectrum = np.fft.rfft(values - values.mean())
     w = 2 * math.pi * np.fft.rfftfreq(values.size, 1 / rate)
     w[0] = math.inf
-    low = max(2, int(5 * values.size / values.size))
-    spectrum[:low] = 0
+    spectrum[:5] = 0
     shape: _Array = np.fft.irfft(spectrum / w**order, values.size)
     return shape
 
