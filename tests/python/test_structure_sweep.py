@@ -221,3 +221,10 @@ def test_an_event_limit_is_a_status():
     found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], max_events=5)
     assert (found.status != 0).all()
     assert list(found.failures) == [vi.status_text(13)]
+
+
+def test_a_start_of_extreme_size_is_a_status():
+    """Every value starts anew after a failure, and says that the units of the start are extreme."""
+    found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], state=([0.0], [1e200]))
+    assert list(found.failures) == [vi.status_text(23)]
+    assert set(found.labels) == {""}
