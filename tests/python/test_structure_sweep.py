@@ -228,3 +228,11 @@ def test_a_start_of_extreme_size_is_a_status():
     found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], state=([0.0], [1e200]))
     assert list(found.failures) == [vi.status_text(23)]
     assert set(found.labels) == {""}
+
+
+def test_an_event_limit_after_settling_leaves_no_values():
+    """A value whose motion is examined in part has neither states nor a number of impacts."""
+    found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], settling=2, max_events=10)
+    assert list(found.failures) == [vi.status_text(13)]
+    assert not found.impacts.any()
+    assert not any(found.strobes(cell)[0].size for cell in range(found.values.size))
