@@ -50,7 +50,8 @@ contains
       type(decoupled_type), intent(out) :: decoupled
       !> `stat%ok`; `stat%mass_not_definite`; `stat%negative_stiffness` where K or C has a
       !! negative eigenvalue; `stat%defective` where complex eigenvectors nearly coincide;
-      !! `stat%too_stiff` where rounding leaves too few digits; or `stat%lapack_failed`.
+      !! `stat%too_stiff` where rounding leaves too few digits; `stat%extreme_units`; or
+      !! `stat%lapack_failed`.
       integer, intent(out) :: status
       integer :: body(size(mass, 1))
       integer :: i, n
@@ -361,6 +362,8 @@ contains
          a(n + i, n + 1:) = -coupling(others(i), others)
       end do
       allocate (matrix, source=a)
+      status = stat%extreme_units
+      if (.not. all(abs(a) <= huge(1.0_wp))) return
       call geev('N', 'V', 2*n, a, 2*n, re, im, unused, 1, vectors, 2*n, work, size(work), info)
       status = merge(stat%ok, stat%lapack_failed, info == 0)
       if (info /= 0) return

@@ -183,13 +183,17 @@ contains
       !> In: M, C, K, directions, openings and restitution. Out: also what follows from them, anew
       !! if it was set.
       type(structure_type), intent(inout) :: structure
-      !> `stat%ok`, or `stat%mass_not_definite`.
+      !> `stat%ok`, `stat%mass_not_definite`, or `stat%extreme_units` where a mass is.
       integer, intent(out) :: status
       integer :: i, j
 
+      status = stat%ok
       if (allocated(structure%channel)) deallocate (structure%channel, structure%wall, &
          structure%begins, structure%at, structure%part, structure%coupled_begins, &
          structure%coupled)
+      if (any([(is_extreme(structure%mass(i, i)), i=1, size(structure%mass, 1))])) status = &
+         stat%extreme_units
+      if (status /= stat%ok) return
       structure%mobility = structure%directions
       call solve_columns(structure%mass, structure%mobility, status)
       if (status /= stat%ok) status = stat%mass_not_definite

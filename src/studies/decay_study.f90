@@ -26,7 +26,7 @@ module vi_decay_study
       key_type('x_dot', default='0', low=-most_state, high=most_state, &
       unit=state_keys(3)%unit, &
       meaning='velocity of the primary mass at the start'), &
-      key_type('y', default='0', low=-most_state, high=most_state, unit='F0/K', &
+      key_type('y', default='0', unit='F0/K', &
       meaning='position z - x of the free mass between the walls at the start'), &
       key_type('z_dot', default='0', low=-most_state, high=most_state, &
       unit=state_keys(5)%unit, &

@@ -110,7 +110,7 @@ BAD_DIAGRAM = [
     ("'both'", "'states', states = 0", "1 <= states", 4),
     ("'both'", "'states', states = 1000000", "values x runs x points must be at most", 2),
     ("settling = 60", "z = 10.1", "z - x must be within half the clearance", 4),
-    ("settling = 60", "t = nan", "a finite number", 4),
+    ("settling = 60", "t = nan", "a number with -1e100 <= t <= 1e100", 4),
     ("settling = 60", "clearance = 3", "must be left out: it is the parameter", 4),
     ("settling = 60", "cycles = 3", "is not a key of &bifurcation; must be one of clearance, r, parameter", 4),
 ]  # fmt: skip
@@ -257,9 +257,9 @@ def test_what_never_settles_is_not_decided(batch, command):
 BAD_PLANE = [
     *[("axes = 'x', 'x_dot'", f"axes = {v}", "two of 'x', 'x_dot', 'y'", 3)
       for v in ("'x'", "'x', 'x'", "'x', 'q'", "'', 'x'", "x, y", "'x', 'y', 't'", "'z', 'x'")],
-    *[("low = -30, -30", f"low = {v}", "two finite numbers", 4)
+    *[("low = -30, -30", f"low = {v}", "two numbers from -1e100 to 1e100", 4)
       for v in ("-30", "nan, 1", "1, 2, 3", "-inf, -30", "30, -30", "-30, 31")],
-    *[("high = 30, 30", f"high = {v}", "two finite numbers", 4) for v in ("30", "30, -30", "30, inf")],
+    *[("high = 30, 30", f"high = {v}", "two numbers from -1e100 to 1e100", 4) for v in ("30", "30, -30", "30, inf")],
     *[("values = 8, 9", f"values = {v}", "two whole numbers", 4)
       for v in ("8", "8, 1", "1, 9", "8, 9, 9", "8.5, 9", "100001, 2")],
     ("values = 8, 9", "values = 100000, 100000", "together at most 12500000 states", 4),
@@ -267,7 +267,7 @@ BAD_PLANE = [
     ("clearance = 37", "", "clearance: is missing", 2),
     ("'x', 'x_dot'", "'y', 'x_dot'", "y must be within half the clearance", 4),
     *[("'x', 'x_dot'\n  low = -30, -30, high = 30, 30", f"{axes}\n  low = {low}, high = {high}",
-       f"{bad} = {low if bad == 'low' else high}: must be two finite numbers, one for each axis, "
+       f"{bad} = {low if bad == 'low' else high}: must be two numbers from -1e100 to 1e100, one for each axis, "
        "and low below high; y must be within half the clearance", 4)
       for axes, low, high, bad in (
           ("'y', 'x'", "-18.6, -30", "18.4, 30", "low"), ("'y', 'x'", "-18.4, -30", "18.6, 30", "high"),
@@ -276,7 +276,7 @@ BAD_PLANE = [
     *[("probes = 50", f"cycles = {v}", "1 <= cycles <= 10000000", 5) for v in ("0", "20000000")],
     *[("probes = 50", f"max_cycles = {v}", "1 <= max_cycles <= 100", 5) for v in ("0", "101")],
     ("probes = 50", "load = -1", "0 <= load", 5),
-    ("probes = 50", "t = nan", "a finite number", 5),
+    ("probes = 50", "t = nan", "a number with -1e100 <= t <= 1e100", 5),
     *[("probes = 50", f"y = {y}", "y must be within half the clearance", 5) for y in ("18.6", "-18.6")],
     ("probes = 50", "x = 3", "x = 3: must be left out: it is an axis", 5),
     ("probes = 50", "z = 3", "is not a key of &basins; must be one of clearance, states", 5),

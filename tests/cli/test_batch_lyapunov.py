@@ -98,7 +98,7 @@ BAD_LYAPUNOV = [
     ("discard = 300", "discard = -1", "0 <= discard", 4),
     ("discard = 300", "load = -1", "0 <= load", 4),
     ("discard = 300", "load = nan", "0 <= load", 4),
-    *[("discard = 300", f"{v} = inf", "a finite number", 4) for v in ("t", "x", "z")],
+    *[("discard = 300", f"{v} = inf", f"a number with -1e100 <= {v} <= 1e100", 4) for v in ("t", "x", "z")],
     ("discard = 300", "z = 2.6", "z - x must be within half the clearance", 4),
     ("discard = 300", "clearance = 3", "must be left out: it is the parameter", 4),
     ("discard = 300", "states = 3", "is not a key of &lyapunov; must be one of clearance", 4),

@@ -30,9 +30,9 @@ VALUES = [
 ]  # fmt: skip
 #: Keys that say how much is computed.
 AMOUNTS = {
-    "batches", "cycles", "discard", "duration", "guesses", "keep", "lines", "max_cycles", "max_events",
+    "batches", "cycles", "clearance_points", "discard", "duration", "guesses", "keep", "lines", "max_cycles", "max_events",
     "max_impacts",
-    "max_points", "points", "probes", "releases", "samples", "seeds", "settling", "states", "survey", "values",
+    "max_points", "points", "probes", "r_points", "releases", "samples", "seeds", "settling", "states", "survey", "values",
 }  # fmt: skip
 #: Bytes that are put anywhere.
 PIECES = [

@@ -39,7 +39,7 @@ extern int __lsan_do_recoverable_leak_check(void) __attribute__((weak));
 static int32_t counters[3];
 static volatile int ticks;
 static double budget;
-static FILE *out;
+static FILE *in, *out;
 
 static const char *law;
 
@@ -295,6 +295,7 @@ static int spawn(char **texts, int n, int *status, char **said)
         struct rlimit core = {0, 0};
         setrlimit(RLIMIT_CORE, &core);
         close(ends[0]);
+        close(fileno(in)); /* a child that ends by exit would move the place in the file */
         dup2(log, 2);
         dup2(open("/dev/null", O_RDWR), 0);
         dup2(0, 1);
@@ -331,8 +332,8 @@ int main(int count, char **arguments)
 {
     static char *texts[MOST];
     uint32_t length;
-    FILE *in = count == 4 ? fopen(arguments[1], "rb") : NULL;
     int n, first, batch;
+    in = count == 4 ? fopen(arguments[1], "rb") : NULL;
     if (in == NULL) {
         fputs("usage: namelists FILE BUDGET BATCH\n", stderr);
         return 2;
