@@ -98,6 +98,8 @@ contains
             end_of_record = record_end(case)
             if (end_of_record < 0) then
                call study%refuse('duration', 'or give cycles')
+            else if (.not. end_of_record - study%number('start') <= longest) then
+               call study%refuse('duration', 'the record is longer than that')
             else
                call study%set('duration', [max(0.0_wp, end_of_record - study%number('start'))])
             end if

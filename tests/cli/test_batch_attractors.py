@@ -259,7 +259,8 @@ BAD_PLANE = [
       for v in ("'x'", "'x', 'x'", "'x', 'q'", "'', 'x'", "x, y", "'x', 'y', 't'", "'z', 'x'")],
     *[("low = -30, -30", f"low = {v}", "two numbers from -1e100 to 1e100", 4)
       for v in ("-30", "nan, 1", "1, 2, 3", "-inf, -30", "30, -30", "-30, 31")],
-    *[("high = 30, 30", f"high = {v}", "two numbers from -1e100 to 1e100", 4) for v in ("30", "30, -30", "30, inf")],
+    *[("high = 30, 30", f"high = {v}", "two numbers from -1e100 to 1e100", 4)
+      for v in ("30", "30, -30", "30, inf")],
     *[("values = 8, 9", f"values = {v}", "two whole numbers", 4)
       for v in ("8", "8, 1", "1, 9", "8, 9, 9", "8.5, 9", "100001, 2")],
     ("values = 8, 9", "values = 100000, 100000", "together at most 12500000 states", 4),

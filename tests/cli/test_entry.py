@@ -54,8 +54,10 @@ def test_interrupt_at_the_start(name, tool):
 @pytest.mark.parametrize(("words", "status", "output"), [
     ("basins --plane y -1e0 1e0 3 x -1.E+0 +1 3", 0, ""),
     ("lyapunov --cycles 80 --state -1e-3 6 -.5e-1 9", 0, ""),
-    ("lyapunov --cycles 80 --state -inf 0 0 0", 2, "--state -inf 0 0 0: must be a number with -1e100 <= X <= 1e100"),
-    ("lyapunov --cycles 80 --state 0 -NaN 0 0", 2, "--state 0 -NaN 0 0: must be a number with -1e100 <= X_DOT <= 1e100"),
+    ("lyapunov --cycles 80 --state -inf 0 0 0", 2,
+     "--state -inf 0 0 0: must be a number with -1e100 <= X <= 1e100"),
+    ("lyapunov --cycles 80 --state 0 -NaN 0 0", 2,
+     "--state 0 -NaN 0 0: must be a number with -1e100 <= X_DOT <= 1e100"),
     ("lyapunov --cycles -1e3", 2, "--cycles -1e3: must be a whole number; see `vibroimpact lyapunov --help`"),
     ("lyapunov --cycles 2.5", 2, "--cycles 2.5: must be a whole number; see `vibroimpact lyapunov --help`"),
     ("lyapunov --mu 1,5", 2, "--mu 1,5: must be a number; see `vibroimpact lyapunov --help`"),

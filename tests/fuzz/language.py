@@ -9,7 +9,10 @@ SEEDS = Path(__file__).with_name("seeds")
 
 #: Milliseconds that texts of a seed take on average in a build with sanitizers, where that is many: the seed is
 #: chosen so much less often.
-COSTS = {"basins_far": 300, "structure_settled": 20}
+COSTS = {
+    "record_short_steps": 10, "structure_basins": 4, "structure_record": 5, "structure_response": 5,
+    "structure_settled": 20, "structure_simulate": 5,
+}  # fmt: skip
 #: Texts in place of a value.
 VALUES = [
     "0", "-0", "-0.0", "1", "-1", "2", "3", "0.5", "1.5", "1e-300", "4.9e-324", "2.2250738585072014e-308",
@@ -30,9 +33,9 @@ VALUES = [
 ]  # fmt: skip
 #: Keys that say how much is computed.
 AMOUNTS = {
-    "batches", "cycles", "clearance_points", "discard", "duration", "guesses", "keep", "lines", "max_cycles", "max_events",
-    "max_impacts",
-    "max_points", "points", "probes", "r_points", "releases", "samples", "seeds", "settling", "states", "survey", "values",
+    "batches", "clearance_points", "cycles", "discard", "duration", "guesses", "keep", "lines", "max_cycles",
+    "max_events", "max_impacts", "max_points", "points", "probes", "r_points", "releases", "samples", "seeds",
+    "settling", "states", "survey", "values",
 }  # fmt: skip
 #: Bytes that are put anywhere.
 PIECES = [

@@ -36,6 +36,16 @@ def test_kept_namelists(path, tmp_path):
         assert line.isprintable()
 
 
+def test_a_record_longer_than_a_simulation(tmp_path):
+    """The end of a record is the end of a simulation only where that could be asked for."""
+    (path,) = (path for path in SEEDS if path.stem == "structure_long_record")
+    log = vi.run_namelists([path], tmp_path)
+    assert log.status == 2
+    assert log.lines[0][1].endswith(
+        "&simulate duration: is missing; must be a number with 0 <= duration <= 1e12; the record is longer than that"
+    )
+
+
 def test_messages_hold_no_control_characters(tmp_path):
     """A byte that a terminal would obey is shown as a question mark, also where a program reads the message."""
     path = tmp_path / "odd.nml"
