@@ -42,7 +42,8 @@ def test_a_record_longer_than_a_simulation(tmp_path):
     log = vi.run_namelists([path], tmp_path)
     assert log.status == 2
     assert log.lines[0][1].endswith(
-        "&simulate duration: is missing; must be a number with 0 <= duration <= 1e12; the record is longer than that"
+        "&simulate duration: is missing; must be a number with 0 <= duration <= 1e12; the record is "
+        "longer than that"
     )
 
 
