@@ -221,7 +221,8 @@ def element(kind, data):
 
 
 def matrix(of_class, dims, content=b""):
-    """A matrix of a MATLAB file: class 1 is a cell array, 2 a struct, 6 one of numbers."""
+    """A matrix of a MATLAB file: class 1 is a cell array, 2 a struct, 5 a sparse one, 6 one of numbers; 0x800 says
+    that there are imaginary parts, too."""
     flags, size = struct.pack("<II", of_class, 0), struct.pack(f"<{len(dims)}i", *dims)
     return element(14, element(6, flags) + element(5, size) + element(1, b"load") + content)
 
@@ -250,6 +251,8 @@ MATLAB_BOMBS = {
     "inflated": (packed(element(14, bytes(2**25))), r"has 33554440 bytes; must have at most 4194304"),
     "twice": (2 * packed(matrix(6, (1, 1), element(9, bytes(3 * 2**20)))), r"has 6291\d+ bytes; must"),
     "lie": (packed(struct.pack("<II", 14, 8) + bytes(2**25)), "declares 16 bytes and has more"),
+    "real": (matrix(0x806, (1, 1), element(9, bytes(8))), "2 parts after its size and must have 3"),
+    "sparse": (matrix(5, (1, 1), element(5, bytes(8))), "2 parts after its size and must have 4"),
     "cut": (packed(struct.pack("<II", 14, 2**20) + bytes(8)), "declares 1048576 bytes and has 8"),
 }  # fmt: skip
 

@@ -24,6 +24,8 @@ ONE_AT_A_TIME = threading.Lock()
 COMPRESSED, MATRIX = 15, 14
 #: Classes of a matrix whose size is not that of its content: sparse ones, functions, and objects of MATLAB.
 UNSIZED = (5, 16, 17)
+#: Classes of numbers, the sparse one of them, and what says that there are imaginary parts, too.
+NUMERIC, SPARSE, COMPLEX = range(5, 16), 5, 0x800
 #: How deeply cells and structs may be nested.
 DEEPEST = 50
 
@@ -137,7 +139,8 @@ def elements(data: memoryview, order: str, align: int = 8) -> Iterator[tuple[int
 
 
 def check_matrix(kind: int, body: memoryview, order: str, depth: int = 0) -> None:
-    """Refuse a matrix that declares more entries than it can hold: scipy makes room for all of them first."""
+    """Refuse a matrix that declares more entries than it can hold, for which scipy makes room first, or that lacks
+    parts, which scipy takes for granted."""
     if kind != MATRIX or not len(body):
         return
     if depth > DEEPEST:
@@ -147,13 +150,21 @@ def check_matrix(kind: int, body: memoryview, order: str, depth: int = 0) -> Non
         (_, flags), (_, dims) = next(parts), next(parts)
     except StopIteration:
         raise ParameterError("a part is damaged: a matrix has no size") from None
-    of_class = struct.unpack_from(f"{order}I", flags)[0] & 0xFF
+    word = struct.unpack_from(f"{order}I", flags)[0]
+    of_class = word & 0xFF
+    rest = list(parts)
+    # its name, places of a sparse one, numbers, and imaginary parts
+    least = {SPARSE: 4}.get(of_class, 2) + bool(word & COMPLEX)
+    if of_class in NUMERIC and len(rest) < least:
+        raise ParameterError(
+            f"a part is damaged: a matrix has {len(rest)} parts after its size and must have {least}"
+        )
     if of_class in UNSIZED:
         return
     count = math.prod(size for (size,) in struct.iter_unpack(f"{order}i", dims))
     if not 0 <= count <= len(body):
         raise ParameterError(f"a matrix declares {count} entries and has {len(body)} bytes")
-    for item in parts:
+    for item in rest:
         check_matrix(*item, order, depth + 1)
 
 
