@@ -3,11 +3,13 @@
 import json
 import re
 from importlib.metadata import metadata
+from types import SimpleNamespace
 
 import numpy
 import pytest
 import vibroimpact as vi
 from programs import Runner, find_command, write
+from vibroimpact.commands import doctor
 
 
 @pytest.fixture
@@ -75,3 +77,46 @@ def test_json_of_a_wrong_input(tool):
     assert (done.status, document["status"]) == (2, 2)
     assert done.faults == document["faults"]
     assert document["faults"][0].startswith("vibroimpact find: --xi 2.0: must be ")
+
+
+def test_the_doctor_says_what_is_missing(monkeypatch, capsys):
+    """Missing libraries, a missing program and a slow build: each with what to do; the status is 1."""
+    added = {}
+    options = SimpleNamespace(record=SimpleNamespace(add=added.__setitem__))
+    built = {**doctor.built(), "openmp": "", "buildtype": "debug", "lapack": "openblas 0.3"}
+    monkeypatch.setattr(doctor, "built", lambda: built)
+    monkeypatch.setattr(doctor, "program", lambda: doctor.MISSING)
+    monkeypatch.setattr(
+        doctor, "extras", lambda: {"plot": {"matplotlib": None, "cmcrameri": "1.9"}}
+    )
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    assert doctor.run(options) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert "extra plot:        matplotlib MISSING, cmcrameri 1.9" in said
+    assert any(line.endswith("processors (built without OpenMP)") for line in said)
+    advice = added["doctor"]["advice"]
+    assert said[-len(advice) :] == advice
+    starts = (
+        "for pictures: pip install 'vibroimpact[plot]'", "in a copy of the project: pip install",
+        "charts and atlases would be faster with OpenMP", "the systems are small: set OPENBLAS_NUM_THREADS=1",
+        "a build of type debug is slow", "install the package anew",
+    )  # fmt: skip
+    assert all(line.startswith(start) for line, start in zip(advice, starts, strict=True))
+
+
+def test_the_doctor_sees_a_wrong_motion(monkeypatch):
+    """Errors and wrong multipliers of the core are said."""
+    assert doctor.computes() == "yes"
+    right = doctor.exact
+
+    def wrong(osc, *others):
+        return right(vi.Oscillator(xi=osc.xi, mu=osc.mu, restitution=0.7), *others)
+
+    monkeypatch.setattr(doctor, "exact", wrong)
+    assert doctor.computes().startswith("NO: residual ")
+
+    def failing(*_):
+        raise vi.SingularError("no motion")
+
+    monkeypatch.setattr(doctor, "exact", failing)
+    assert doctor.computes() == "NO: no motion"

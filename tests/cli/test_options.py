@@ -54,7 +54,10 @@ def test_plane_outside_of_the_walls(tool):
     plane = ["--plane", "x", "-9", "9", "5", "y", "-9", "8", "5"]
     done = tool("basins", *EQUAL, "--r", "1", "--clearance", "9", *plane)
     assert (done.status, len(done.faults)) == (2, 1)
-    wanted = "two finite numbers, one for each axis, and low below high; y must be within half the clearance"
+    wanted = (
+        "two numbers from -1e100 to 1e100, one for each axis, and low below high; "
+        "y must be within half the clearance"
+    )
     assert done.faults == [f"vibroimpact basins: --plane x -9 9 5 y -9 8 5: must be {wanted}"]
 
 
@@ -80,7 +83,8 @@ def test_threads_of_an_atlas(threads):
     ("response --r 1 1.05 inf --clearance 9", "--r 1 1.05 inf: must be a whole number with 2 <= N <= 1000000"),
     ("lyapunov --r 1 2 --clearance 9", "--r 1 2: must be a number, or LOW HIGH N"),
     ("basins --r 1.04 --clearance 9 --plane x 0 1 2 y 1 0 2",
-     "--plane x 0 1 2 y 1 0 2: must be two finite numbers, one for each axis, and low below high"),
+     "--plane x 0 1 2 y 1 0 2: must be two numbers from -1e100 to 1e100, one for each axis, and low below "
+     "high"),
     ("bifurcation --r 1 --parameter clearance --values 9 9 3",
      "--values 9 9 3: must be a number in the range of the parameter"),
     ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: must go with --phases"),
