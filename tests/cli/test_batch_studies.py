@@ -95,10 +95,14 @@ def test_exact_motion(batch, same_build):
 def test_equispaced_boundary_by_the_closed_form(batch):
     """On pieces of the equispaced zone the closed form has the multiplier of the piece's type."""
     text = ZONE.replace("'no'", "'yes'")
-    assert batch.case(text).status == 0
+    done = batch.case(text)
+    assert done.status == 0
+    table = rows(batch.cwd / "results/case.csv")
+    types = ", ".join(dict.fromkeys(row["type"] for row in table))
+    assert done.out.decode().split("\n")[0].endswith(f"pieces: {types}")
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     seen = set()
-    for row in rows(batch.cwd / "results/case.csv")[::3]:
+    for row in table[::3]:
         kind = row["type"]
         if kind not in ("pitchfork", "neimark_sacker") or row["corner"] == "true":
             continue
