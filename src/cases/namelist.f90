@@ -319,6 +319,7 @@ contains
       !> The fault; empty if there is none.
       character(:), allocatable, intent(out) :: message
       type(assignment_type) :: item
+      type(assignment_type), allocatable :: kept(:)
       integer :: equals, next, start, next_start, i, n
 
       message = ''
@@ -370,7 +371,13 @@ contains
          start = next_start
          equals = next
       end do
-      group%items = group%items(:n)
+      if (n == size(group%items)) return
+      ! an equals sign stood in a text
+      allocate (kept(n))
+      do i = 1, n
+         kept(i) = group%items(i)
+      end do
+      call move_alloc(kept, group%items)
    end subroutine split_body
 
    !> The next equals sign outside quotes at or after `from`, or 0.
