@@ -251,12 +251,12 @@ contains
       if (form == 3) text = text//'torque 1'//ending
       do i = 1, n
          time(i) = draw(random, 0.0_wp, 1.0_wp)
-         if (form == 1 .or. form == 2) text = text//exact(time(i))//','
+         if (form == 1 .or. form == 2) call add(text, exact(time(i))//',')
          do j = 1, m
             table(j, i) = draw(random, -1.0_wp, 1.0_wp)
-            text = text//exact(table(j, i))//merge(tab, ' ', form == 2)
+            call add(text, exact(table(j, i))//merge(tab, ' ', form == 2))
          end do
-         if (i < n .or. mod(n, 2) == 0) text = text//ending
+         if (i < n .or. mod(n, 2) == 0) call add(text, ending)
       end do
       call write_file(text)
       call read_samples(path, m, (m + 1)*n, numbers, columns, times, message)
@@ -266,6 +266,14 @@ contains
       if (size(numbers) == m*n) call check(all(abs(numbers - [table]) <= 0), 'numbers of samples')
       if (size(times) == n) call check(all(abs(times - time) <= 0), 'times of samples')
    end subroutine test_samples
+
+   !> Adds to a text. The stack that a compiler takes for the result is free again after the call.
+   subroutine add(text, more)
+      character(:), allocatable, intent(inout) :: text
+      character(*), intent(in) :: more
+
+      text = text//more
+   end subroutine add
 
    !> The first line that is wrong is named, with what it must hold.
    subroutine test_wrong_matrices()
