@@ -17,9 +17,9 @@ contains
    !! Over a step of at most H, a bound B on |g''''| gives g(t + h) >= g + g' h + (g''/2 + min(0,
    !! g'''/6 - B H/24) H) h^2, and the first positive zero of this parabola is safe. A large H makes
    !! the parabola pessimistic and a small one limits the step, so H is lowered towards the zero.
-   !! Near a simple zero of g the step converges to it with third order. Where the lowered H is by
-   !! far too small, as just after a release, when g and its slope are all but 0, the best H is
-   !! bracketed by orders of magnitude: between `near`, all of which is safe, and `far`.
+   !! Near a simple zero of g the step converges to it with third order. Just after a release g and
+   !! its slope are nearly 0, and the lowered H is far too small. The best H is then bracketed by
+   !! orders of magnitude between `near`, which is safe as a whole, and `far`, which is not.
    pure real(wp) function safe_step(g, slope, curvature, jerk, bound, limit) result(step)
       !> Value and first three derivatives now; g > 0, or g = 0 where the function starts to rise.
       real(wp), intent(in) :: g, slope, curvature, jerk

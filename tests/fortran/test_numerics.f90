@@ -147,7 +147,7 @@ contains
       end do
    end subroutine test_units
 
-   !> Just after a release t^2 (k - t^2) is all but 0, and so is its slope: few safe steps lead to
+   !> Just after a release t^2 (k - t^2) is nearly 0, and so is its slope: few safe steps lead to
    !! its zero at sqrt(k), however small that is, and none leads beyond it.
    subroutine test_steps_after_a_release()
       real(wp) :: k, t, zero

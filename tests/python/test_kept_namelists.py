@@ -37,7 +37,7 @@ def test_kept_namelists(path, tmp_path):
 
 
 def test_a_record_longer_than_a_simulation(tmp_path):
-    """The end of a record is the end of a simulation only where that could be asked for."""
+    """A simulation to the end of a record is refused if that duration is above the limit of the key."""
     (path,) = (path for path in SEEDS if path.stem == "structure_long_record")
     log = vi.run_namelists([path], tmp_path)
     assert log.status == 2

@@ -57,7 +57,7 @@ def test_zero_clearance_and_undamped_resonance():
 
 
 @pytest.mark.parametrize("name", STATE)
-@pytest.mark.parametrize("value", [NAN, INF, "0", None, 1j])
+@pytest.mark.parametrize("value", [NAN, INF, 1.1e100, -1e250, "0", None, 1j])
 def test_state_values(name, value):
     """Each number of a state must be real, and not beyond 1e100."""
     assert_refused({"state": state() | {name: value}}, name, repr(value))
