@@ -136,7 +136,7 @@ contains
       away = weight/length*away
       n = size(family%sides)
       sign = merge(-1.0_wp, 1.0_wp, family%mirror)
-      slope(:2*n) = slope(:2*n) - away
+      slope(:2*n) = slope(:2*n) - away(:2*n)
       do i = 1, n
          j = i + repetition%shift
          turns = (j - 1)/n

@@ -66,7 +66,8 @@ contains
       end do
       call compare(own, groups, best, n)
       if (n /= 1) then
-         own = group_type(next)
+         own%owner = next
+         own%hits = 0
          call find_cells(system, known%state, max_events, own, status, progress)
          if (status == stat%event_limit) label = event_limited
          if (status /= stat%ok) return

@@ -6,7 +6,7 @@ module motions_orbit
    use vi_characteristic, only: characteristic
    use vi_equispaced, only: solve_equispaced
    use vi_exact, only: newton_equations, setting_type
-   use vi_family, only: whole_unknowns
+   use vi_family, only: add_distance_slope, repetition_distance, repetition_type, whole_unknowns
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
@@ -32,6 +32,7 @@ contains
       call test_map_anywhere()
       call test_exact_motions()
       call test_half_period()
+      call test_distances()
    end subroutine test_orbits
 
    !> A family and unknowns that need not be a motion, away from resonance and very short flights.
@@ -300,5 +301,43 @@ contains
          motion%osc%xi, motion%osc%mu, motion%osc%restitution([right, left])]
       call set_orbit(family, [motion%x(:n)/motion%clearance, motion%phases(:n) + motion%tau], c, o)
    end subroutine orbit_of
+
+   !> The gradient of the distance of an orbit from its image, against differences; of structures
+   !! with further displacements, too. What is behind the unknowns stays as it is.
+   subroutine test_distances()
+      type(family_type) :: family
+      type(repetition_type) :: repetition
+      real(wp), allocatable :: unknowns(:), all_unknowns(:), moved(:)
+      real(wp) :: c(n_parameters), slope(60), before(60), difference, weight
+      real(wp), parameter :: h = 1e-5_wp
+      integer :: trial, further, i, n
+
+      do trial = 1, 200
+         call random_member(random, family, unknowns, c)
+         further = draw_integer(random, 0, 3)
+         n = size(unknowns) + further
+         repetition = repetition_type(draw_integer(random, 0, size(family%sides) - 1), &
+            real(2*draw_integer(random, 0, 1) - 1, wp), draw(random, 0.0_wp, 6.0_wp), &
+            draw_integer(random, 0, further))
+         allocate (all_unknowns(n))
+         all_unknowns(:size(unknowns)) = unknowns
+         call fill(random, 0.5_wp, 2.0_wp, all_unknowns(size(unknowns) + 1:))
+         call fill(random, -1.0_wp, 1.0_wp, before)
+         slope = before
+         weight = draw(random, 0.5_wp, 2.0_wp)
+         call add_distance_slope(family, repetition, all_unknowns, weight, slope)
+         call check(all(abs(slope(n + 1:) - before(n + 1:)) <= 0), 'behind the unknowns')
+         moved = all_unknowns
+         do i = 1, n
+            moved(i) = all_unknowns(i) + h
+            difference = repetition_distance(family, repetition, moved)
+            moved(i) = all_unknowns(i) - h
+            difference = (difference - repetition_distance(family, repetition, moved))/(2*h)
+            moved(i) = all_unknowns(i)
+            call check_close(slope(i) - before(i), weight*difference, 1e-7_wp, 'slope of distance')
+         end do
+         deallocate (all_unknowns)
+      end do
+   end subroutine test_distances
 
 end module motions_orbit

@@ -1,0 +1,147 @@
+"""What the core answers to the namelists of tests/data/answers, in a form that can be kept and compared."""
+
+import json
+import shutil
+import zlib
+from math import prod
+from pathlib import Path
+
+import numpy as np
+from vibroimpact import _core
+from vibroimpact.interrupt import new_counters
+from vibroimpact.tables import STORED, Handle, declared, language, shown, text_of
+
+FOLDER = Path(__file__).parents[1] / "data" / "answers"
+INPUTS = Path(__file__).parents[2] / "inputs"
+KEPT = FOLDER / "answers.jsonl"
+#: Sums agree within this share of the sum of magnitudes; what is smaller than FLOOR is rounding.
+SHARE, FLOOR = 1e-8, 1e-12
+#: In the place of a sum that two builds, compilers or libraries do not have in common: rounding alone.
+ROUNDING = "rounding"
+
+
+def answer(text):
+    """The answer to one case: a message, or notes and a fingerprint of each column."""
+    handle, status = _core.run_case(np.frombuffer(text.encode(), "S1"), 1, new_counters())
+    owner = Handle(handle)
+    return read(owner, status, text_of(_core.describe_result, handle))
+
+
+def read(owner, status, described):
+    """An answer, from what the core tells of a result in JSON."""
+    about = json.loads(described)
+    if status == 2:
+        return {"status": status, "message": about["message"]}
+    lines = [line[2:] for line in about["case"]]
+    study = study_of(lines)
+    sizes = {item["name"]: [size for _, size in item["dims"]] for item in about["tables"]}
+    columns = {
+        f"{item['table']}.{item['name']}": fingerprint(
+            column(owner, item, declared(study)[item["table"], item["name"]], sizes)
+        )
+        for item in about["columns"]
+        if item["address"] is not None
+    }
+    owners = {
+        f"{item['name']} of {item['parent']}": fingerprint(
+            shown(owner, item["owners"], (prod(sizes[item["name"]]),))
+        )
+        for item in about["tables"]
+        if item["parent"]
+    }
+    return {
+        "status": status,
+        "case": zlib.crc32("\n".join(lines).encode()),
+        "notes": [text for _, text in about["notes"]],
+        "remarks": about["remarks"],
+        "columns": columns | owners,
+    }
+
+
+def study_of(case):
+    """The study of a complete case: that of its last group before &output."""
+    groups = [line[1:] for line in case if line[:1] == "&" and line not in ("&output", "&sweep")]
+    of_structure = "structure" in groups
+    return next(
+        name for name, about in language()["results"].items()
+        if (about["group"], about["of_structure"]) == (groups[-1], of_structure)
+    )  # fmt: skip
+
+
+def column(owner, item, about, sizes):
+    """The values of a column in one dimension."""
+    length = prod(sizes[item["table"]]) * (item["inner"] if about["each"] else 1)
+    values = shown(owner, item["address"], (length,), STORED.get(about["kind"], "<i4"))
+    return values.view("<f8") if about["kind"] == "complex" else values
+
+
+def fingerprint(values):
+    """Number of values and a checksum of integers; of reals also that of NaNs, and two weighted sums."""
+    if values.dtype.kind == "i":
+        return [values.size, zlib.crc32(values.tobytes())]
+    finite = np.where(np.isfinite(values), values, 0.0)
+    # no exchange of two values and no change of one leaves the sum as it is
+    weighted = (1 + np.modf(0.618033988749895 * np.arange(values.size))[0]) * finite
+    return [
+        values.size, int(values.size - np.isfinite(values).sum()),
+        float(f"{weighted.sum():.13g}"), float(f"{np.abs(weighted).sum():.4g}"),
+    ]  # fmt: skip
+
+
+def differences(kept, found):
+    """The names of what differs between two answers."""
+    for name in dict.fromkeys([*kept, *found]):
+        if name == "columns" or kept.get(name) == found.get(name):
+            continue
+        if kept.get(name) != ROUNDING:
+            yield name
+    columns, others = kept.get("columns", {}), found.get("columns", {})
+    for name in dict.fromkeys([*columns, *others]):
+        if not close(columns.get(name, []), others.get(name, [])):
+            yield name
+
+
+def close(kept, found):
+    """Whether two fingerprints agree."""
+    if len(kept) != 4 or len(found) != 4:
+        rounded = [ROUNDING] in (kept[1:], found[1:])
+        return kept == found or (rounded and kept[0] == found[0])
+    if kept[:2] != found[:2]:
+        return False
+    return (
+        ROUNDING in (kept[2], found[2])
+        or abs(kept[2] - found[2]) <= SHARE * max(kept[3], found[3]) + FLOOR
+    )
+
+
+def merged(kept, found):
+    """An answer without what two builds do not have in common; None if they differ in more than rounding."""
+    both = {name: value if found.get(name) == value else ROUNDING for name, value in kept.items()}
+    if both["status"] == ROUNDING or "message" in kept:
+        return both if ROUNDING not in both.values() else None
+    if both["case"] == ROUNDING or kept["columns"].keys() != found["columns"].keys():
+        return None
+    both["columns"] = dict(kept["columns"])
+    for name, mine in kept["columns"].items():
+        other = found["columns"][name]
+        if close(mine, other):
+            continue
+        if mine[0] != other[0] or (len(mine) == 4 and mine[1] != other[1]):
+            return None
+        both["columns"][name] = (
+            [*mine[:2], ROUNDING, mine[3]] if len(mine) == 4 else [mine[0], ROUNDING]
+        )
+    return both
+
+
+def put_files(folder):
+    """Copy the files that cases refer to."""
+    for path in (*FOLDER.iterdir(), *INPUTS.iterdir()):
+        if path.suffix in (".mtx", ".csv", ".npy"):
+            shutil.copy(path, folder)
+
+
+def load():
+    """The kept cases: text and answer of each."""
+    with KEPT.open(encoding="utf-8") as lines:
+        return [json.loads(line) for line in lines]
