@@ -117,22 +117,31 @@ class _Worker:
     """A thread that runs one call after another: in a new thread OpenMP would start all its threads again."""
 
     idle: ClassVar[list[_Worker]] = []
+    #: Held while a thread starts: the size of its stack is one number for all threads of the process.
+    starting: ClassVar[threading.Lock] = threading.Lock()
 
     def __init__(self) -> None:
         self.calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        before = threading.stack_size(STACK)
-        try:
-            threading.Thread(target=self._work, daemon=True).start()
-        finally:
-            threading.stack_size(before)
+        with _Worker.starting:
+            before = threading.stack_size(STACK)
+            try:
+                threading.Thread(target=self._work, daemon=True).start()
+            finally:
+                threading.stack_size(before)
 
     def _work(self) -> None:
         while True:
             self.calls.get()()
 
 
-if hasattr(os, "register_at_fork"):  # a child process has none of these threads
-    os.register_at_fork(after_in_child=_Worker.idle.clear)
+def _forget_threads() -> None:
+    """In a child process: it has none of its parent's threads, and none that would release the lock."""
+    _Worker.idle.clear()
+    _Worker.starting = threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_threads)
 
 
 def _started(function: Callable[..., Any], *arguments: Any) -> _Call:

@@ -441,6 +441,50 @@ def test_calls_in_threads_with_small_stacks():
     assert_answers(child(CALLS), "20 True")
 
 
+#: Threads of a small stack start workers at the same time; then a child is forked while a worker is started.
+STARTS = """
+import os, threading, vibroimpact as vi
+from vibroimpact.interrupt import _Worker
+
+even = vi.Oscillator(xi=.005, mu=.042, restitution=.75)
+def call():
+    return vi.exact(even, .94, 37., ([0, 4.3417], "RL")).X.tobytes()
+wanted = call()
+def size_left():
+    ready = threading.Barrier(9)
+    def work():
+        ready.wait()
+        ready.wait()
+        _Worker()
+    threading.stack_size(0)
+    threads = [threading.Thread(target=work) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    ready.wait()
+    threading.stack_size(65536)
+    ready.wait()
+    for thread in threads:
+        thread.join()
+    return threading.stack_size()
+print({size_left() for _ in range(20)} == {65536})
+
+with _Worker.starting:
+    pid = os.fork()
+    if pid == 0:
+        thread = threading.Thread(target=lambda: os._exit(0 if call() == wanted else 3), daemon=True)
+        thread.start()
+        thread.join(20)
+        os._exit(4)
+print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
+"""
+
+
+@linux
+def test_threads_with_small_stacks_at_once():
+    """Threads that start workers at the same time leave the size of stacks that was set; a child can start its own."""
+    assert_answers(child(STARTS), "True 0")
+
+
 def test_exponents_of_nothing_are_not_read():
     """The status codes used in this file are those of the core, and a plain simulation works."""
     assert [vi.status_text(code) for code in (EVENT_LIMIT, EVENT_LIMIT + 1)] == [
