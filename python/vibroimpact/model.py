@@ -277,6 +277,10 @@ class Oscillator:
             )
         else:
             half, M, K = 0.5 * positive(d, "d"), self.M, self.K
+        if isinstance(restitution, (tuple, list)) and len(restitution) != 2:
+            raise ParameterError(
+                f"restitution = {restitution!r}: must be one coefficient or law, or two: right, left"
+            )
         right, left = (
             restitution if isinstance(restitution, (tuple, list))
             else self.restitution if restitution is None else (restitution, restitution)

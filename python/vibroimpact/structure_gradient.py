@@ -268,7 +268,7 @@ def rates_of(structure: Structure, load: Load, parameter: Wanted) -> _Array:
         return named_rates(structure, parameter, places - (0, 1, 1), values)
     if not (isinstance(parameter, tuple) and len(parameter) == 3 and callable(parameter[1])):
         raise ParameterTypeError(
-            f"parameter {parameter!r}: must be a name, or (name, function, value), where the function gives a "
+            f"parameters: {parameter!r} must be a name, or (name, function, value), where the function gives a "
             "structure and a load"
         )
     name, function, value = parameter
@@ -291,7 +291,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     allowed = {OPENING: (0, 1), RESTITUTION: (0, 1)} | dict.fromkeys(MATRICES, (0, 2))
     if kind is None or len(numbers) not in allowed.get(kind, (0,)):
         raise ParameterError(
-            f"parameter {name!r}: must be 'frequency', 'load', 'constant', 'mass', 'damping', 'stiffness' "
+            f"parameters: {name!r} must be 'frequency', 'load', 'constant', 'mass', 'damping', 'stiffness' "
             "(factors), 'opening', 'restitution' (of all gaps), 'opening_J', 'restitution_J', 'mass_I_J', "
             "'damping_I_J' or 'stiffness_I_J', all from 0, or (name, function, value)"
         )
@@ -305,9 +305,11 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     factor = kind in (CONSTANT, COSINE) or (kind in MATRICES and not numbers)
     rates = np.where(here, values if factor else 1.0, 0.0)
     if not rates.any():
-        raise ParameterError(f"parameter {name!r}: there is nothing that it could change")
+        raise ParameterError(f"parameters: {name!r} changes nothing of this structure and load")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
             if isinstance(structure.gaps[j].restitution, TabulatedRestitution):
-                raise ParameterError(f"parameter {name!r}: the restitution of gap {j} is a table")
+                raise ParameterError(
+                    f"parameters: {name!r} has no derivative: the restitution of gap {j} is a table"
+                )
     return rates

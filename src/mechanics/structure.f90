@@ -446,6 +446,10 @@ contains
          return
       end if
       unit = [(1/sqrt(structure%mass(i, i)), i=1, n)]
+      if (s > n) then                               ! more directions than coordinates
+         status = stat%singular
+         return
+      end if
       allocate (directions(n, s))
       do i = 1, s
          directions(:, i) = unit*structure%directions(:, resting(i))

@@ -81,6 +81,10 @@ contains
       call add_expected_work(size(r)*(batches + 1), progress)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do j = 1, size(r)
+         if (is_stopped(progress)) then
+            status(j) = stat%not_computed
+            cycle
+         end if
          call exponents_of(new_forced_system(osc, r(j), load(j), clearance(j)), &
             unpack_state(states(:, j), contacts(:, j)), discard, cycles, batches, max_events, &
             exponents(:, j), deviations(:, j), dimensions(j), counts(:, j), errors(j), 1, &

@@ -7,6 +7,7 @@ module vi_lyapunov_study
    use vi_forced_system, only: initial_state, new_forced_system, two_pi
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance
+   use vi_progress, only: is_stopped
    use vi_status, only: stat, status_text
    use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
       wholes
@@ -215,12 +216,14 @@ contains
       associate (s => case%study)
          loads = s%number('load')
          batches = s%whole_number('batches')
+         status = stat%not_computed
          do j = 1, n
+            if (is_stopped(progress)) exit
             call pack_state(initial_state(new_forced_system(case%osc, r(j), loads(j), &
                clearance(j)), state_of(s)), states(:, j), contacts(:, j))
          end do
-         call lyapunov_points(case%osc, r, loads, clearance, states, contacts, &
-            s%whole_number('discard'), s%whole_number('cycles')/batches, batches, &
+         if (.not. is_stopped(progress)) call lyapunov_points(case%osc, r, loads, clearance, &
+            states, contacts, s%whole_number('discard'), s%whole_number('cycles')/batches, batches, &
             s%whole_number('max_events'), threads, exponents, deviations, dimensions, counts, &
             errors, status, progress)
       end associate

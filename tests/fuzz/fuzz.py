@@ -39,6 +39,8 @@ def main():
     options.sanitized, options.checked = options.sanitized.resolve(), options.checked.resolve()
     report = Report()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # programs are interrupted: they must not inherit that this one, in the background, ignores it
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         for name, part in PARTS.items():
             if name in options.only:

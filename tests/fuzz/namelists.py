@@ -182,6 +182,7 @@ def run_program(report, what, place, folder, text):
     (folder / "texts.bin").unlink(missing_ok=True)
     case, results = folder / "case.nml", folder / "results"
     case.write_bytes(text)
+    shutil.rmtree(results, ignore_errors=True)  # of a program that was killed
     before = sorted(path.name for path in folder.iterdir())
     program = (place / "src" / "vibroimpact-batch").resolve()
     running = subprocess.Popen(

@@ -322,3 +322,24 @@ def test_none_and_bool_are_not_numbers(name):
     with pytest.raises(vi.errors.VibroimpactError) as caught:
         NO_NUMBERS[name]()
     assert name in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda r: vi.bifurcation_diagram(OSC, "clearance", [1, 2, 3], r=r), "r"),
+        (lambda restitution: OSC.structure(1.0, restitution), "restitution"),
+        (lambda cases: vi.campaign(cases, "nowhere"), "cases"),
+    ],
+)
+@pytest.mark.parametrize("value", [([], [[0.0]]), [0.5, 0.5, 0.5], np.array(0.0)])
+def test_lists_of_another_shape(call, name, value):
+    """A list of lists of several lengths, one of a wrong length, and an array without dimensions."""
+    if name == "restitution" and isinstance(value, np.ndarray):
+        value = ([], [], [])
+    if name == "r" and isinstance(value, list):
+        value = [[0.5], [0.5, 0.6]]
+    if name == "r" and isinstance(value, np.ndarray):
+        value = np.array([0.9, 0.9])
+    with pytest.raises(vi.errors.VibroimpactError, match=rf"^{name}\b"):
+        call(value)

@@ -187,7 +187,7 @@ def test_faults_of_tables_are_named(text, options, message, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ([3], "signal 0: must be a SEP005 dict with name, data, unit_str, and fs or time"),
+        ([3], "path: signal 0 must be a SEP005 dict with name, data, unit_str, and fs or time"),
         ({"fs": 1000}, "fs from 500 to 1000: must be the same of all signals"),
         ({"time": [0, 1]}, "fs from 1 to 500: must be the same of all signals"),
         ({"name": ["load"], "data": np.ones((2, 20)), "fs": 500},

@@ -226,7 +226,7 @@ def test_a_bounce():
     assert gradient["final_q", "restitution_0"] == pytest.approx(1 - 0.2 - 1.3 * 3, rel=1e-14)
     assert gradient["time", "q_dot_0"] == pytest.approx(-0.8 / 1.3**2, rel=1e-14)
     assert gradient.to_xarray()["q"].dims == ("event", "coordinate", "parameter")
-    with pytest.raises(vi.ParameterError, match="parameter 'q_1': must be"):
+    with pytest.raises(vi.ParameterError, match="parameters: 'q_1' must be"):
         vi.simulate(wall, duration=3, state=([0.2], [1.3])).gradient(["q_1"])
     short = vi.simulate(
         damper(clearance=1.0),

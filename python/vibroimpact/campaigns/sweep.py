@@ -239,7 +239,13 @@ class CaseList:
     keys: tuple[str, ...] = ()
 
     def __init__(self, cases: Iterable[str | Case]) -> None:
-        self.cases = [case.text if isinstance(case, Case) else case for case in cases]
+        try:
+            given = list(cases)
+        except TypeError:
+            raise ParameterTypeError(
+                f"cases = {cases!r}: must be a list of cases, or a Sweep"
+            ) from None
+        self.cases = [case.text if isinstance(case, Case) else case for case in given]
         for i, text in enumerate(self.cases):
             if not isinstance(text, str):
                 raise ParameterTypeError(

@@ -407,7 +407,7 @@ def of_sep005(signals: Any) -> Content:
     for i, signal in enumerate(several):
         if not isinstance(signal, Mapping) or not {"name", "data"} <= signal.keys():
             raise ParameterError(
-                f"signal {i}: must be a SEP005 dict with name, data, unit_str, and fs or time"
+                f"path: signal {i} must be a SEP005 dict with name, data, unit_str, and fs or time"
             )
         data = checks.real_array(signal["data"], f"data of signal {signal['name']!r}", "numbers")
         unit = str(signal.get("unit_str") or "")

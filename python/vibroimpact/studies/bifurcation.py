@@ -301,7 +301,7 @@ def bifurcation_diagram(
 
 def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> Any:
     """The parameter that is not swept: a number, or one for each value."""
-    if np.ndim(value) == 0:
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
         return checks.number(value, name)
     array = checks.real_array(value, name, "numbers")
     if array.shape != along.shape or not np.array_equal(along, values):
