@@ -305,7 +305,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     factor = kind in (CONSTANT, COSINE) or (kind in MATRICES and not numbers)
     rates = np.where(here, values if factor else 1.0, 0.0)
     if not rates.any():
-        raise ParameterError(f"parameters: {name!r} changes nothing of this structure and load")
+        raise ParameterError(f"parameters: {name!r}: there is nothing that it could change")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
             if isinstance(structure.gaps[j].restitution, TabulatedRestitution):

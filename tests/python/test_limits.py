@@ -481,7 +481,7 @@ print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
 
 @linux
 def test_threads_with_small_stacks_at_once():
-    """Threads that start workers at the same time leave the size of stacks that was set; a child can start its own."""
+    """Threads that start workers at once leave the size of stacks that was set; a child can start its own."""
     assert_answers(child(STARTS), "True 0")
 
 

@@ -211,7 +211,7 @@ def compare(kept, others):
 def search(counted, kept, count, seed):
     """Texts that reach something new: (text, CPU seconds, what it reaches)."""
     rng, tongue, seen, found = random.Random(seed), Language(language()), set(), []
-    first = kept + [*sources(counted)]
+    first = [*kept, *sources(counted)]
     pool = [groups for groups in map(parse, first) if groups]
     for number in range(len(first) + count):
         text = first[number] if number < len(first) else change(tongue, rng, rng.choice(pool))
