@@ -48,6 +48,8 @@ module vi_channels
       real(wp) :: time = 0, speed = 0
       !> False if the search exceeded its step budget.
       logical :: complete = .true.
+      !> Steps that it took, of cells and within them.
+      integer :: steps = 0
    end type reached_type
 
    !> Cells after which the pairs are computed directly again.
@@ -144,7 +146,7 @@ contains
       !> The event.
       type(reached_type), intent(out) :: reached
       real(wp) :: h, time, found, speed, t, horizon, brief
-      integer :: clear, hold, j, level, longest, n, next, now, row, steps, wall
+      integer :: clear, hold, j, level, longest, n, next, now, row, steps, taken, wall
       logical :: fresh, small
 
       ! where a cell costs less than a search, long cells in doubt are divided, not searched
@@ -173,6 +175,7 @@ contains
          if (.not. reached%complete) return
          h = regime%steps%length(level)
          next = 3 - now
+         reached%steps = reached%steps + 1
          if (t + h > horizon) then
             horizon = t + cells*h
             call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, cells*h, &
@@ -210,12 +213,13 @@ contains
          do j = 1, n
             call search(regime, x0, v0, phase, pairs(:, 2*now - 1), pairs(:, 2*now), &
                turns(:, now), doubtful(:, j), leaving, values(doubtful(1, j), 5), t, found, h, &
-               work, wall, time, speed, reached%complete)
+               work, wall, time, speed, taken, reached%complete)
+            reached%steps = reached%steps + taken
             if (.not. reached%complete) return
             if (wall == 0) cycle
             found = time
             row = doubtful(1, j)
-            reached = reached_type(row, wall, time, speed)
+            reached = reached_type(row, wall, time, speed, steps=reached%steps)
          end do
          pace = pace_type(level)
          if (n == 0) clear = clear + 1
@@ -513,7 +517,7 @@ contains
 
    !> The first time within a cell at which one row reaches a limit.
    pure subroutine search(regime, x0, v0, phase, x, v, turn, doubt, leaving, bound, begin, end, &
-      longest, work, wall, time, speed, complete)
+      longest, work, wall, time, speed, steps, complete)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start of the flight.
@@ -541,11 +545,12 @@ contains
       integer, intent(out) :: wall
       !> Time at which it is reached, and approach speed.
       real(wp), intent(out) :: time, speed
+      !> Steps that it took.
+      integer, intent(out) :: steps
       !> False if the search exceeded its step budget.
       logical, intent(out) :: complete
       type(series_type) :: series
       type(opening_type) :: opening
-      integer :: steps
 
       time = begin
       steps = 0
@@ -739,7 +744,8 @@ contains
       bound = 0
       do j = 1, size(x)
          associate (i => regime%rows%begins(row) + j - 1)
-            call bound_on(regime%rows%stiffness(i), x(j), v(j), of_x, of_v)
+            call bound_on(regime%rows%stiffness(i), regime%rows%drag(i), x(j), v(j), of_x, &
+               of_v)
             bound = bound + abs(regime%rows%of_x(i))*of_x + abs(regime%rows%of_v(i))*of_v
          end associate
       end do

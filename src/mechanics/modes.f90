@@ -393,10 +393,12 @@ contains
    !> Bounds on |x| and |v| of a pair without constant terms, from now on.
    !!
    !! v^2 + omega^2 x^2 never grows. At frequency 0, x is the v of the derivative of the order
-   !! below, and does not grow either.
-   elemental subroutine bound_on(stiffness, x, v, of_x, of_v)
-      !> omega^2.
-      real(wp), intent(in) :: stiffness
+   !! below, and does not grow either. The bound on x that follows from v^2 + omega^2 x^2 is far too
+   !! large where damping is far above the critical one: there x(t) = w' x + w (v + 2 sigma x), with
+   !! |w'| <= 1 and 0 <= w <= 1/(2 sigma).
+   elemental subroutine bound_on(stiffness, drag, x, v, of_x, of_v)
+      !> omega^2 and 2 sigma.
+      real(wp), intent(in) :: stiffness, drag
       !> Derivatives of order 2 or more of the pair.
       real(wp), intent(in) :: x, v
       !> The bounds.
@@ -407,6 +409,7 @@ contains
          omega = sqrt(stiffness)
          of_v = sqrt(v**2 + stiffness*x**2)
          of_x = of_v/omega
+         if (drag > 2*omega) of_x = min(of_x, abs(x) + abs(v + drag*x)/drag)
       else
          of_x = abs(x)
          of_v = abs(v)

@@ -155,7 +155,8 @@ contains
    end subroutine step_pairs
 
    !> Bounds on the absolute fourth derivatives of pairs, from now on: v^2 + omega^2 x^2 never
-   !! grows.
+   !! grows, and above critical damping neither does x exceed the other bound of `bound_on` in
+   !! vi_modes.
    pure subroutine bound_pairs(n, stiffness, damping, inverse, drift, drift_rate, force, &
       force_rate, x0, v0, of_x, of_v)
       !> Number of pairs.
@@ -168,7 +169,7 @@ contains
       real(wp), intent(in) :: x0(n), v0(n)
       !> (n) The bounds.
       real(wp), intent(out) :: of_x(n), of_v(n)
-      real(wp) :: drag, x1, v1, x2, v2, x3, v3, x4, v4
+      real(wp) :: drag, x1, v1, x2, v2, x3, v3, x4, v4, slow
       integer :: k
 
       do k = 1, n
@@ -183,6 +184,9 @@ contains
          v4 = -stiffness(k)*x3 - drag*v3
          of_v(k) = sqrt(v4*v4 + stiffness(k)*x4*x4)
          of_x(k) = merge(of_v(k)*inverse(k), abs(x4), stiffness(k) > 0)
+         ! v4 + drag x4 = -omega^2 x3
+         slow = abs(x4) + stiffness(k)*abs(x3)/max(drag, tiny(drag))
+         of_x(k) = merge(slow, of_x(k), drag*drag > 4*stiffness(k) .and. slow < of_x(k))
       end do
    end subroutine bound_pairs
 
@@ -213,11 +217,14 @@ contains
             ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
             of_x = abs(x(k + j)) + (f + 2*damping(k + j)*p)*inverse(k + j)**2
             of_v = (abs(v(k + j)) + p)**2 + stiffness(k + j)*of_x**2
-            ! at frequency 0
+            ! within the time, |x| from v = 1 is at most the time, and from x = 1 at most 1; at
+            ! frequency 0 that is all, and at a tiny frequency it is far less
             f = abs(v(k + j)) + f*duration
             p = abs(x(k + j)) + (f + p)*duration
-            squares(j, 1) = merge(of_v*inverse(k + j)**2, p**2, stiffness(k + j) > 0)
-            squares(j, 2) = merge(of_v, f**2, stiffness(k + j) > 0)
+            f = f + stiffness(k + j)*p*duration
+            squares(j, 1) = merge(of_v*inverse(k + j)**2, p**2, stiffness(k + j) > 0 .and. &
+               of_v*inverse(k + j)**2 < p**2)
+            squares(j, 2) = merge(of_v, f**2, stiffness(k + j) > 0 .and. of_v < f**2)
          end do
          l = side_by_side*((m + side_by_side - 1)/side_by_side)
          squares(m + 1:l, :) = 0

@@ -11,12 +11,13 @@ module mechanics_channels
    use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
       advance_pairs_wide => advance_pairs, bound_pairs_wide => bound_pairs, &
       sizes_of_pairs_wide => sizes_of_pairs, step_pairs_wide => step_pairs
-   use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare
+   use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare, &
+      step_functions
    use vi_processor, only: runs_wide
    use vi_series, only: order, tolerated
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
-      regime_type, structure_type
+      regime_type, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -34,6 +35,7 @@ contains
       do i = 1, 300
          call check_sizes()
          call check_driven()
+         call test_heavy_damping()
       end do
       do i = 1, 300
          call test_pair()
@@ -43,6 +45,9 @@ contains
       end do
       do i = 1, 300
          call check_search()
+      end do
+      do i = 1, 60
+         call test_tiny_stiffness()
       end do
    end subroutine test_channels
 
@@ -74,7 +79,7 @@ contains
       damping = omega*draw_log(random, 1e-4_wp, 0.95_wp)
       x = draw(random, -1.0_wp, 1.0_wp)
       v = omega*draw(random, -1.0_wp, 1.0_wp)
-      call bound_on(stiffness, x, v, of_x, of_v)
+      call bound_on(stiffness, 2*damping, x, v, of_x, of_v)
       rate = sqrt(stiffness - damping**2)
       lambda = cmplx(-damping, rate, wp)
       c = cmplx(x, -(v + damping*x)/rate, wp)
@@ -87,10 +92,93 @@ contains
       call check(all(most <= [of_x, of_v]*(1 + 1e-12_wp)), 'pair: bounds on x and v')
       if (damping < 1e-2_wp*omega) call check(all(1.1_wp*most >= [of_x, of_v]), &
          'pair: which are the amplitudes')
-      call bound_on(0.0_wp, x, v, of_x, of_v)
+      call bound_on(0.0_wp, 2*damping, x, v, of_x, of_v)
       call check_close(of_x, abs(x), 0.0_wp, 'pair: a free mass keeps x')
       call check_close(of_v, abs(v), 0.0_wp, 'pair: and v')
    end subroutine test_pair
+
+   !> A pair far above critical damping: its bounds hold from its start on, are at most some times
+   !! what it reaches however small its stiffness is, and tend to those without stiffness. They
+   !! shrink by no more than the factor with which the search estimates bounds of higher orders.
+   subroutine test_heavy_damping()
+      integer, parameter :: samples = 400
+      real(wp) :: stiffness, damping, drag, x(6), v(6), before, of_x, of_v, slow, t, u, w, &
+         most, free, of_fourth(1), unused(1)
+      integer :: i, n
+
+      damping = draw_log(random, 1e-2_wp, 1e2_wp)
+      drag = 2*damping
+      stiffness = damping**2*draw_log(random, 1e-70_wp, 0.99_wp)
+      x(1) = draw(random, -1.0_wp, 1.0_wp)
+      v(1) = damping*draw(random, -1.0_wp, 1.0_wp)
+      do n = 2, size(x)
+         x(n) = v(n - 1)
+         v(n) = -stiffness*x(n - 1) - drag*v(n - 1)
+      end do
+      call bound_on(stiffness, drag, x(1), v(1), of_x, of_v)
+      slow = stiffness/(damping + sqrt(damping**2 - stiffness))
+      most = abs(x(1))
+      do i = 0, samples
+         ! several of the time of each exponential
+         t = min(10.0_wp**(-3 + i*6.0_wp/samples), 40.0_wp)/merge(damping, slow, mod(i, 2) == 0)
+         call step_functions(stiffness, damping, t, u, w)
+         most = max(most, abs(u*x(1) + w*v(1)))
+      end do
+      call check(most <= of_x*(1 + 1e-12_wp), 'heavy damping: a bound on x')
+      call check(of_x <= (2*abs(x(1)) + abs(v(1))/drag)*(1 + 1e-12_wp), &
+         'heavy damping: from x and v')
+      call check(of_x <= 6*most, 'heavy damping: not much more than needed')
+      ! from the second order on x is the v of the order below
+      do n = 2, size(x)
+         call bound_on(stiffness, drag, x(n), v(n), of_x, of_v)
+         call bound_on(0.0_wp, drag, x(n), v(n), free, unused(1))
+         if (stiffness < 1e-20_wp*damping**2 .and. abs(x(n)) > 0) call check_close(of_x/free, &
+            1.0_wp, 1e-12_wp, 'heavy damping: as without stiffness')
+         if (n > 2) call check(of_x <= (sqrt(stiffness) + drag)*before*(1 + 1e-12_wp), &
+            'heavy damping: bounds of higher orders')
+         before = of_x
+      end do
+      call bound_pairs(1, [stiffness], [damping], [1/sqrt(stiffness)], [0.0_wp], [0.0_wp], &
+         [0.0_wp], [0.0_wp], x(1:1), v(1:1), of_fourth, unused)
+      call bound_on(stiffness, drag, x(5), v(5), of_x, of_v)
+      call check_close(of_fourth(1)/of_x, 1.0_wp, 1e-9_wp, 'heavy damping: fourth derivatives')
+   end subroutine test_heavy_damping
+
+   !> A mass with a tiny stiffness, with and without a dashpot and a constant force, is found to hit
+   !! a wall or not as without stiffness, at the same time, and in as few steps.
+   subroutine test_tiny_stiffness()
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(regime_type) :: regime
+      type(space_type) :: space
+      type(pace_type) :: pace
+      type(reached_type) :: free, reached
+      real(wp) :: matrices(1, 1, 3), damping, force, speed, limit, x(1), v(1)
+      integer :: i, status
+
+      damping = merge(0.0_wp, draw_log(random, 1e-2_wp, 1e1_wp), draw_integer(random, 0, 1) == 0)
+      force = merge(0.0_wp, draw(random, -1.0_wp, 1.0_wp), draw_integer(random, 0, 1) == 0)
+      speed = draw(random, 0.1_wp, 2.0_wp)
+      limit = draw_log(random, 1.0_wp, 1e3_wp)
+      load = new_load(0.0_wp, reshape([real(wp) ::], [1, 2, 0]), [force])
+      do i = 0, 3
+         matrices = reshape([1.0_wp, damping, merge(10.0_wp**(-22*i), 0.0_wp, i > 0)], [1, 1, 3])
+         structure = new_structure(matrices, reshape([1.0_wp], [1, 1]), &
+            reshape([1.0_wp, 0.5_wp], [2, 1]))
+         call check_structure(structure, status)
+         call new_regime(structure, load, [integer ::], regime, status)
+         call check(status == stat%ok, 'tiny stiffness: a structure')
+         call to_pairs(regime, 0.0_wp, [0.0_wp], [speed], x, v)
+         pace = pace_type()
+         call first_event(regime, x, v, 0.0_wp, leaving_type(), limit, pace, reached, space)
+         call check(reached%complete, 'tiny stiffness: the search ends')
+         if (i == 0) free = reached
+         call check(reached%row == free%row, 'tiny stiffness: the same wall')
+         call check_close(reached%time, free%time, 1e-9_wp*(1 + free%time), &
+            'tiny stiffness: at the same time')
+         call check(reached%steps <= 2*free%steps + 20, 'tiny stiffness: in as few steps')
+      end do
+   end subroutine test_tiny_stiffness
 
    !> Pairs side by side against one after the other, and with the same bits in wide registers.
    subroutine check_advance()
