@@ -34,10 +34,16 @@ module vi_channels
       logical :: released = .false.
    end type leaving_type
 
-   !> The lengths of cells, kept by the caller from one flight to the next.
+   !> The lengths of cells, kept by the caller from one flight to the next, and where a search that
+   !! was interrupted goes on.
    type, public :: pace_type
       !> Level of the first step tried, and after how many cells longer steps are tried.
       integer :: level = 8, hold = 0
+      !> Time up to which an interrupted search has found that there is no event; 0 for a flight
+      !! that has not been searched.
+      real(wp) :: from = 0
+      !> Cells of an interrupted search so far, those without doubt, and the level of the longest.
+      integer :: cells = 0, clear = 0, longest = levels
    end type pace_type
 
    !> The event: a row reaches its upper (+1) or lower (-1) limit.
@@ -48,7 +54,9 @@ module vi_channels
       real(wp) :: time = 0, speed = 0
       !> False if the search exceeded its step budget.
       logical :: complete = .true.
-      !> Steps that it took, of cells and within them.
+      !> Whether the search was interrupted: it goes on from the pace that it returned.
+      logical :: interrupted = .false.
+      !> Steps that it took since it began or went on, of cells and within them.
       integer :: steps = 0
    end type reached_type
 
@@ -69,7 +77,8 @@ module vi_channels
 contains
 
    !> The first event of a flight.
-   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space)
+   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space, &
+      patience)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
@@ -86,10 +95,16 @@ contains
       type(reached_type), intent(out) :: reached
       !> Kept by the caller, so that memory is not allocated anew for each flight.
       type(space_type), intent(inout) :: space
+      !> Steps after which the search is interrupted; if absent, it never is. A search that goes on
+      !! finds the event that it would have found without.
+      integer, intent(in), optional :: patience
+      integer :: most
 
+      most = huge(most)
+      if (present(patience)) most = patience
       call make_room(regime, space)
       call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
-         phase, leaving, limit, pace, space%pairs, space%work, space%values, space%turns, &
+         phase, leaving, limit, most, pace, space%pairs, space%work, space%values, space%turns, &
          space%doubtful, reached)
    end subroutine first_event
 
@@ -115,8 +130,8 @@ contains
    end subroutine make_room
 
    !> The first event of a flight, cell by cell.
-   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, leaving, limit, pace, &
-      pairs, work, values, turns, doubtful, reached)
+   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, leaving, limit, most, &
+      pace, pairs, work, values, turns, doubtful, reached)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> Number of pairs, of rows, and of harmonics of the load.
@@ -129,6 +144,8 @@ contains
       type(leaving_type), intent(in) :: leaving
       !> As in `first_event`.
       real(wp), intent(in) :: limit
+      !> Steps after which the search is interrupted.
+      integer, intent(in) :: most
       !> As in `first_event`.
       type(pace_type), intent(inout) :: pace
       !> Pairs at the beginning and at the end of a cell (m, 1 to 4, in turns), and room for two
@@ -155,26 +172,33 @@ contains
       call bound_fourth(regime, m, x0, v0, pairs(:, 5), pairs(:, 6), values(:, 5))
       level = pace%level
       hold = pace%hold
-      t = 0
-      horizon = cells*regime%steps%length(level)
+      t = pace%from
+      horizon = t + cells*regime%steps%length(level)
       now = 1
-      call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, horizon, pairs(:, 1), &
-         pairs(:, 2), turns(:, 1), values(:, 1), values(:, 2), values(:, 6))
+      call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, &
+         cells*regime%steps%length(level), pairs(:, 1), pairs(:, 2), turns(:, 1), values(:, 1), &
+         values(:, 2), values(:, 6))
       fresh = .true.
-      if (leaving%row > 0) then
+      if (leaving%row > 0 .and. t <= 0) then
          values(leaving%row, 1) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
             leaving%wall > 0)
          values(leaving%row, 2) = -leaving%wall*leaving%speed
       end if
-      steps = 0
-      clear = 0
-      longest = levels
+      steps = pace%cells
+      clear = pace%clear
+      longest = pace%longest
       do while (t < limit)
          steps = steps + 1
          reached%complete = steps < step_budget
          if (.not. reached%complete) return
          h = regime%steps%length(level)
          next = 3 - now
+         if (t + h > horizon .and. reached%steps >= most) then
+            ! here all is computed directly, whether the search is interrupted or not
+            pace = pace_type(level, hold, t, steps - 1, clear, longest)
+            reached%interrupted = .true.
+            return
+         end if
          reached%steps = reached%steps + 1
          if (t + h > horizon) then
             horizon = t + cells*h

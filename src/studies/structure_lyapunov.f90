@@ -185,7 +185,7 @@ contains
       last = state%cycle + 1
       elapsed = state%elapsed
       do
-         call simulate_structure(run, state, last, elapsed, events, n, ended)
+         call simulate_structure(run, state, last, elapsed, events, n, ended, .true.)
          status = merge(stat%ok, ended, ended == stat%more_events)
          left = left - n
          do i = 1, n

@@ -111,7 +111,7 @@ contains
          call repetition(strobes, most_cycles, at_rounding, found%cycles)
          if (found%cycles == 0) cycle
          at = state
-         call conclude(structure, run, at, elapsed, events, found, status)
+         call conclude(structure, run, at, elapsed, events, found, status, progress)
          if (status == stat%no_impacts) return
          if (status == stat%ok) then
             if (found%motion%verdicts%stable == yes) return
@@ -133,7 +133,7 @@ contains
          status = stat%no_period
          return
       end if
-      call conclude(structure, run, state, elapsed, events, found, status)
+      call conclude(structure, run, state, elapsed, events, found, status, progress)
    end subroutine settle_on
 
    !> Makes a motion that was looked for too early empty again.
@@ -170,7 +170,7 @@ contains
       m = size(strobes, 1)/2
       call state_now(run, state, strobes(:m, 0), strobes(m + 1:, 0))
       do i = 1, cycles
-         call one_cycle(run, state, 1, elapsed, events, n, status)
+         call one_cycle(run, state, 1, elapsed, events, n, status, progress)
          left = left - n
          if (status == stat%ok .and. left < 0) status = stat%event_limit
          if (is_stopped(progress)) status = stat%not_computed
@@ -180,7 +180,7 @@ contains
    end subroutine some_cycles
 
    !> The motion near a state that repeats.
-   pure subroutine conclude(structure, run, state, elapsed, events, found, status)
+   subroutine conclude(structure, run, state, elapsed, events, found, status, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> In and out: regimes are added.
@@ -195,6 +195,8 @@ contains
       type(settled_type), intent(inout) :: found
       !> As of `settle_on`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       !> How far the motion may be from the simulated one: in phase (rad), and in speed relative to
       !! the largest one.
       real(wp), parameter :: near = 0.05_wp
@@ -203,7 +205,7 @@ contains
       real(wp), allocatable :: apart(:)
       integer :: n
 
-      call one_cycle(run, state, found%cycles, elapsed, events, n, status)
+      call one_cycle(run, state, found%cycles, elapsed, events, n, status, progress)
       if (status /= stat%ok) return
       if (any(events(:n)%kind /= impact_event)) then
          call by_return(run, state, elapsed, events, n, found, status)
@@ -241,7 +243,7 @@ contains
    end function phases_of
 
    !> Simulates some cycles.
-   pure subroutine one_cycle(run, state, cycles, elapsed, events, n, status)
+   subroutine one_cycle(run, state, cycles, elapsed, events, n, status, progress)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> In and out: the state.
@@ -253,15 +255,26 @@ contains
       !> The events, and their number.
       type(run_event_type), intent(inout) :: events(:)
       integer, intent(out) :: n
-      !> `stat%ok`, `stat%no_motion` for too many events, or a status of the simulation.
+      !> `stat%ok`, `stat%no_motion` for too many events, `stat%not_computed` if it was stopped, or
+      !! a status of the simulation.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       integer(int64) :: last
+      integer :: more
 
       ! rounding may leave the state just before or after the section
       last = nint((real(state%cycle, wp)*run%period + state%elapsed - elapsed)/run%period, int64) &
          + cycles
-      call simulate_structure(run, state, last, elapsed, events, n, status)
-      if (status == stat%more_events) status = stat%no_motion
+      n = 0
+      do
+         call simulate_structure(run, state, last, elapsed, events(n + 1:), more, status, .true.)
+         n = n + more
+         if (status /= stat%more_events) return
+         if (n == size(events)) status = stat%no_motion
+         if (is_stopped(progress)) status = stat%not_computed
+         if (status /= stat%more_events) return
+      end do
    end subroutine one_cycle
 
    !> The period in cycles that repeats best; 0 if none does.
@@ -292,7 +305,7 @@ contains
    end subroutine repetition
 
    !> The motion with rest near a simulated period.
-   pure subroutine by_return(run, first, section, events, n, found, status)
+   subroutine by_return(run, first, section, events, n, found, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> The state at the end of the simulated period.

@@ -213,10 +213,15 @@ contains
    end subroutine find_regime
 
    !> Simulates to a time, or until the list of events is full.
-   pure subroutine simulate_structure(run, state, last_cycle, last_elapsed, events, n, status)
+   !!
+   !! A flight of millions of steps may be interrupted: a further call goes on with its search, and
+   !! gives the same results as one call.
+   pure subroutine simulate_structure(run, state, last_cycle, last_elapsed, events, n, status, &
+      interruptible)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
-      !> In: the start. Out: the end, or just after the last event if the list is full.
+      !> In: the start. Out: the end, or just after the last event if the list is full or the
+      !! search for the next one was interrupted.
       type(run_state_type), intent(inout) :: state
       !> Whole periods at the end, and the remainder.
       integer(int64), intent(in) :: last_cycle
@@ -227,17 +232,27 @@ contains
       !> Their number.
       integer, intent(out) :: n
       !> `stat%ok`, `stat%more_events`, `stat%budget`, `stat%coupled_impacts`, or as of
-      !! `new_regime`.
+      !! `new_regime`. `stat%more_events` also if a search was interrupted.
       integer, intent(out) :: status
+      !> Whether a search may be interrupted, so that the caller can stop; not by default.
+      logical, intent(in), optional :: interruptible
+      !> Steps before a search is interrupted, each times the pairs and rows that it computes; they
+      !! take about 0.1 s.
+      integer, parameter :: patience = 1000000
       type(reached_type) :: reached
       real(wp) :: limit, remaining
-      logical :: stuck
+      integer :: most
+      logical :: goes_on, in_parts, stuck
 
       n = 0
       status = stat%ok
+      in_parts = .false.
+      if (present(interruptible)) in_parts = interruptible
       do
-         if (run%pair%known) call pass_impacts(run, state, last_cycle, last_elapsed, events, n)
-         call begin_interval(run, state, last_cycle)
+         goes_on = state%pace%from > 0
+         if (run%pair%known .and. .not. goes_on) call pass_impacts(run, state, last_cycle, &
+            last_elapsed, events, n)
+         if (.not. goes_on) call begin_interval(run, state, last_cycle)
          remaining = real(last_cycle - state%cycle, wp)*run%period + (last_elapsed - state%elapsed)
          limit = remaining
          if (run%load%step > 0) then
@@ -248,16 +263,20 @@ contains
             status = stat%more_events
             return
          end if
-         call accumulate(run, state, limit, events(n + 1), stuck, status)
+         stuck = .false.
+         if (.not. goes_on) call accumulate(run, state, limit, events(n + 1), stuck, status)
          if (status /= stat%ok) return
          if (stuck) then
             n = n + 1
             cycle
          end if
+         most = huge(most)
+         if (in_parts) most = patience/(1 + size(state%x)*size(run%regimes(state%regime)%upper))
          call first_event(run%regimes(state%regime), state%x, state%v, &
             run%load%frequency*state%elapsed, state%leaving, limit, state%pace, reached, &
-            state%space)
+            state%space, most)
          if (.not. reached%complete) status = stat%budget
+         if (reached%interrupted) status = stat%more_events
          if (status /= stat%ok) return
          if (reached%row == 0 .and. limit < remaining) then
             ! to the next sample

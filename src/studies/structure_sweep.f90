@@ -142,7 +142,7 @@ contains
          sizes%high = -huge(1.0_wp)
          do i = 1, how%keep
             before = state
-            call one_cycle(run, state, 1, 0.0_wp, events, n, cell%status)
+            call one_cycle(run, state, 1, 0.0_wp, events, n, cell%status, progress)
             left = left - n
             if (cell%status == stat%ok .and. left < 0) cell%status = stat%event_limit
             if (is_stopped(progress)) cell%status = stat%not_computed

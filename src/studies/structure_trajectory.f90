@@ -131,7 +131,7 @@ contains
             if (.not. room) return
          end if
          call simulate_structure(run, state, last_cycle, last_elapsed, &
-            events(:min(chunk, size(labels, 2) - n)), i, status)
+            events(:min(chunk, size(labels, 2) - n)), i, status, .true.)
          call store(run, events(:i), table(:, n + 1:n + i), labels(:, n + 1:n + i))
          n = n + i
          if (status /= stat%more_events .or. n == most) exit

@@ -47,6 +47,7 @@ contains
          call check_search()
       end do
       do i = 1, 60
+         call test_interrupted()
          call test_tiny_stiffness()
       end do
    end subroutine test_channels
@@ -495,6 +496,63 @@ contains
             'rows: reached at some phase')
       end do
    end subroutine check_rows
+
+   !> A search that is interrupted, and goes on each time, finds the same event with the same bits,
+   !! and leaves the same pace for the next flight; each of its parts is short.
+   subroutine test_interrupted()
+      integer, parameter :: samples = 3000, patience = 100, most_in_cells = 64*30
+      type(regime_type) :: regime
+      type(space_type) :: space
+      type(pace_type) :: pace, other_pace
+      type(reached_type) :: reached, other
+      real(wp), allocatable :: x(:), v(:), now_x(:), now_v(:)
+      real(wp) :: phase, d(0:3), span, greatest
+      integer :: i, parts, row, steps
+
+      call draw_chain(draw_integer(random, 0, 2), 1.0_wp, 1e-4_wp, regime, x, v, phase)
+      allocate (now_x, now_v, mold=x)
+      row = draw_integer(random, 1, size(regime%upper))
+      span = 1000*regime%unit
+      greatest = 0
+      do i = 0, samples
+         call advance(regime%modes, i*span/samples, x, v, now_x, now_v)
+         call row_derivatives(regime, now_x, now_v, phase + regime%frequency*i*span/samples, row, &
+            d)
+         greatest = max(greatest, d(0))
+      end do
+      regime%upper = 1e3_wp*greatest
+      regime%lower = -1e3_wp*greatest
+      ! reached late or not at all
+      regime%upper(row) = draw(random, 0.99_wp, 1.01_wp)*greatest
+      call row_derivatives(regime, x, v, phase, row, d)
+      if (d(0) >= regime%upper(row)) return
+      pace%level = draw_integer(random, 1, 8)
+      other_pace = pace
+      call first_event(regime, x, v, phase, leaving_type(), span, pace, reached, space)
+      parts = 0
+      steps = 0
+      do
+         call first_event(regime, x, v, phase, leaving_type(), span, other_pace, other, space, &
+            patience)
+         parts = parts + 1
+         steps = steps + other%steps
+         if (.not. other%interrupted) exit
+         call check(other%row == 0 .and. other%steps >= patience, 'interrupted: not too early')
+         call check(other%steps <= patience + most_in_cells, 'interrupted: nor too late')
+         call check(other_pace%from > 0 .and. (reached%row == 0 .or. other_pace%from <= &
+            reached%time), 'interrupted: before the event')
+         if (parts > reached%steps) exit
+      end do
+      call check(parts > 1 .or. reached%steps < patience + most_in_cells, &
+         'interrupted: in several parts')
+      call check(steps == reached%steps, 'interrupted: the same steps')
+      call check(other%row == reached%row .and. other%wall == reached%wall, &
+         'interrupted: the same event')
+      call check(all(transfer([other%time, other%speed], [0]) == &
+         transfer([reached%time, reached%speed], [0])), 'interrupted: the same bits')
+      call check(other_pace%level == pace%level .and. other_pace%hold == pace%hold .and. &
+         .not. other_pace%from > 0, 'interrupted: the same pace')
+   end subroutine test_interrupted
 
    !> A row whose limit is a little above, or below, its greatest value: the search from a state
    !! within the limits finds no event, or the first time at which the limit is reached.

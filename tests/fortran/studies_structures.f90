@@ -15,6 +15,7 @@ module studies_structures
    use vi_structure_return, only: settle, settled_type
    use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at
+   use vi_structure_trajectory, only: simulate_structure_case
    implicit none (type, external)
    private
 
@@ -31,7 +32,51 @@ contains
       call test_recognised()
       call test_newton_step()
       call test_audit()
+      call test_long_flight()
    end subroutine test_structures
+
+   !> A flight of hundreds of thousands of turns before the first impact: in parts it gives
+   !! the same event with the same bits as at once, and a simulation that is told to stop does so
+   !! before its end.
+   subroutine test_long_flight()
+      type(structure_type) :: structure
+      type(run_type) :: run
+      type(run_state_type) :: state, other
+      type(run_event_type) :: events(2), again(2)
+      real(wp), allocatable :: table(:, :), end_state(:)
+      integer, allocatable :: labels(:, :)
+      real(wp), parameter :: far = 6.0e6_wp, q(2) = [0.0_wp, 0.0_wp], rate(2) = [1.0_wp, 1.0e-6_wp]
+      real(wp) :: matrices(2, 2, 3), time
+      integer :: calls, n, m, progress(3), status
+
+      matrices = 0
+      matrices(1, 1, :) = [1.0_wp, 0.0_wp, 1.0_wp]
+      matrices(2, 2, 1) = 1
+      structure = new_structure(matrices, reshape([-1.0_wp, 1.0_wp], [2, 1]), &
+         reshape([far*rate(2) - 1, 1.0_wp], [2, 1]))
+      call new_run(structure, new_load(0.0_wp, reshape([real(wp) ::], [2, 2, 0]), [0.0_wp, &
+         0.0_wp]), run, status)
+      call start_at(run, 0.0_wp, q, rate, state, status)
+      call check(status == stat%ok, 'a long flight')
+      other = state
+      call simulate_structure(run, state, int(far, int64), 0.0_wp, events, n, status)
+      call check(status == stat%ok .or. status == stat%more_events, 'a long flight at once')
+      do calls = 1, 1000
+         call simulate_structure(run, other, int(far, int64), 0.0_wp, again, m, status, .true.)
+         if (m > 0 .or. status /= stat%more_events) exit
+         call check(other%pace%from < far, 'a long flight in parts')
+      end do
+      call check(calls > 1, 'a long flight is interrupted')
+      call check(n > 0 .and. m > 0, 'a long flight ends with an impact')
+      call check(all(transfer([events(1)%elapsed, events(1)%speed, events(1)%q, events(1)%rate], &
+         [0]) == transfer([again(1)%elapsed, again(1)%speed, again(1)%q, again(1)%rate], [0])) &
+         .and. events(1)%cycle == again(1)%cycle, 'a long flight in parts has the same bits')
+      progress = [0, 0, 1]
+      call simulate_structure_case(structure, new_load(0.0_wp, reshape([real(wp) ::], [2, 2, 0]), &
+         [0.0_wp, 0.0_wp]), 0.0_wp, q, rate, 0.5_wp*far, 100, table, labels, n, end_state, time, &
+         status, progress)
+      call check(status == stat%not_computed .and. n == 0, 'a long flight stops when told')
+   end subroutine test_long_flight
 
    !> A wrong entry of [P] changes the determinant, and the verdict on stability is withdrawn.
    subroutine test_audit()
