@@ -16,7 +16,8 @@ TWO_PI = 2 * math.pi
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
 #: The largest number of a state: squares and products of any two are finite.
 MOST = 1e100
-RANGE = "a number from -1e100 to 1e100"
+SPAN = "from -1e100 to 1e100"
+RANGE = f"a number {SPAN}"
 EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
 #: Keys of a state: t, x, x_dot, z, z_dot, and those that a `final_state` adds to continue with the same bits.

@@ -16,6 +16,7 @@ from .gradient import Gradient
 from .noun import Noun, Savable
 from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
+from .states import MOST, SPAN
 from .status import GAP_CLOSED, MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure
 from .structure_gradient import Wanted, structure_trajectory_gradient
@@ -645,7 +646,7 @@ def simulate_structure(
 
 def _state(state: Any, n: int) -> tuple[_Array, _Array]:
     """Coordinates and velocities of an initial state."""
-    wanted = f"two lists of {n} finite numbers, coordinates and velocities"
+    wanted = f"two lists of {n} finite numbers {SPAN}, coordinates and velocities"
     if state is None:
         return np.zeros(n), np.zeros(n)
     try:
@@ -655,7 +656,7 @@ def _state(state: Any, n: int) -> tuple[_Array, _Array]:
     parts = []
     for values in (q, rate):
         array = np.array(checks.real_array(values, "state", wanted), dtype=np.float64)
-        if array.shape != (n,) or not np.isfinite(array).all():
+        if array.shape != (n,) or not (np.abs(array) <= MOST).all():
             raise ParameterError(f"state = {state!r}: must be {wanted}")
         array.flags.writeable = False
         parts.append(array)

@@ -2,7 +2,7 @@
 module vi_basins_structure_study
    use vi_basin_tables, only: find_shares, open_states, set_axes, tell_apart
    use vi_chart_grid, only: most_numbers
-   use vi_common_keys, only: check_product, max_events_key
+   use vi_common_keys, only: check_product, max_events_key, most_state
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
    use vi_status, only: stat, status_text
@@ -30,11 +30,12 @@ module vi_basins_structure_study
       meaning='seed of the random states'), &
       key_type('axes', a_word, least=2, most=2, never='states', why=random, takes=axes_taken, &
       option='plane', meaning='axes of the plane of initial states'), &
-      key_type('low', least=2, most=2, never='states', why=random, &
-      takes='two finite numbers, one for each axis', option='plane', &
+      key_type('low', least=2, most=2, low=-most_state, high=most_state, never='states', &
+      why=random, takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       meaning='first value along each axis'), &
-      key_type('high', least=2, most=2, over='low', never='states', why=random, &
-      takes='two finite numbers, one for each axis', option='plane', &
+      key_type('high', least=2, most=2, low=-most_state, high=most_state, over='low', &
+      never='states', why=random, &
+      takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       meaning='last value along each axis'), &
       key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never='states', &
       why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &

@@ -1,10 +1,12 @@
 !> The study &motion of a &structure: a periodic motion with its multipliers and verdicts.
 module vi_motion_structure_study
+   use vi_common_keys, only: most_state
    use vi_kinds, only: wp
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: complete_coordinates, load_frequency, most_coordinates, &
       structure_of
+   use vi_structure_keys, only: of_coordinates
    use vi_structure_period, only: eliminated, exact, periodic_structure
    use vi_structure_return, only: settle, settled_type
    use vi_structure_tables, only: put_structure, structure_columns
@@ -19,7 +21,6 @@ module vi_motion_structure_study
    integer, parameter :: most_impacts = 1000
    real(wp), parameter :: pi = acos(-1.0_wp), largest_phase = 1.0e6_wp
    character(*), parameter :: settled = 'kind=settled', simulated = ', which simulates'
-   character(*), parameter :: of_coordinates = 'one number for each coordinate'
 
    type(key_type), parameter :: motion_keys(*) = [ &
       key_type('kind', a_word, default='''exact''', words='periodic exact settled', &
@@ -41,10 +42,12 @@ module vi_motion_structure_study
       meaning='load cycles simulated first'), &
       key_type('max_cycles', a_whole, default='16', low=1.0_wp, high=100.0_wp, only=settled, &
       meaning='most load cycles in a period'), &
-      key_type('q', most=most_coordinates, may_miss=.true., only=settled, takes=of_coordinates, &
+      key_type('q', most=most_coordinates, may_miss=.true., low=-most_state, high=most_state, &
+      only=settled, takes=of_coordinates, &
       meaning='coordinates at the start; 0 if it is left out'), &
-      key_type('q_dot', most=most_coordinates, may_miss=.true., only=settled, &
-      takes=of_coordinates, meaning='velocities at the start; 0 if it is left out'), &
+      key_type('q_dot', most=most_coordinates, may_miss=.true., low=-most_state, &
+      high=most_state, only=settled, takes=of_coordinates, &
+      meaning='velocities at the start; 0 if it is left out'), &
       key_type('start', low=0.0_wp, high=1.0e12_wp, default='0', only=settled, &
       meaning='time at the start')]
 

@@ -1,5 +1,6 @@
 !> Keys that several studies of structures share, and the checks that go with them.
 module vi_structure_keys
+   use vi_common_keys, only: most_state
    use vi_kinds, only: wp
    use vi_structure_groups, only: complete_coordinates, load_frequency, most_coordinates
    use vi_study, only: case_type, key_type
@@ -10,13 +11,15 @@ module vi_structure_keys
 
    !> The longest time that a simulation may take.
    real(wp), parameter, public :: longest = 1.0e12_wp
-   character(*), parameter :: of_coordinates = 'one number for each coordinate'
+   character(*), parameter, public :: of_coordinates = &
+      'one number from -1e100 to 1e100 for each coordinate'
 
    !> An initial state.
    type(key_type), parameter, public :: start_keys(3) = [ &
-      key_type('q', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
-      meaning='coordinates at the start; 0 if it is left out'), &
-      key_type('q_dot', most=most_coordinates, may_miss=.true., takes=of_coordinates, &
+      key_type('q', most=most_coordinates, may_miss=.true., low=-most_state, high=most_state, &
+      takes=of_coordinates, meaning='coordinates at the start; 0 if it is left out'), &
+      key_type('q_dot', most=most_coordinates, may_miss=.true., low=-most_state, &
+      high=most_state, takes=of_coordinates, &
       meaning='velocities at the start; 0 if it is left out'), &
       key_type('start', low=0.0_wp, high=longest, default='0', meaning='time at the start')]
 

@@ -15,7 +15,7 @@ module vi_structure_run
    implicit none (type, external)
    private
 
-   public :: find_regime, new_run, simulate_structure, start_at, state_now, time_of, &
+   public :: find_regime, is_far, new_run, simulate_structure, start_at, state_now, time_of, &
       whole_periods
 
    !> Kinds of events.
@@ -96,6 +96,16 @@ contains
       whole_periods = floor(min(time/run%period, real(most_periods, wp)), int64)
    end function whole_periods
 
+   !> Whether the numbers of a state are beyond those with which a simulation can begin.
+   pure logical function is_far(run, q, rate)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> (n) Coordinates and velocities.
+      real(wp), intent(in) :: q(:), rate(:)
+
+      is_far = is_extreme(max(maxval(abs(q)), run%regimes(1)%unit*maxval(abs(rate))))
+   end function is_far
+
    !> A state from coordinates and velocities.
    pure subroutine start_at(run, time, q, rate, state, status)
       !> In and out: the regime of closed gaps is added.
@@ -113,7 +123,7 @@ contains
       integer :: j, n
 
       n = size(q)
-      if (is_extreme(max(maxval(abs(q)), run%regimes(1)%unit*maxval(abs(rate))))) then
+      if (is_far(run, q, rate)) then
          status = stat%extreme_units
          return
       end if

@@ -12,8 +12,8 @@ module vi_structure_sweep
    use vi_structure_find, only: open_gaps
    use vi_structure_path, only: changed, structure_path_type
    use vi_structure_return, only: most_events, one_cycle, repetition, some_cycles
-   use vi_structure_run, only: impact_event, new_run, run_event_type, run_state_type, run_type, &
-      start_at, state_now, stick_event
+   use vi_structure_run, only: impact_event, is_far, new_run, run_event_type, run_state_type, &
+      run_type, start_at, state_now, stick_event
    implicit none (type, external)
    private
 
@@ -127,6 +127,9 @@ contains
          allocate (cell%q_min(m), cell%q_max(m), cell%q_rms(m), &
             source=ieee_value(1.0_wp, ieee_quiet_nan))
          call new_run(structure, load, run, cell%status)
+         ! a start that is too far is refused, as in a simulation, not moved into the gaps
+         if (cell%status == stat%ok .and. is_far(run, here(:m), here(m + 1:))) cell%status = &
+            stat%extreme_units
          if (cell%status /= stat%ok) return
          call open_gaps(structure, here(:m))
          call start_at(run, 0.0_wp, here(:m), here(m + 1:), state, cell%status)

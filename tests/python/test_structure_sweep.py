@@ -195,6 +195,14 @@ def test_pictures(diagram):
         ({"sweep": "left"}, "sweep = 'left': must be 'up', 'down' or 'both'"),
         ({"keep": 2}, "keep = 2: must be a whole number with 3 <="),
         ({"state": ([0, 1], [0])}, "state = "),
+        (
+            {"state": ([1e200], [0])},
+            "state = ([1e+200], [0]): must be two lists of 1 finite numbers from -1e100",
+        ),
+        (
+            {"state": ([0], [-2e100])},
+            "state = ([0], [-2e+100]): must be two lists of 1 finite numbers from",
+        ),
         ({"load": vi.Load(constant=[1.0])}, "load = "),
     ],
 )
@@ -223,11 +231,40 @@ def test_an_event_limit_is_a_status():
     assert list(found.failures) == [vi.status_text(13)]
 
 
-def test_a_start_of_extreme_size_is_a_status():
-    """Every value starts anew after a failure, and says that the units of the start are extreme."""
-    found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], state=([0.0], [1e200]))
+@pytest.mark.parametrize("state", [([0.0], [1e60]), ([1e60], [0.0]), ([-1e41], [0.0])])
+def test_a_start_of_extreme_size_is_a_status(state):
+    """Every value starts anew after a failure, and says that the units of the start are extreme, as a simulation
+    does: a start beyond a wall is not moved into the gap from there."""
+    found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], state=state)
     assert list(found.failures) == [vi.status_text(23)]
     assert set(found.labels) == {""}
+    with pytest.raises(vi.SingularError, match=vi.status_text(23)):
+        vi.simulate(WALL, LOAD, cycles=1, state=state)
+
+
+@pytest.mark.parametrize("key", ["q", "q_dot"])
+@pytest.mark.parametrize(
+    "group", ["bifurcation", "response", "simulate", "lyapunov", "basins", "motion"]
+)
+def test_namelists_refuse_states_beyond_their_range(group, key, tmp_path):
+    """Each number of a start is at most 1e100 in size, in the groups of all studies."""
+    rest = {
+        "bifurcation": "parameter = 'load', low = 0.3, high = 0.4, values = 2",
+        "response": "low = 0.8, high = 0.9, values = 2", "simulate": "cycles = 1", "lyapunov": "cycles = 40",
+        "basins": "axes = 'q_0' 'q_dot_0', low = 0 0, high = 1 1, values = 2 2", "motion": "kind = 'settled'",
+    }  # fmt: skip
+    path = tmp_path / "far.nml"
+    structure = (
+        "&structure mass = 1, damping = 0.04, stiffness = 1 /\n&gap direction = 1, opening = 1 /\n"
+    )
+    path.write_text(
+        f"{structure}&load frequency = 0.81, cosine = 1 /\n&{group} {rest[group]}, {key} = -1.1e100 /\n"
+    )
+    with pytest.raises(vi.ParameterError) as caught:
+        vi.read_namelist(path)
+    assert f"{key} = -1.1e100: must be one number from -1e100 to 1e100 for each coordinate" in str(
+        caught.value
+    )
 
 
 def test_an_event_limit_after_settling_leaves_no_values():
