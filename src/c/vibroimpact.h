@@ -51,7 +51,7 @@ enum {
  *           known so far, in units of the study; another thread may read them. It may write 1 into the third:
  *           the case then stops soon and returns what it has computed so far; for points along a line
  *           VIBROIMPACT_CUT tells how many were reached. They are set to 0 at the start. Read and write them
- *           atomically. A single motion ignores them.
+ *           atomically. A motion of an oscillator ignores them.
  * result:   is set whatever the status, except for VIBROIMPACT_NO_RESULT, which means that it is NULL.
  *
  * In a forked child of the process a case uses one thread.

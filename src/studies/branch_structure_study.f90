@@ -165,7 +165,12 @@ contains
       end associate
       call add_expected_work(branch_work, progress)
       result%empty = .true.
-      call find_structure_motion(case, case%start, .true., structure, load, found, status)
+      call find_structure_motion(case, case%start, .true., structure, load, found, status, &
+         progress)
+      if (status == stat%not_computed) then
+         result%cut = 'it was stopped before a motion was reached'
+         return
+      end if
       if (status /= stat%ok) then
          call result%fail(status_text(status))
          return

@@ -219,9 +219,14 @@ contains
       associate (not_used => threads)    ! one motion has one thread
       end associate
       if (present(progress)) progress(2) = 1
-      call find_structure_motion(case, case%study, .false., structure, load, found, status)
+      call find_structure_motion(case, case%study, .false., structure, load, found, status, &
+         progress)
+      result%empty = status /= stat%ok
+      if (status == stat%not_computed) then
+         result%cut = 'it was stopped before a motion was reached'
+         return
+      end if
       if (status /= stat%ok) then
-         result%empty = .true.
          call result%fail(status_text(status))
          return
       end if
@@ -232,7 +237,7 @@ contains
    end subroutine run_motion
 
    !> The motion that a &motion describes.
-   subroutine find_structure_motion(case, group, refined, structure, load, found, status)
+   subroutine find_structure_motion(case, group, refined, structure, load, found, status, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
       !> The group.
@@ -246,6 +251,8 @@ contains
       type(settled_type), intent(out) :: found
       !> As in `settle` or `periodic_structure`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       integer :: cycles
 
       call structure_of(case, structure, load)
@@ -255,7 +262,7 @@ contains
          if (group%has('cycles')) cycles = group%whole_number('cycles')
          call settle(structure, load, group%number('start'), group%numbers('q'), &
             group%numbers('q_dot'), group%whole_number('settling'), &
-            group%whole_number('max_cycles'), cycles, found, status)
+            group%whole_number('max_cycles'), cycles, found, status, progress)
       else
          found%gaps = nint(group%numbers('gaps')) + 1
          found%cycles = group%whole_number('cycles')

@@ -42,7 +42,8 @@ module vi_structure_return
 contains
 
    !> Simulates from a state, and finds the periodic motion on which it settles.
-   subroutine settle(structure, load, start, q, rate, settling, most_cycles, cycles, found, status)
+   subroutine settle(structure, load, start, q, rate, settling, most_cycles, cycles, found, &
+      status, progress)
       !> The structure and its load, with a frequency > 0.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -55,11 +56,13 @@ contains
       type(settled_type), intent(out) :: found
       !> As in `settle_on`.
       integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
       type(run_type) :: run
 
       call new_run(structure, load, run, status)
       if (status == stat%ok) call settle_on(structure, run, start, q, rate, settling, most_cycles, &
-         cycles, .false., huge(1), found, status)
+         cycles, .false., huge(1), found, status, progress)
    end subroutine settle
 
    !> As `settle`, with regimes that are known, a limit of events, and until it is stopped.
