@@ -224,8 +224,8 @@ contains
          end do
          if (.not. is_stopped(progress)) call lyapunov_points(case%osc, r, loads, clearance, &
             states, contacts, s%whole_number('discard'), s%whole_number('cycles')/batches, &
-            batches, s%whole_number('max_events'), threads, exponents, deviations, dimensions, counts, &
-            errors, status, progress)
+            batches, s%whole_number('max_events'), threads, exponents, deviations, dimensions, &
+            counts, errors, status, progress)
       end associate
       ! only the points that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)
