@@ -1,4 +1,4 @@
-!> Steps along a curve: zeros that a condition has between two points, on parabolas, where they are known.
+!> Zeros that a condition has between two points of a curve: on parabolas they are known.
 module studies_steps
    use checks, only: check
    use random_numbers, only: draw, fill, random_type
