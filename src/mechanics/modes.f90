@@ -109,7 +109,8 @@ contains
          s3 = t**3/6
       else if (max(sqrt(stiffness), 2*damping)*t < 0.5_wp) then
          call short_responses(stiffness, damping, t, s2, s3)
-      else if (rate*t > 0.25_wp .and. fast > 0) then
+      else if (fast > 0 .and. (rate*t > 0.25_wp .or. stiffness*t**2 < 0.05_wp)) then
+         ! 1 - u would lose digits where the stiffness is small
          s2 = t*(mean_decay(slow*t) - mean_decay(fast*t))/(2*rate)
          s3 = t**2*(mean_lag(slow*t) - mean_lag(fast*t))/(2*rate)
       else

@@ -46,7 +46,7 @@ contains
       do i = 1, 300
          call check_search()
       end do
-      do i = 1, 60
+      do i = 1, 300
          call test_interrupted()
          call test_tiny_stiffness()
       end do

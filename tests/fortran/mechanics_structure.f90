@@ -221,12 +221,14 @@ contains
    end function exponential
 
    !> Responses of a pair to a unit state, a constant and a growing force, against the exponential
-   !! of the matrix: undamped, damped, critical, over-damped, and without stiffness.
+   !! of the matrix: undamped, damped, critical, over-damped, with a small or tiny stiffness beside
+   !! damping, and without stiffness.
    subroutine test_responses()
       ! frequencies, and decay rates
-      real(wp), parameter :: pairs(2, 9) = reshape([1.0_wp, 0.0_wp, 1.0_wp, 0.1_wp, 1.0_wp, &
+      real(wp), parameter :: pairs(2, 14) = reshape([1.0_wp, 0.0_wp, 1.0_wp, 0.1_wp, 1.0_wp, &
          0.999999_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.000001_wp, 1.0_wp, 1.5_wp, 1.0_wp, 6.0_wp, 0.0_wp, &
-         0.7_wp, 0.0_wp, 0.0_wp], [2, 9])
+         0.7_wp, 0.0_wp, 0.0_wp, 0.3_wp, 0.7_wp, 1.0e-2_wp, 0.7_wp, 1.0e-5_wp, 0.7_wp, 1.0e-9_wp, &
+         0.7_wp, 1.0e-33_wp, 0.7_wp], [2, 14])
       real(wp) :: a(4, 4), e(4, 4), u, w, s2, s3, omega, sigma, t
       integer :: i, j
 
@@ -237,8 +239,10 @@ contains
       do i = 1, size(pairs, 2)
          omega = pairs(1, i)
          sigma = pairs(2, i)
-         do j = 1, 40
+         do j = 1, 41
             t = min(0.05_wp*1.2_wp**j, 60/(1 + sigma))
+            ! where the formula changes, as steps of a table do
+            if (j == 41) t = 0.25_wp/max(sigma, 0.1_wp)
             a(2, 1) = -omega**2
             a(2, 2) = -2*sigma
             call step_functions(omega**2, sigma, t, u, w, s2, s3)
