@@ -6,6 +6,7 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from shared_identify import BENCH, KNOWN
+from vibroimpact.identification.least_squares import levenberg
 
 
 def test_the_bench_rig_is_found():
@@ -182,3 +183,22 @@ def test_three_hundred_rigs():
             inside[name].append(low < value < high)
     for name, covered in inside.items():
         assert 0.90 <= np.mean(covered) <= 0.98, name
+
+
+def test_a_minimum_of_rounding_is_an_end():
+    """Where rounding makes every step that changes the point worse, one below rounding is not tried for ever."""
+
+    def function(x):
+        rounding = 0.0 if x[0] == 1 else 1e-6
+        return np.array([x[0] - 1 + 1e-9 + rounding, 3.0]), np.array([[1.0], [0.0]])
+
+    x, f, _, converged = levenberg(function, np.array([1.0]), np.array([1.0]))
+    assert converged
+    assert x[0] == 1
+    assert f[0] == 1e-9
+    # far from a minimum that is no end: without a gain, and the derivatives say that there should be one
+    _, _, _, converged = levenberg(
+        lambda x: (np.array([1.0 if x[0] == 1 else 2.0]), np.array([[1.0]])),
+        np.array([1.0]), np.array([1.0]),
+    )  # fmt: skip
+    assert not converged

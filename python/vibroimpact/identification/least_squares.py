@@ -33,6 +33,9 @@ def levenberg(
         squares, V = np.linalg.eigh(A.T @ A)
         slope = V.T @ (A.T @ f)
         kept = squares > max(weak**2, 1e-13 * squares[-1])
+        # what a full step would gain; at a minimum no more than this, and only rounding decides
+        left = float(np.sum(np.where(kept, slope**2 / (1 + squares), 0.0)))
+        at_end = left <= 1e-4 * max(1.0, float(f @ f))
         while True:
             step = -V @ np.where(kept, slope / (squares + damping * (1 + squares)), 0.0)
             try:
@@ -45,13 +48,12 @@ def levenberg(
                 break
             damping *= 10
             if damping > 1e12:
-                # at a minimum only rounding is left to gain
-                left = float(np.sum(np.where(kept, slope**2 / (1 + squares), 0.0)))
-                return x, f, J, left <= 1e-4 * max(1.0, float(f @ f))
+                return x, f, J, at_end
         accepted()
         gain = f @ f - new_f @ new_f
         x, f, J = trial, new_f, new_J
-        if damping <= 1e-4 and gain <= 1e-6:
+        # a step of rounding alone may be accepted again and again
+        if (damping <= 1e-4 and gain <= 1e-6) or (at_end and gain <= 1e-14 * (f @ f)):
             return x, f, J, True
         damping = max(damping / 10, 1e-12)
     return x, f, J, False
