@@ -185,7 +185,7 @@ contains
          of_v(k) = sqrt(v4*v4 + stiffness(k)*x4*x4)
          of_x(k) = merge(of_v(k)*inverse(k), abs(x4), stiffness(k) > 0)
          ! v4 + drag x4 = -omega^2 x3
-         slow = abs(x4) + stiffness(k)*abs(x3)/max(drag, tiny(drag))
+         slow = abs(x4) + stiffness(k)*abs(x3)/merge(drag, 1.0_wp, drag*drag > 4*stiffness(k))
          of_x(k) = merge(slow, of_x(k), drag*drag > 4*stiffness(k) .and. slow < of_x(k))
       end do
    end subroutine bound_pairs
