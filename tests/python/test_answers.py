@@ -11,7 +11,7 @@ from shared_answers import answer, differences, load, put_files
 
 
 def test_answers(tmp_path, monkeypatch):
-    """Two compilers, with and without optimization, have the kept answers in common, but for rounding."""
+    """Two compilers and two LAPACK libraries have the kept answers in common, but for rounding."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
     changed = []
