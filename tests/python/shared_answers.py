@@ -1,6 +1,7 @@
 """What the core answers to the namelists of tests/data/answers, in a form that can be kept and compared."""
 
 import json
+import re
 import shutil
 import zlib
 from math import prod
@@ -52,10 +53,15 @@ def read(owner, status, described):
     return {
         "status": status,
         "case": zlib.crc32("\n".join(lines).encode()),
-        "notes": [text for _, text in about["notes"]],
-        "remarks": about["remarks"],
+        "notes": [rounded(text) for _, text in about["notes"]],
+        "remarks": [rounded(text) for text in about["remarks"]],
         "columns": columns | owners,
     }
+
+
+def rounded(text):
+    """A text with five digits of each number that has more."""
+    return re.sub(r"-?\d\.\d{6,}E[+-]\d+", lambda number: f"{float(number[0]):.4e}", text)
 
 
 def study_of(case):

@@ -1,12 +1,15 @@
 """Finds small cases that together reach what the core can do, and keeps what it answers.
 
 usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY...]
+       find_answers.py --mutants FOLDER [--sample N] [--seed N] [--file PATTERN] [--also LIBRARY...]
        find_answers.py --renew [--also LIBRARY...]
        find_answers.py --compare LIBRARY...
 
 --search  COUNTED is a library for C that counts the blocks it reaches (reached.c tells how it is built). The kept
           texts, and namelists of inputs/ and of tests/fuzz/seeds, are changed at random; the fewest that reach
           each block, as often as any of them does, are kept.
+--mutants FOLDER is what switched.py makes. Mutants that the kept answers let pass, of a sample, are tried on
+          changed texts that come to the same statement; the fewest that notice what any of them does are added.
 --renew   writes the answers to the kept texts again, and prints what changed.
 --compare prints what other builds answer differently, but for rounding: the exit status is 1 if anything.
 
@@ -14,15 +17,15 @@ An answer is kept as far as the package and all libraries named (another compile
 """
 
 import argparse
-import ctypes
+import functools
 import json
+import multiprocessing
 import os
 import random
 import sys
 import tempfile
-import threading
-import time
 from collections import Counter
+from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
@@ -30,95 +33,58 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / part) for part in ("python", "fuzz")]
 
+from kills import kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
-from shared_answers import KEPT, answer, differences, load, merged, put_files, read  # noqa: E402
+from mutate import core_files, sample  # noqa: E402
+from shared_answers import KEPT, answer, differences, load, merged, put_files  # noqa: E402
 from vibroimpact.tables import language  # noqa: E402
+
+from door import BLOCKS, Counted, Library  # noqa: E402
 
 #: CPU seconds that a kept case may take in the counting library.
 LONGEST = 2.0
-BLOCKS = 1 << 24
+#: Bytes of a kept answer.
+LARGEST = 6000
 
 
-class Library:
-    """A library for C."""
+class Searched(Counted):
+    """The library that counts, in a search."""
 
-    def __init__(self, path):
-        self.c = ctypes.CDLL(str(path))
-        self.c.vibroimpact_text.restype = ctypes.c_size_t
-
-    def text(self, handle, what):
-        """A text of a result."""
-        n = self.c.vibroimpact_text(handle, what, None, ctypes.c_size_t(0))
-        out = ctypes.create_string_buffer(n + 1)
-        self.c.vibroimpact_text(handle, what, out, ctypes.c_size_t(n + 1))
-        return out.value.decode(errors="surrogateescape")
-
-    def cases(self, text):
-        """The cases of a text, each as a text of its own; none if it is refused."""
-        handle = ctypes.c_int64()
-        self.c.vibroimpact_cases(text.encode(), ctypes.byref(handle))
-        about = json.loads(self.text(handle, 7))
-        self.c.vibroimpact_free(handle)
-        return next(
-            (item["words"] for item in about.get("columns", ()) if item["name"] == "text"), []
-        )
-
-    def message(self, text):
-        """Why a text is refused."""
-        handle = ctypes.c_int64()
-        self.c.vibroimpact_cases(text.encode(), ctypes.byref(handle))
-        return self.text(handle, 0)
-
-    def run(self, text, seconds=20.0):
-        """(answer, CPU seconds); the answer is None for a case that took longer."""
-        handle, counters = ctypes.c_int64(), (ctypes.c_int32 * 3)()
-        clock = threading.Timer(seconds, counters.__setitem__, (2, 1))
-        clock.start()
-        begin = time.thread_time()
-        status = self.c.vibroimpact_run(text.encode(), 1, counters, ctypes.byref(handle))
-        took = time.thread_time() - begin
-        clock.cancel()
-        stopped = counters[2] or status not in (0, 1, 2)
-        found = None if stopped else read(self, status, self.text(handle, 7))
-        self.c.vibroimpact_free(handle)
-        return found, took
-
-
-class Counted(Library):
-    """The library that counts."""
-
-    def __init__(self, path):
-        super().__init__(path)
-        with open("/proc/self/maps", encoding="ascii") as maps:
-            lines = [line for line in maps if "libvibroimpact.so" in line]
-        self.first = ctypes.c_void_p(min(int(line.split("-")[0], 16) for line in lines))
-        self.forget = self.c.count_from
-        counts = (ctypes.c_uint32 * BLOCKS).in_dll(self.c, "reached")
-        self.counts = np.ctypeslib.as_array(counts)
-
-    def reach(self, text):
+    def search(self, text):
         """(answer, CPU seconds, what was reached: blocks, and powers of eight of how often)."""
-        self.forget(self.first)
-        found, took = self.run(text, LONGEST)
-        places = np.flatnonzero(self.counts)
+        found, took, places = self.reach(text, LONGEST)
         if found is None or found["status"] == 2:
-            return found, took, set(places.tolist())
+            return found, took, set(places)
         often = np.log2(self.counts[places]).astype(int) // 3
         return found, took, {
-            place + BLOCKS * power for place, most in zip(places.tolist(), often.tolist(), strict=True)
+            place + BLOCKS * power for place, most in zip(places, often.tolist(), strict=True)
             for power in range(min(most, 3) + 1)
         }  # fmt: skip
 
 
-def sources(library):
+def sources(library, kept):
     """Complete namelists of one case each."""
-    folders = (ROOT / "inputs", ROOT / "tests/fuzz/seeds", ROOT / "tests/quality")
-    for path in (path for folder in folders for path in sorted(folder.glob("*.nml"))):
+    for path in (
+        path
+        for folder in ("inputs", "tests/fuzz/seeds")
+        for path in sorted((ROOT / folder).glob("*.nml"))
+    ):
         text = path.read_text(encoding="utf-8", errors="replace")
-        found = library.cases(text)
-        if path.parent == folders[-1] and len(found) < 70:
-            sys.exit(f"find_answers: {library.message(text)}")
-        yield from found or [text]
+        yield from library.cases(text) or [text]
+    yield from with_small_cases(kept, library)
+
+
+def with_small_cases(kept, library):
+    """The kept texts, and those of the small cases that are written by hand."""
+    text = (ROOT / "tests/quality/small_cases.nml").read_text(encoding="utf-8")
+    cases = library.cases(text)
+    if not cases:
+        sys.exit(f"find_answers: small_cases.nml: {library.message(text)}")
+    small = [
+        case for case in cases
+        if (found := library.run(case, 20.0)[0]) and len(json.dumps(found)) < LARGEST
+    ]  # fmt: skip
+    return list(dict.fromkeys([*(item["text"] for item in kept), *small]))
 
 
 def change(tongue, rng, groups):
@@ -163,6 +129,56 @@ def nearby(rng, value, about):
     return ", ".join(new)
 
 
+def vary(tongue, rng, groups):
+    """A text made from groups, most of whose values stay, and of which most are accepted."""
+    groups = [(name, list(items)) for name, items in groups]
+    for _ in range(rng.choice((1, 1, 2, 3, 5))):
+        name, items = rng.choice(groups)
+        table = {about["name"]: about for about in tongue.keys(name, groups)}
+        new = [key for key in table if key not in dict(items)]
+        if new and rng.random() < 0.15:
+            items.append((key := rng.choice(new), other_value(rng, table[key], "")))
+        elif items:
+            place = rng.randrange(len(items))
+            key, value = items[place]
+            if key in table:
+                items[place] = key, other_value(rng, table[key], value)
+    return write(groups)
+
+
+def other_value(rng, about, value):
+    """A value of a key in the place of another one, in most cases near it."""
+    parts = [part.strip() for part in value.split(",")]
+    place = rng.randrange(len(parts))
+    if about["kind"] == "word":
+        known = about["words"].split()
+        if known:
+            parts[place] = repr(rng.choice(known))
+        elif parts[place].strip("'*RL") == "":
+            parts[place] = repr("".join(rng.choice("RL") for _ in parts[place][2:]) or "RL")
+        return ", ".join(parts)
+    low = -1e3 if about["low"] is None else about["low"]
+    high = 1e3 if about["high"] is None else about["high"]
+    try:
+        x = float(parts[place])
+    except ValueError:
+        x = low + rng.choice((0.0, 0.3, 1.0))
+    if about["kind"] == "whole":
+        x = round(rng.choice((x - 1, x + 1, x + 1, x + 2, 2 * x, x / 2)))
+    else:
+        x = rng.choice(
+            (
+                x * rng.choice((0.5, 0.9, 0.99, 1.01, 1.1, 2.0)),
+                x + rng.uniform(-1, 1),
+                round(x, 1),
+                -x,
+            )
+        )
+    x = min(max(x, low), high)
+    parts[place] = str(int(x)) if about["kind"] == "whole" else f"{x:.6g}"
+    return ", ".join(parts)
+
+
 def main():
     """Do what is asked for."""
     parser = argparse.ArgumentParser(
@@ -170,15 +186,26 @@ def main():
     )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--search", type=Path, metavar="COUNTED")
+    what.add_argument("--mutants", type=Path, metavar="FOLDER")
     what.add_argument("--renew", action="store_true")
     what.add_argument("--compare", type=Path, nargs="+", metavar="LIBRARY")
     parser.add_argument("--texts", type=int, default=10_000, help="texts that are tried (10000)")
-    parser.add_argument("--seed", type=int, default=1, help="of the texts (1)")
+    parser.add_argument("--seed", type=int, default=1, help="of the texts and the sample (1)")
+    parser.add_argument("--sample", type=int, default=300, help="mutants that are tried (300)")
+    parser.add_argument(
+        "--file", default="*", metavar="PATTERN", help="files whose mutants are tried"
+    )
+    parser.add_argument(
+        "--tries", type=int, default=40, help="texts that are tried for a mutant (40)"
+    )
+    parser.add_argument("-j", "--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--times", type=int, default=3, help="kept cases that reach a block (3)")
     parser.add_argument("--also", type=Path, nargs="*", default=[], metavar="LIBRARY")
     asked = parser.parse_args()
     others = [path.resolve() for path in asked.also or asked.compare or ()]
-    counted = Counted(asked.search.resolve()) if asked.search else None
+    if asked.renew and not others:
+        parser.error("--renew needs other libraries, with which answers are compared: --also")
+    counted = Searched(asked.search.resolve()) if asked.search else None
     with tempfile.TemporaryDirectory() as folder:
         put_files(Path(folder))
         os.chdir(folder)
@@ -186,9 +213,12 @@ def main():
         kept = load() if KEPT.exists() else []
         if asked.compare:
             return compare(kept, others)
+        if asked.mutants:
+            found = noticing(asked, folder=asked.mutants)
+            return keep([*(item["text"] for item in kept), *found], others, kept)
         if asked.renew:
-            return keep([item["text"] for item in kept], others, kept)
-        found = search(counted, [item["text"] for item in kept], asked.texts, asked.seed)
+            return keep(with_small_cases(kept, others[0]), others, kept)
+        found = search(counted, kept, asked.texts, asked.seed)
         few = fewest(found, asked.times)
         keep(few, [], kept)
         # another library may break down
@@ -200,7 +230,7 @@ def compare(kept, others):
     different = 0
     for item in kept:
         for other in others:
-            found, _ = other.run(item["text"])
+            found, _ = other.run(item["text"], 20.0)
             for name in differences(item["answer"], json.loads(json.dumps(found or {}))):
                 different += 1
                 print(f"{name} differs:\n{item['text']}")
@@ -211,18 +241,18 @@ def compare(kept, others):
 def search(counted, kept, count, seed):
     """Texts that reach something new: (text, CPU seconds, what it reaches)."""
     rng, tongue, seen, found = random.Random(seed), Language(language()), set(), []
-    first = [*kept, *sources(counted)]
+    first = [*sources(counted, kept)]
     pool = [groups for groups in map(parse, first) if groups]
     for number in range(len(first) + count):
         text = first[number] if number < len(first) else change(tongue, rng, rng.choice(pool))
-        answered, took, reached = counted.reach(text)
+        answered, took, reached = counted.search(text)
         if number % 500 == 0:
             print(
                 f"{number} texts, {len(found)} found, {len(seen)} reached",
                 file=sys.stderr,
                 flush=True,
             )
-        if answered is None or len(json.dumps(answered)) > 6000 or len(text) > 3000:
+        if answered is None or len(json.dumps(answered)) > LARGEST or len(text) > 3000:
             continue
         # some that reach nothing new are kept, too: more than one case is to reach a block
         if not reached <= seen or (answered["status"] != 2 and rng.random() < 0.1):
@@ -230,6 +260,70 @@ def search(counted, kept, count, seed):
             found.append((text, took, reached))
             pool += [groups for groups in (parse(text),) if groups]
     return found
+
+
+def noticing(asked, folder):
+    """Texts that tell mutants from the core which the kept answers let pass."""
+    trial = kept_trial(folder)
+    files = [file for file in core_files() if fnmatch(file, asked.file)]
+    numbers = trial.statements.numbers
+    keys = [(m.file, m.line, m.after) for m in sample(files, asked.sample, asked.seed)]
+    drawn = [numbers[key] for key in keys if key in numbers]
+    shares = [drawn[first :: asked.jobs] for first in range(asked.jobs)]
+    # each process has libraries of its own
+    inherited.append(trial)
+    with multiprocessing.get_context("fork").Pool(asked.jobs) as pool:
+        parts = pool.map(functools.partial(notice, asked), shares, chunksize=1)
+    found = [pair for part in parts for pair in part]
+    passed = [number for number, text in found if text is None]
+    texts = {text for _, text in found if text}
+    print(
+        f"{len(drawn)} mutants, {len(found)} not noticed, {len(passed)} by no text that was tried"
+    )
+    return smallest(trial, {number for number, text in found if text}, texts)
+
+
+#: What processes have from their parent.
+inherited = []
+
+
+def notice(asked, numbers):
+    """Of numbers of mutants, those that the kept answers let pass, each with a text that notices it, or None."""
+    trial = inherited[0]
+    rng, tongue, found = random.Random(f"{asked.seed} {numbers[:1]}"), Language(language()), []
+    for place, number in enumerate(numbers):
+        outcome, _ = trial(number)
+        if place % 50 == 0:
+            print(f"{place} of {len(numbers)}, {len(found)} passed", file=sys.stderr, flush=True)
+        if outcome == "killed":
+            continue
+        reaching = [
+            trial.cases[i] for i in trial.reaching.get(trial.statements.of_number[number], [])
+        ]
+        # what is refused is short, and tells little
+        reaching = [case for case in reaching if case[1]["status"] != 2] or reaching
+        bases = [groups for case in reaching[:30] if (groups := parse(case[0]))]
+        # what another mutant needed may be what this one needs
+        texts = {text for _, text in found if text}
+        texts |= {
+            rng.choice((change, vary, vary, vary))(tongue, rng, rng.choice(bases))
+            for _ in range(asked.tries if bases else 0)
+        }
+        found.append((number, trial.first_that_notices(number, sorted(texts))))
+    return found
+
+
+def smallest(trial, numbers, texts):
+    """The fewest of texts that notice all mutants that they notice, as far as a greedy choice goes."""
+    noticed = {
+        text: {n for n in numbers if trial.first_that_notices(n, [text])} for text in sorted(texts)
+    }
+    chosen, left = [], set().union(*noticed.values())
+    while left:
+        text = max(noticed, key=lambda text: (len(noticed[text] & left), -len(text)))
+        chosen.append(text)
+        left -= noticed[text]
+    return chosen
 
 
 def fewest(found, times):
@@ -266,7 +360,7 @@ def keep(texts, others, before):
     for text in texts:
         common = answer(text)
         for other in others:
-            seen, _ = other.run(text)
+            seen, _ = other.run(text, 20.0)
             common = merged(common, seen) if common and seen else None
         if common is None:
             continue

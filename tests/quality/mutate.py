@@ -1,11 +1,12 @@
 """Mutation testing of the Fortran core: does a test fail where one place of one line is wrong?
 
-A mutant is one source, compiled alone and linked before the library, which gives all the rest: that takes
-seconds, and no build. The Fortran tests are tried first. What they let pass is linked into a copy of the Python
-package, for the tests that `python_tests.txt` names for the file. A test that fails, crashes or exceeds its
+One build holds nearly all mutants, of which the environment chooses one (build/switched: the first run makes it,
+and finds which tests come to which statement, in half an hour). A mutant is tried on the kept answers first, then
+on the Fortran tests and the Python tests that come to its statement. The few that are no statements, and all with
+--fortran-only, are compiled alone and linked before the library instead. A test that fails, crashes or exceeds its
 limits kills the mutant. One that no test kills must be in `survivors.txt`, with the reason. Results are kept
-(build/mutation), so that a run can be stopped and continued: a mutant that was killed is not tried again until
-its file changes, one that survived until the tests do.
+(build/mutation), so that a run can be stopped and continued: a mutant that was killed is not tried again until its
+file changes, one that survived until the tests do.
 """
 
 import argparse
@@ -27,8 +28,11 @@ from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 
+import reaching
+from kills import Statements
 from mutants import Mutant, mutants_of
 from package import copy_package, core_of, variables
+from switched import digest, prepare
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
@@ -44,6 +48,8 @@ ROOMS = {
 
 #: Cases from all studies, whose answers are kept.
 ANSWERS = "tests/python/test_answers.py"
+#: The last line of tests that pass.
+FORTRAN_END, PYTHON_END = rb" passed, 0 failed", rb"\d+ passed.* in [\d.]+s( \(.*\))?"
 
 
 class Build:
@@ -116,8 +122,12 @@ def declared(module: Path) -> bytes:
     return gzip.decompress(module.read_bytes()).split(b"\n", 1)[1]
 
 
-def passes(command: list, folder: Path, cpu: int) -> bool:
-    """Return whether a command ends well within so many CPU seconds and 8 GiB."""
+def passes(command: list, folder: Path, cpu: int, end: bytes, more: dict | None = None) -> bool:
+    """Return whether a command ends well within so many CPU seconds and 8 GiB; `more`: of its environment.
+
+    What it printed last has to match `end`: a library may end a program as if all were well, as LAPACK does where
+    an argument is not a number.
+    """
 
     def limit():
         resource.setrlimit(resource.RLIMIT_CPU, (cpu, cpu))
@@ -127,29 +137,22 @@ def passes(command: list, folder: Path, cpu: int) -> bool:
     with contextlib.suppress(subprocess.TimeoutExpired):
         done = subprocess.run(
             command, cwd=folder, capture_output=True, preexec_fn=limit, timeout=30 * cpu, stdin=subprocess.DEVNULL,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1"},
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1"} | (more or {}),
         )  # fmt: skip
-        return done.returncode == 0
+        return done.returncode == 0 and re.search(end + rb"\s*\Z", done.stdout) is not None
     return False
 
 
-class Trial:
-    """What tries a mutant: the builds, and the Python tests of each file."""
+class Compiled:
+    """What compiles a mutant and links it with the library of a build: for the Fortran tests, and a package."""
 
     def __init__(self, fortran: Path, package: Path | None):
         self.fortran = Build(fortran)
         self.package = Build(package) if package else None
-        self.chosen: list[tuple[str, list[str]]] = []
-        for line in (HERE / "python_tests.txt").read_text(encoding="utf-8").splitlines():
-            if line and not line.startswith("#"):
-                pattern, tests = line.split(":")
-                self.chosen.append((pattern, tests.split()))
 
     def python_tests(self, file: str) -> list[str]:
-        """Return the Python tests of a file."""
-        if self.package is None:
-            return []
-        return next((tests for pattern, tests in self.chosen if fnmatch(file, pattern)), [])
+        """Return the Python tests that see a change of a file."""
+        return []
 
     def __call__(self, mutant: Mutant) -> str:
         """Return what became of a mutant: killed by some test, survived, or not valid."""
@@ -158,47 +161,126 @@ class Trial:
             objects = self.fortran.compile(mutant, folder / "fortran")
             if objects is None:
                 return "not valid"
-            *others, longest = ROOMS[mutant.file.split("/")[1]]
-            steps = [*others, longest, *self.python_tests(mutant.file)]
+            for room in ROOMS[mutant.file.split("/")[1]]:
+                program = folder / f"test_{room}"
+                if not self.fortran.link(f"tests/fortran/{program.name}", objects, program):
+                    return "not valid"
+                if not passes([program], folder, 60, FORTRAN_END):
+                    return f"killed by {room}"
+                program.unlink()
             if self.package is not None:
-                # what is cheapest first: the kept answers take less than the Fortran tests of studies
-                steps.insert(len(others), ANSWERS)
-            for step in steps:
-                if step in ROOMS:
-                    program = folder / f"test_{step}"
-                    if not self.fortran.link(f"tests/fortran/{program.name}", objects, program):
-                        return "not valid"
-                    good = passes([program], folder, 60)
-                    program.unlink()
-                else:
-                    # the package and the Fortran library are compiled by the same commands
-                    good = passes(*self.pytest(objects, folder, step))
-                if not good:
-                    return f"killed by {step}"
+                # the package and the Fortran library are compiled by the same commands
+                for tests in ([ANSWERS], self.python_tests(mutant.file)):
+                    if tests and not passes(*self.pytest(objects, folder, tests)):
+                        return f"killed by {tests[0]}, or what follows"
         return "survived"
 
-    def pytest(self, objects: list[str], folder: Path, test: str) -> tuple[list, Path, int]:
-        """Return the command that runs a file of Python tests with the mutant, its folder, and its CPU seconds."""
+    def pytest(self, objects: list[str], folder: Path, tests: list[str]) -> tuple:
+        """Return the command that runs Python tests with the mutant, its folder, and its CPU seconds."""
         site = folder / "site"
         if not site.exists():
             core = copy_package(site, self.package.folder)
             self.package.link(f"python/{core_of(self.package.folder).name}", objects, core)
             self.package.link("src/vibroimpact-batch", objects, site / "vibroimpact-batch")
-        return (
-            [
-                "env", *(f"{name}={value}" for name, value in variables(site, site / "vibroimpact-batch").items()),
-                sys.executable, "-m", "pytest", "-x", "-q", "--once", "-p", "no:cacheprovider",
-                "-m", "not slow and not browser", test,
-            ], ROOT, 120 if test == ANSWERS else 600,
-        )  # fmt: skip
+        return pytest(site, site / "vibroimpact-batch", *tests)
 
 
-def digest(*paths: Path) -> str:
-    """Return a fingerprint of files."""
-    made = hashlib.sha256()
-    for path in sorted(paths):
-        made.update(path.read_bytes())
-    return made.hexdigest()[:16]
+class Switched(Compiled):
+    """What tries a mutant where one build holds nearly all of them (switched.py); the others are compiled."""
+
+    #: Seconds of Python tests that are tried, as they took in the build that counts.
+    MOST = 150.0
+
+    def __init__(self, fortran: Path, package: Path, folder: Path, jobs: int):
+        super().__init__(fortran, package)
+        self.folder = folder
+        statements = Statements(folder)
+        self.numbers, self.of_number = statements.numbers, statements.of_number
+        self.programs, self.tests = reaching.fortran(folder), reaching.python(folder, jobs)
+        self.asked = threading.local()
+        #: Of each test, whether it passes without a mutant.
+        self.sound: dict[str, bool] = {}
+
+    def python_tests(self, file: str) -> list[str]:
+        """Return the tests that reach most of the statements of a file."""
+        first = {self.of_number[number] for key, number in self.numbers.items() if key[0] == file}
+        seconds = {name: took for number in first for took, name in self.tests.get(number, ())}
+        often = Counter(name for number in first for _, name in self.tests.get(number, ()))
+        return self.affordable([(seconds[name], name) for name, _ in often.most_common()])
+
+    def affordable(self, tests: list[tuple[float, str]]) -> list[str]:
+        """Return the first of some tests that do not take too long together."""
+        chosen, left = [], self.MOST
+        for seconds, name in tests:
+            if seconds <= left and self.sound.get(name, True):
+                chosen.append(name)
+                left -= seconds
+        return chosen
+
+    def __call__(self, mutant: Mutant) -> str:
+        """Return what became of a mutant."""
+        number = self.numbers.get((mutant.file, mutant.line, mutant.after))
+        if number is None:
+            return super().__call__(mutant)
+        statement = self.of_number[number]
+        # a case costs less than any test
+        if not self.kept_answers(number):
+            return "killed by the kept answers"
+        for room in (room for room in ROOMS if statement in self.programs[room]):
+            if not self.passes(room, number) and self.is_sound(room):
+                return f"killed by {room}"
+        chosen = self.affordable(sorted(self.tests.get(statement, ())))
+        while chosen and not self.passes(chosen, number):
+            # which test fails is asked of each, and whether it fails without the mutant, too
+            failing = next((name for name in chosen if not self.passes([name], number)), None)
+            if failing is None:
+                # it takes several of them, unless these fail anyhow
+                return "killed by Python tests" if self.passes(chosen, 0) else "survived"
+            if self.is_sound(failing):
+                return f"killed by {failing}"
+            chosen.remove(failing)
+        return "survived"
+
+    def kept_answers(self, number: int) -> bool:
+        """Return whether the kept answers let a mutant pass; each thread has a process that it asks."""
+        if not hasattr(self.asked, "process"):
+            self.asked.process = subprocess.Popen(
+                [sys.executable, HERE / "kills.py", self.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                text=True, bufsize=1,
+            )  # fmt: skip
+            if self.asked.process.stdout.readline() != "ready\n":
+                raise RuntimeError("the kept answers cannot be tried")
+        print(number, file=self.asked.process.stdin, flush=True)
+        return not self.asked.process.stdout.readline().startswith("killed")
+
+    def is_sound(self, test: str) -> bool:
+        """Return whether a test passes without a mutant: one that does not would kill them all."""
+        if test not in self.sound:
+            self.sound[test] = self.passes(test if test in ROOMS else [test], 0)
+            if not self.sound[test]:
+                print(f"{test} is left out: it fails without a mutant", flush=True)
+        return self.sound[test]
+
+    def passes(self, test: str | list[str], number: int) -> bool:
+        """Return whether the Fortran tests of a folder pass, or some Python tests."""
+        chosen = {"VIBROIMPACT_MUTANT": str(number)}
+        if isinstance(test, list):
+            plain = self.folder / "plain"
+            return passes(*pytest(plain / "site", plain / "src/vibroimpact-batch", *test), chosen)
+        with tempfile.TemporaryDirectory(prefix="mutant-") as home:
+            program = self.folder / f"plain/tests/fortran/test_{test}"
+            return passes([program], Path(home), 150, FORTRAN_END, chosen)
+
+
+def pytest(site: Path, program: Path, *tests: str) -> tuple[list, Path, int, bytes]:
+    """Return the command that runs a file of Python tests with a copy of the package, its folder, CPU seconds."""
+    return (
+        [
+            "env", *(f"{name}={value}" for name, value in variables(site, program).items()),
+            sys.executable, "-m", "pytest", "-x", "-q", "--once", "-p", "no:cacheprovider",
+            "-m", "not slow and not browser", *tests,
+        ], ROOT, 120 if tests == (ANSWERS,) else 600, PYTHON_END,
+    )  # fmt: skip
 
 
 def listed() -> dict[tuple[str, str, str], str]:
@@ -210,6 +292,15 @@ def listed() -> dict[tuple[str, str, str], str]:
             file, before, after, *reason = lines
             known[file.strip(), before[2:].strip(), after[2:].strip()] = " ".join(reason)
     return known
+
+
+def core_files() -> list[str]:
+    """Return the files of the folders that are tried."""
+    return [
+        str(path.relative_to(ROOT))
+        for folder in ROOMS
+        for path in sorted((ROOT / "src" / folder).glob("*.f90"))
+    ]
 
 
 def sample(files: list[str], size: int | None, seed: int) -> list[Mutant]:
@@ -274,6 +365,9 @@ def arguments() -> argparse.Namespace:
         "-j", "--jobs", type=count, default=1, metavar="N", help="mutants at a time (1)"
     )
     parser.add_argument(
+        "--switched", type=Path, default=ROOT / "build/switched", help=argparse.SUPPRESS
+    )
+    parser.add_argument(
         "--build", type=Path, default=ROOT / "build/fortran", help=argparse.SUPPRESS
     )
     return parser.parse_args()
@@ -283,22 +377,20 @@ def main() -> int:
     """Try mutants, and tell what became of them."""
     asked = arguments()
     files = [
-        str(path.relative_to(ROOT))
-        for folder in ROOMS
-        for path in sorted((ROOT / "src" / folder).glob("*.f90"))
-    ]
-    files = [
         file
-        for file in files
+        for file in core_files()
         if not asked.file or any(fnmatch(file, pattern) for pattern in asked.file)
     ]
     if not files:
         sys.exit(f"mutate: no file of {', '.join(ROOMS)} is named so: {', '.join(asked.file)}")
-    trial = Trial(asked.build, None if asked.fortran_only else ROOT / "build/editable")
+    if asked.fortran_only:
+        trial = Compiled(asked.build, None)
+    else:
+        prepare(asked.switched)
+        trial = Switched(asked.build, ROOT / "build/editable", asked.switched, asked.jobs)
     tests = digest(
         *(ROOT / "tests").glob("*/*.py"),
         *(ROOT / "tests/fortran").glob("*.f90"),
-        HERE / "python_tests.txt",
     )
     store = ROOT / "build/mutation/results.jsonl"
     store.parent.mkdir(parents=True, exist_ok=True)

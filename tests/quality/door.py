@@ -1,0 +1,81 @@
+"""The library for C, as the tools of this folder call it."""
+
+import ctypes
+import json
+import threading
+import time
+
+import numpy as np
+from shared_answers import read
+
+#: As many as reached.c counts.
+BLOCKS = 1 << 24
+
+
+class Library:
+    """A library for C."""
+
+    def __init__(self, path):
+        self.c = ctypes.CDLL(str(path))
+        self.c.vibroimpact_text.restype = ctypes.c_size_t
+
+    def text(self, handle, what):
+        """A text of a result."""
+        n = self.c.vibroimpact_text(handle, what, None, ctypes.c_size_t(0))
+        out = ctypes.create_string_buffer(n + 1)
+        self.c.vibroimpact_text(handle, what, out, ctypes.c_size_t(n + 1))
+        return out.value.decode(errors="surrogateescape")
+
+    def cases(self, text):
+        """The cases of a text, each as a text of its own; none if it is refused."""
+        handle = ctypes.c_int64()
+        self.c.vibroimpact_cases(text.encode(), ctypes.byref(handle))
+        about = json.loads(self.text(handle, 7))
+        self.c.vibroimpact_free(handle)
+        return next(
+            (item["words"] for item in about.get("columns", ()) if item["name"] == "text"), []
+        )
+
+    def message(self, text):
+        """Why a text is refused."""
+        handle = ctypes.c_int64()
+        self.c.vibroimpact_cases(text.encode(), ctypes.byref(handle))
+        return self.text(handle, 0)
+
+    def run(self, text, seconds=None):
+        """(answer, CPU seconds); the answer is None for a case that took longer than it may."""
+        handle, counters = ctypes.c_int64(), (ctypes.c_int32 * 3)()
+        clock = threading.Timer(seconds, counters.__setitem__, (2, 1)) if seconds else None
+        if clock:
+            clock.start()
+        begin = time.thread_time()
+        status = self.c.vibroimpact_run(text.encode(), 1, counters, ctypes.byref(handle))
+        took = time.thread_time() - begin
+        if clock:
+            clock.cancel()
+        stopped = counters[2] or status not in (0, 1, 2)
+        found = None if stopped else read(self, status, self.text(handle, 7))
+        self.c.vibroimpact_free(handle)
+        return None if found is None else json.loads(json.dumps(found)), took
+
+    def choose(self, mutant):
+        """Let a library of switched.py compute what a mutant does; 0: what the core does."""
+        ctypes.c_int.in_dll(self.c, "vibroimpact_mutant").value = mutant
+
+
+class Counted(Library):
+    """A library that counts the blocks it reaches (reached.c)."""
+
+    def __init__(self, path):
+        super().__init__(path)
+        with open("/proc/self/maps", encoding="ascii") as maps:
+            lines = [line for line in maps if str(path) in line]
+        self.first = ctypes.c_void_p(min(int(line.split("-")[0], 16) for line in lines))
+        counts = (ctypes.c_uint32 * BLOCKS).in_dll(self.c, "reached")
+        self.counts = np.ctypeslib.as_array(counts)
+
+    def reach(self, text, seconds=None):
+        """(answer, CPU seconds, places of the blocks that were reached)."""
+        self.c.count_from(self.first)
+        found, took = self.run(text, seconds)
+        return found, took, np.flatnonzero(self.counts).tolist()

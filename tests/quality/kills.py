@@ -1,0 +1,203 @@
+"""Asks which mutants the kept answers notice, in the libraries that hold nearly all of them (switched.py).
+
+A case is run only for the mutants whose statement it reaches, each mutant in a process of its own. What differs
+from the kept answer, breaks down, or takes much longer, kills the mutant.
+"""
+
+import hashlib
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from bisect import bisect_left
+from collections import defaultdict
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests/python")]
+
+from shared_answers import KEPT, differences, load, put_files  # noqa: E402
+
+from door import Counted, Library  # noqa: E402
+
+LIBRARY = "src/c/libvibroimpact.so"
+#: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number.
+NOTICED, IN_VAIN = 1, 2
+#: What became of a mutant: the kept answers notice it, let it pass, or do not come to its statement.
+KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
+
+
+class Statements:
+    """The statements that have mutants, in the sources that were compiled."""
+
+    def __init__(self, folder: Path):
+        self.index = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
+        #: By file, line and text: the number of a mutant.
+        #: Of each file, in order: (first line, last line, first number).
+        self.known = defaultdict(list)
+        self.of_number = {}
+        self.numbers = {}
+        for number, file, line, _before, after, begin, end in self.index:
+            self.numbers[file, line, after] = number
+            known = self.known[Path(file).name]
+            if not known or known[-1][0] != begin:
+                known.append((begin, end, number))
+            self.of_number[number] = known[-1][2]
+
+    def at(self, file: str, line: int) -> int:
+        """Return the first number of the statement at a line; 0 if no mutant is there."""
+        # a twin has the lines of its source
+        known = self.known.get(file.replace("_single.f90", ".f90").replace("_wide.f90", ".f90"), ())
+        place = bisect_left(known, (line + 1,)) - 1
+        return known[place][2] if place >= 0 and known[place][0] <= line <= known[place][1] else 0
+
+    def of_places(self, program: Path, places: list[int]) -> dict[int, int]:
+        """Return the statement of each place that a program or library counts."""
+        said = subprocess.run(
+            ["addr2line", "-e", str(program)], input="\n".join(hex(place - 1) for place in places),
+            capture_output=True, text=True, check=True,
+        ).stdout  # fmt: skip
+        found = {}
+        for place, line in zip(places, said.splitlines(), strict=True):
+            file, _, number = line.split(" ")[0].rpartition(":")
+            found[place] = self.at(Path(file).name, int(number)) if number.isdigit() else 0
+        return found
+
+
+class Trial:
+    """What tries mutants on cases: (text, answer, CPU seconds)."""
+
+    def __init__(self, folder: Path):
+        self.statements = Statements(folder)
+        self.folder = folder
+        self.library = Library(folder / "plain" / LIBRARY)
+        self.cases: list[tuple[str, dict, float]] = []
+        #: What the core answers to other texts; None where that takes too long.
+        self.answers: dict[str, tuple[str, dict, float] | None] = {}
+        #: By the first number of a statement: the cases that reach it, the shortest first.
+        self.reaching: dict[int, list[int]] = defaultdict(list)
+
+    def add(self, cases, reached) -> None:
+        """Take cases, and the statements that each of them reaches."""
+        for case, statements in zip(cases, reached, strict=True):
+            for statement in statements:
+                self.reaching[statement].append(len(self.cases))
+            self.cases.append(case)
+        for places in self.reaching.values():
+            places.sort(key=lambda i: self.cases[i][2])
+
+    def __call__(self, number: int) -> tuple[str, int]:
+        """Return what became of a mutant, and the number of the case that killed it (-1: none)."""
+        places = self.reaching.get(self.statements.of_number[number], [])
+        if not places:
+            return UNREACHED, -1
+        noticed = self.noticed(number, [self.cases[i] for i in places])
+        return (PASSED, -1) if noticed < 0 else (KILLED, places[noticed])
+
+    def noticed(self, number: int, cases) -> int:
+        """Return the place of the first case that tells a mutant from the core; -1 if none does."""
+        into, out = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                os.close(into)
+                os._exit(NOTICED if self.notices(number, cases, out) else IN_VAIN)
+            except BaseException:
+                os._exit(NOTICED)
+        os.close(out)
+        last = -1
+        with os.fdopen(into, "rb") as pipe:
+            while piece := pipe.read(4):
+                last = int.from_bytes(piece, "little")
+        _, status = os.waitpid(child, 0)
+        return -1 if status == IN_VAIN << 8 else last
+
+    def first_that_notices(self, number: int, texts: list[str], longest: float = 0.3) -> str | None:
+        """Return the first of texts that tells a mutant from the core, none of which takes longer."""
+        cases = []
+        for text in texts:
+            if text not in self.answers:
+                found, took = self.library.run(text, longest)
+                good = found is not None and took < longest and len(json.dumps(found)) < 6000
+                self.answers[text] = (text, found, took) if good else None
+            if self.answers[text]:
+                cases.append(self.answers[text])
+        place = self.noticed(number, sorted(cases, key=lambda case: case[2]))
+        return None if place < 0 else sorted(cases, key=lambda case: case[2])[place][0]
+
+    def notices(self, number: int, cases, out: int) -> bool:
+        """Return whether a case tells a mutant from the core; the place of each is written before it runs."""
+        quiet = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(quiet, 1)
+        os.dup2(quiet, 2)
+        resource.setrlimit(resource.RLIMIT_AS, (2**33, 2**33))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        self.library.choose(number)
+        for place, (text, kept, took) in enumerate(cases):
+            os.write(out, place.to_bytes(4, "little"))
+            signal.setitimer(signal.ITIMER_PROF, 10 * took + 1)
+            found, _ = self.library.run(text)
+            if any(True for _ in differences(kept, found)):
+                return True
+        return False
+
+
+def reach(folder: Path, texts: list[str]) -> list[tuple[float, list[int]]]:
+    """Return, for each text, the CPU seconds in the plain library and the statements it reaches."""
+    path = folder / "counted" / LIBRARY
+    counted, plain, statements = (
+        Counted(path),
+        Library(folder / "plain" / LIBRARY),
+        Statements(folder),
+    )
+    known: dict[int, int] = {}
+    found = []
+    for text in texts:
+        _, _, places = counted.reach(text)
+        new = [place for place in places if place not in known]
+        if new:
+            known |= statements.of_places(path, new)
+        _, took = plain.run(text)
+        found.append((took, sorted({known[place] for place in places} - {0})))
+    return found
+
+
+def kept_trial(folder: Path) -> Trial:
+    """Return what tries the kept answers; which of them reach what is noted beside the libraries."""
+    kept = load()
+    note = folder / "reached.json"
+    mark = hashlib.sha256(KEPT.read_bytes()).hexdigest()
+    known = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+    if known.get("of") != mark:
+        found = reach(folder, [item["text"] for item in kept])
+        note.write_text(json.dumps({"of": mark, "found": found}), encoding="utf-8")
+    else:
+        found = known["found"]
+    trial = Trial(folder)
+    cases, reached = [], []
+    for item, (took, statements) in zip(kept, found, strict=True):
+        # a case whose answer these libraries do not give would notice whatever it reaches
+        if not [*differences(item["answer"], trial.library.run(item["text"])[0])]:
+            cases.append((item["text"], item["answer"], took))
+            reached.append(statements)
+    trial.add(cases, reached)
+    return trial
+
+
+def main() -> None:
+    """Tell of each number on the standard input what became of it."""
+    folder = Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory() as home:
+        put_files(Path(home))
+        os.chdir(home)
+        trial = kept_trial(folder)
+        print("ready", flush=True)
+        for line in sys.stdin:
+            print(*trial(int(line)), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""A pytest plugin: notes the statements with mutants that each test reaches, in a package that counts.
+
+What a fixture of many tests reaches counts for each of them. Each line of the file that VIBROIMPACT_REACHED_BY
+names (with the number of the process) tells a test, its seconds and its statements.
+"""
+
+import ctypes
+import json
+import os
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kills import Statements
+from vibroimpact import _core
+
+FOLDER = Path(os.environ["VIBROIMPACT_SWITCHED"])
+
+
+class Counters:
+    """What this process and those that it started have reached."""
+
+    def __init__(self):
+        self.c = ctypes.CDLL(str(FOLDER / "libreached.so"))
+        self.first = ctypes.c_void_p.in_dll(self.c, "first_address").value
+        from door import BLOCKS
+
+        self.counts = np.ctypeslib.as_array((ctypes.c_uint32 * BLOCKS).in_dll(self.c, "reached"))
+        self.statements = Statements(FOLDER)
+        #: By program and place: the statement.
+        self.known: dict[tuple[str, int], int] = {}
+        self.children = tempfile.mkdtemp()
+        os.environ["VIBROIMPACT_REACHED"] = self.children
+
+    def take(self) -> set[int]:
+        """Return what was reached since this was called last."""
+        found = {Path(_core.__file__).resolve(): np.flatnonzero(self.counts).tolist()}
+        self.counts[:] = 0
+        for path in Path(self.children).iterdir():
+            name = path.name.partition(".")[2]
+            program = next(iter((FOLDER / "counted").glob(f"*/{name}")), None)
+            if program:
+                found.setdefault(program, []).extend(np.fromfile(path, np.uint32).tolist())
+            path.unlink()
+        reached = set()
+        for program, places in found.items():
+            new = [place for place in set(places) if (program, place) not in self.known]
+            if new:
+                said = self.statements.of_places(program, new)
+                self.known |= {(program, place): number for place, number in said.items()}
+            reached |= {self.known[program, place] for place in places}
+        return reached - {0}
+
+
+counters = Counters()
+of_fixtures: dict[str, set[int]] = {}
+here: set[int] = set()
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_fixture_setup(fixturedef):
+    """Keep what a fixture of many tests reaches."""
+    if fixturedef.scope == "function":
+        yield
+        return
+    here.update(counters.take())
+    yield
+    of_fixtures.setdefault(fixturedef.argname, set()).update(counters.take())
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_protocol(item):
+    """Write what a test reaches."""
+    here.clear()
+    counters.take()
+    begin = time.monotonic()
+    yield
+    seconds = time.monotonic() - begin
+    here.update(counters.take())
+    for name in item.fixturenames:
+        here.update(of_fixtures.get(name, ()))
+    with Path(f"{os.environ['VIBROIMPACT_REACHED_BY']}.{os.getpid()}").open(
+        "a", encoding="utf-8"
+    ) as out:
+        print(json.dumps([item.nodeid, round(seconds, 3), sorted(here)]), file=out)
+
+
+def pytest_unconfigure():
+    """Leave nothing behind."""
+    shutil.rmtree(counters.children, ignore_errors=True)

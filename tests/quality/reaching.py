@@ -1,0 +1,93 @@
+"""Which tests come to which statements that have mutants, in the builds of switched.py.
+
+What was found is kept beside the builds, and found again for the tests that changed.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from kills import Statements
+from package import variables
+from switched import ROOMS, ROOT, digest
+
+#: Tests that call the core as others do, or not at all.
+LEFT_OUT = (
+    "test_animation", "test_answers", "test_audit", "test_batch_command_line", "test_campaign", "test_commands",
+    "test_completion", "test_docs", "test_drawn", "test_examples", "test_explorer", "test_faults", "test_identify",
+    "test_imports", "test_in_turn", "test_jax", "test_jupyter", "test_malicious_files", "test_pictures", "test_plots",
+    "test_public_names", "test_published", "test_reproduce", "test_saving", "test_sensor_records", "test_threads",
+)  # fmt: skip
+
+
+def fortran(folder: Path) -> dict[str, set[int]]:
+    """Return, for each program of Fortran tests, the statements that it reaches."""
+    note = folder / "fortran.json"
+    known = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+    statements = Statements(folder)
+    for room in ROOMS:
+        program = folder / f"counted/tests/fortran/test_{room}"
+        mark = digest(program)
+        if known.get(room, [None])[0] == mark:
+            continue
+        with tempfile.TemporaryDirectory() as home:
+            (reached := Path(home) / "reached").mkdir()
+            subprocess.run([program], cwd=home, stdout=subprocess.DEVNULL, check=True,
+                           env=os.environ | {"VIBROIMPACT_REACHED": str(reached)})  # fmt: skip
+            places = {
+                int(place) for path in reached.iterdir() for place in np.fromfile(path, np.uint32)
+            }
+        found = set(statements.of_places(program, sorted(places)).values()) - {0}
+        known[room] = [mark, sorted(found)]
+    note.write_text(json.dumps(known), encoding="utf-8")
+    return {room: set(found) for room, (_, found) in known.items()}
+
+
+def python(folder: Path, jobs: int) -> dict[int, list[tuple[float, str]]]:
+    """Return, for each statement, the Python tests that reach it: seconds, and name."""
+    note = folder / "python.json"
+    known = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+    files = {
+        str(path.relative_to(ROOT)): digest(path)
+        for room in ("python", "cli")
+        for path in sorted((ROOT / "tests" / room).glob("test_*.py"))
+        if not path.stem.startswith(LEFT_OUT)
+    }
+    new = [file for file, mark in files.items() if known.get(file, {}).get("of") != mark]
+    if new:
+        print(f"{len(new)} files of Python tests: what they reach", flush=True)
+        run(folder, new, jobs)
+        known |= {file: {"of": files[file], "tests": []} for file in new}
+        for path in folder.glob("by_test.*"):
+            for line in path.read_text(encoding="utf-8").splitlines():
+                name, seconds, statements = json.loads(line)
+                known[name.partition("::")[0]]["tests"].append([name, seconds, statements])
+            path.unlink()
+        note.write_text(json.dumps(known), encoding="utf-8")
+    found = defaultdict(list)
+    for file in files:
+        for name, seconds, statements in known[file]["tests"]:
+            for statement in statements:
+                found[statement].append((seconds, name))
+    return found
+
+
+def run(folder: Path, files: list[str], jobs: int) -> None:
+    """Run files of tests with the package that counts."""
+    made = folder / "counted"
+    paths = [str(made / "site"), str(ROOT / "tests/quality"), str(ROOT / "tests/python")]
+    env = variables(made / "site", made / "src/vibroimpact-batch") | {
+        "PYTHONPATH": os.pathsep.join(paths), "VIBROIMPACT_SWITCHED": str(folder),
+        "VIBROIMPACT_REACHED_BY": str(folder / "by_test"),
+    }  # fmt: skip
+    for path in folder.glob("by_test.*"):
+        path.unlink()
+    subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "--once", "-p", "no:cacheprovider", "-p", "reached_by",
+         "-n", str(jobs), "--dist", "loadfile", "-m", "not slow and not browser", *files],
+        cwd=ROOT, env=os.environ | env, stdout=subprocess.DEVNULL, check=False)  # fmt: skip
