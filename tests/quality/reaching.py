@@ -20,8 +20,9 @@ from switched import ROOMS, ROOT, digest
 LEFT_OUT = (
     "test_animation", "test_answers", "test_audit", "test_batch_command_line", "test_campaign", "test_commands",
     "test_completion", "test_docs", "test_drawn", "test_examples", "test_explorer", "test_faults", "test_identify",
-    "test_imports", "test_in_turn", "test_jax", "test_jupyter", "test_malicious_files", "test_pictures", "test_plots",
-    "test_public_names", "test_published", "test_reproduce", "test_saving", "test_sensor_records", "test_threads",
+    "test_imports", "test_in_turn", "test_jax", "test_jupyter", "test_malicious_files", "test_pictures",
+    "test_plots", "test_public_names", "test_published", "test_reproduce", "test_saving", "test_sensor_records",
+    "test_threads",
 )  # fmt: skip
 
 
