@@ -13,6 +13,7 @@ program test_studies
    use studies_symbols, only: test_symbols
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
+   use studies_spans, only: test_spans
    use studies_steps, only: test_steps
    use studies_structures, only: test_structures
    use studies_structure_slopes, only: test_structure_slopes
@@ -57,6 +58,7 @@ program test_studies
    call test_symbols()
    call test_rest()
    call test_rows()
+   call test_spans()
    call test_steps()
    call test_structures()
    call test_structure_slopes()
