@@ -43,12 +43,22 @@ def plane(n, m):
     return text, lambda: vi.basins(OSC, 1.04, 30.0, (("x", -9, 9, n), ("x_dot", -9, 9, m)))
 
 
+def chart(sides, r_points, clearance_points, **more):
+    r, clearance = np.linspace(0.9, 1.1, r_points), np.linspace(5, 50, clearance_points)
+    words = "".join(f", {name} = {value}" for name, value in more.items())
+    text = (
+        f"{FREE}&chart sides = '{sides}', r_min = 0.9, r_max = 1.1, r_points = {r_points}, clearance_min = 5, "
+        f"clearance_max = 50, clearance_points = {clearance_points}{words} /\n"
+    )
+    return text, lambda: vi.chart(OSC, sides, r, clearance, **more)
+
+
 def random_states(states):
     text = f"{SYSTEM}&basins clearance = 30, states = {states} /\n"
     return text, lambda: vi.basins(OSC, 1.04, 30.0, states=states)
 
 
-# each exceeds the limit by one
+# each exceeds the limit by one, or by a row
 @pytest.mark.parametrize(("doors", "words"), [
     (diagram(1_000_001, "up", 1), "must be a whole number with 2 <= values <= 1000000"),
     (diagram(12_501, "up", 1000), "values x runs x points must be at most 12500000"),
@@ -58,6 +68,8 @@ def random_states(states):
     (response(1_000_001, 1), "must be a whole number with 2 <= r_points <= 1000000"),
     (exponents(1_000_001), "must be a whole number with 2 <= values <= 1000000"),
     (plane(3126, 4000), "together at most 12500000 states"),
+    (chart("RL", 893, 1000, slots=7), "points x slots x impacts must be at most 12500000"),
+    (chart("RRL", 834, 1000, slots=5), "points x slots x impacts must be at most 12500000"),
     (random_states(12_500_001), "must be a whole number with 1 <= states <= 12500000"),
 ])  # fmt: skip
 def test_both_doors_refuse(doors, words, batch):
@@ -76,3 +88,16 @@ def test_the_limit_itself_is_allowed(doors, batch):
     done = batch.case(text[:-3] + ", z = 99 /\n")
     assert done.status == 2
     assert "z - x must be within half the clearance" in str(done)
+
+
+@pytest.mark.parametrize(
+    ("sides", "points", "slots", "symmetric"),
+    [("RL", 892, 7, "both"), ("RRLL", 625, 5, "both"), ("RRL", 1000, 4, "no"), ("RL", 1000, 32, "yes")],
+)
+def test_charts_at_the_limit_are_allowed(sides, points, slots, symmetric, tmp_path):
+    """Equispaced motions alone take no slots, whose number does not count then."""
+    text, _ = chart(sides, points, 1000, slots=slots, symmetric=f"'{symmetric}'")
+    path = tmp_path / "case.nml"
+    path.write_text(text)
+    (case,) = vi.read_namelist(path)
+    assert f"r_points = {points}" in case.text

@@ -90,6 +90,8 @@ REFUSED = [
     ("gaps = 0, 1, phases = 2, 1", "number 2 is below number 1"),
     ("gaps = 0, 1, phases = 1, 9", "less than a period"),
     ("gaps = 0, 1, phases = 1e7, 1.00000001e7", "in magnitude"),
+    ("gaps = 0, 1, phases = 999999, 1000001", "in magnitude"),
+    ("gaps = 0, 1, phases = -1000001, -999999", "in magnitude"),
     ("gaps = 0, 1.5, phases = 1, 2", "gaps"),
     ("kind = 'settled', gaps = 0, phases = 1", "gaps"),
     ("gaps = 0, phases = 1, settling = 3", "settling"),
