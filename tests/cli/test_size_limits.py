@@ -58,7 +58,7 @@ def random_states(states):
     return text, lambda: vi.basins(OSC, 1.04, 30.0, states=states)
 
 
-# each exceeds the limit by one, or by a row
+# each exceeds the limit by one
 @pytest.mark.parametrize(("doors", "words"), [
     (diagram(1_000_001, "up", 1), "must be a whole number with 2 <= values <= 1000000"),
     (diagram(12_501, "up", 1000), "values x runs x points must be at most 12500000"),
@@ -68,8 +68,6 @@ def random_states(states):
     (response(1_000_001, 1), "must be a whole number with 2 <= r_points <= 1000000"),
     (exponents(1_000_001), "must be a whole number with 2 <= values <= 1000000"),
     (plane(3126, 4000), "together at most 12500000 states"),
-    (chart("RL", 893, 1000, slots=7), "points x slots x impacts must be at most 12500000"),
-    (chart("RRL", 834, 1000, slots=5), "points x slots x impacts must be at most 12500000"),
     (random_states(12_500_001), "must be a whole number with 1 <= states <= 12500000"),
 ])  # fmt: skip
 def test_both_doors_refuse(doors, words, batch):
@@ -90,14 +88,25 @@ def test_the_limit_itself_is_allowed(doors, batch):
     assert "z - x must be within half the clearance" in str(done)
 
 
-@pytest.mark.parametrize(
-    ("sides", "points", "slots", "symmetric"),
-    [("RL", 892, 7, "both"), ("RRLL", 625, 5, "both"), ("RRL", 1000, 4, "no"), ("RL", 1000, 32, "yes")],
-)
-def test_charts_at_the_limit_are_allowed(sides, points, slots, symmetric, tmp_path):
-    """Equispaced motions alone take no slots, whose number does not count then."""
+def test_limits_of_charts(batch, tmp_path):
+    """Points x slots x impacts are limited; where all motions are equispaced, they take no slots."""
+    words = "points x slots x impacts must be at most 12500000"
+    for sides, most, slots in (("RL", 892, 7), ("RRLL", 625, 5), ("RRL", 1000, 4)):
+        read_chart(tmp_path, sides, most, slots, "both")
+    for sides, points, slots in (("RL", 893, 7), ("RRLL", 626, 5), ("RRL", 834, 5)):
+        text, call = chart(sides, points, 1000, slots=slots)
+        done = batch.case(text)
+        assert (done.status, words in str(done)) == (2, True), done
+        with pytest.raises(ParameterError) as caught:
+            call()
+        assert str(caught.value).endswith(words)
+    read_chart(tmp_path, "RL", 1000, 32, "yes")
+
+
+def read_chart(folder, sides, points, slots, symmetric):
+    """A namelist that is accepted when it is read."""
     text, _ = chart(sides, points, 1000, slots=slots, symmetric=f"'{symmetric}'")
-    path = tmp_path / "case.nml"
+    path = folder / "case.nml"
     path.write_text(text)
     (case,) = vi.read_namelist(path)
     assert f"r_points = {points}" in case.text

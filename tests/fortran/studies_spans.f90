@@ -63,7 +63,8 @@ contains
       end do
    end subroutine test_departures
 
-   !> The changes of the state at a load phase, before any event, against differences of simulations.
+   !> The changes of the state at a load phase, before any event, against differences of
+   !! simulations.
    subroutine compare(kind, compared)
       !> 1: a flight from a wall, 2: a flight from between the walls, 3: a rest.
       integer, intent(in) :: kind

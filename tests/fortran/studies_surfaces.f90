@@ -52,8 +52,8 @@ contains
       sides = [(merge(1, -1, text(i:i) == 'R'), i=1, len_trim(text))]
    end function sides_of
 
-   !> A small window is the unit square, whatever its size: steps along its lines are shares of it. In
-   !! a large one a unit does not depend on the size: steps are as short as in another.
+   !> A small window is the unit square, whatever its size: steps along its lines are shares of it.
+   !! In a large one a unit does not depend on the size: steps are as short as in another.
    subroutine test_windows()
       type(zone_request_type) :: request
       type(curve_type) :: small, large, larger
@@ -95,8 +95,8 @@ contains
 
    end subroutine test_windows
 
-   !> What is not found of a vertex is said to be lost and has no number: a condition that the family
-   !! has not, a pattern without such motions, and what a stop leaves out.
+   !> What is not found of a vertex is said to be lost and has no number: a condition that the
+   !! family has not, a pattern without such motions, and what a stop leaves out.
    subroutine test_lost_vertices()
       integer, parameter :: fold = 1, rest_vanishes = 7
       type(zone_request_type) :: request
@@ -127,8 +127,8 @@ contains
       end do
    end subroutine test_lost_vertices
 
-   !> Lines over the surfaces of random patterns: between two motions of a line where a condition has
-   !! two signs it is zero, and from either end the same zero is found.
+   !> Lines over the surfaces of random patterns: between two motions of a line where a condition
+   !! has two signs it is zero, and from either end the same zero is found.
    subroutine test_zeros()
       type(zone_request_type) :: request
       type(curve_type) :: surface, line
@@ -214,11 +214,10 @@ contains
    subroutine check_net(surface, at, unknowns)
       type(curve_type), intent(in) :: surface
       real(wp), intent(in) :: at(2), unknowns(:)
-      type(net_type), allocatable :: net
+      type(net_type), save :: net
       integer :: direction, i
       logical :: below, above
 
-      allocate (net)
       call new_net(surface, even_lattice(3), net)
       call cover_from(net, at, unknowns)
       do direction = 1, 2
