@@ -133,7 +133,8 @@ contains
       !> With its multipliers, and `stable` from them.
       type(motion_type), intent(inout) :: motion
 
-      if (.not. abs(abs(motion%multipliers(1)) - 1) > reserve*doubt) motion%stable = unknown
+      ! a product with the largest number would overflow
+      if (.not. abs(abs(motion%multipliers(1)) - 1)/reserve > doubt) motion%stable = unknown
    end subroutine doubt_stability
 
    !> `admissible`, and the extreme positions of the primary mass, from certified extrema.

@@ -7,6 +7,7 @@
 !! The 1983 computations used IMSL: LEQT1F (Gaussian elimination) is DGESV here, LLSQF (least
 !! squares) is DGELS and EIGRF (Hessenberg and QR) is DGEEV.
 module vi_lapack
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use vi_kinds, only: wp
    use vi_lapack_routines, only: gebal, geev, gehd2, gels, geqr2, gesv, getf2, getrs, &
       lahqr, orm2r, trtrs
@@ -127,12 +128,15 @@ contains
    end subroutine judge_rank
 
    !> The eigenvalues of a real matrix, at most 4 x 4 (xGEEV), in the order LAPACK finds them.
+   !!
+   !! LAPACK is not asked about a matrix that is not finite: where an entry is not a number, newer
+   !! versions end the program.
    pure subroutine eigenvalues(a, lambda, status)
       !> In: the matrix (n, n). Out: overwritten.
       real(wp), intent(inout), contiguous :: a(:, :)
-      !> (n) The eigenvalues, in the order in which LAPACK finds them.
+      !> (n) The eigenvalues, in the order in which LAPACK finds them; 0 of a matrix not finite.
       complex(wp), intent(out) :: lambda(:)
-      !> `stat%ok`, or `stat%lapack_failed` where the iteration did not converge.
+      !> `stat%ok`, `stat%not_finite`, or `stat%lapack_failed` where the iteration did not converge.
       integer, intent(out) :: status
       !> No matrix here is larger.
       integer, parameter :: most = 4
@@ -141,6 +145,9 @@ contains
       integer :: i, n, info, first, last
 
       n = size(lambda)
+      lambda = 0
+      status = stat%not_finite
+      if (.not. all(ieee_is_finite(a))) return
       info = 1
       if (well_scaled(maxval(abs(a)))) then
          h(:n, :n) = a
@@ -172,7 +179,8 @@ contains
       complex(wp), intent(out) :: lambda
       !> (n) Its eigenvector, of length 1; its real part if the eigenvalue is complex.
       real(wp), intent(out) :: vector(:)
-      !> `stat%ok`, or `stat%lapack_failed` where the iteration did not converge.
+      !> `stat%ok`, `stat%not_finite` (all results are 0 then), or `stat%lapack_failed` where the
+      !! iteration did not converge.
       integer, intent(out) :: status
       !> No matrix here is larger.
       integer, parameter :: most = 4
@@ -181,6 +189,10 @@ contains
       integer :: i, n, info
 
       n = size(vector)
+      lambda = 0
+      vector = 0
+      status = stat%not_finite
+      if (.not. all(ieee_is_finite(a))) return
       call geev('N', 'V', n, a, n, real_part, imaginary_part, unused, 1, vectors, most, work, &
          size(work), info)
       ! for a conjugate pair the first column holds the real part

@@ -43,6 +43,16 @@ def plane(n, m):
     return text, lambda: vi.basins(OSC, 1.04, 30.0, (("x", -9, 9, n), ("x_dot", -9, 9, m)))
 
 
+def chart(sides, r_points, clearance_points, **more):
+    r, clearance = np.linspace(0.9, 1.1, r_points), np.linspace(5, 50, clearance_points)
+    words = "".join(f", {name} = {value}" for name, value in more.items())
+    text = (
+        f"{FREE}&chart sides = '{sides}', r_min = 0.9, r_max = 1.1, r_points = {r_points}, clearance_min = 5, "
+        f"clearance_max = 50, clearance_points = {clearance_points}{words} /\n"
+    )
+    return text, lambda: vi.chart(OSC, sides, r, clearance, **more)
+
+
 def random_states(states):
     text = f"{SYSTEM}&basins clearance = 30, states = {states} /\n"
     return text, lambda: vi.basins(OSC, 1.04, 30.0, states=states)
@@ -76,3 +86,27 @@ def test_the_limit_itself_is_allowed(doors, batch):
     done = batch.case(text[:-3] + ", z = 99 /\n")
     assert done.status == 2
     assert "z - x must be within half the clearance" in str(done)
+
+
+def test_limits_of_charts(batch, tmp_path):
+    """Points x slots x impacts are limited; where all motions are equispaced, they take no slots."""
+    words = "points x slots x impacts must be at most 12500000"
+    for sides, most, slots in (("RL", 892, 7), ("RRLL", 625, 5), ("RRL", 1000, 4)):
+        read_chart(tmp_path, sides, most, slots, "both")
+    for sides, points, slots in (("RL", 893, 7), ("RRLL", 626, 5), ("RRL", 834, 5)):
+        text, call = chart(sides, points, 1000, slots=slots)
+        done = batch.case(text)
+        assert (done.status, words in str(done)) == (2, True), done
+        with pytest.raises(ParameterError) as caught:
+            call()
+        assert str(caught.value).endswith(words)
+    read_chart(tmp_path, "RL", 1000, 32, "yes")
+
+
+def read_chart(folder, sides, points, slots, symmetric):
+    """A namelist that is accepted when it is read."""
+    text, _ = chart(sides, points, 1000, slots=slots, symmetric=f"'{symmetric}'")
+    path = folder / "case.nml"
+    path.write_text(text)
+    (case,) = vi.read_namelist(path)
+    assert f"r_points = {points}" in case.text

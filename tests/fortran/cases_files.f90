@@ -3,10 +3,12 @@ module cases_files
    use checks, only: check
    use random_numbers, only: draw, draw_integer, random_type
    use vi_case, only: check_output, output_keys
+   use vi_csv, only: has_rows
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
    use vi_matrix_file, only: read_matrix, read_samples
    use vi_namelist, only: group_type, scan_namelist
+   use vi_result, only: column_type, result_type, start_result
    use vi_text, only: exact, join, line_type, printable, split, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
@@ -35,9 +37,40 @@ contains
       call test_near_zero()
       call test_printable()
       call test_names()
+      call test_rows()
       open (newunit=i, file=path)
       close (i, status='delete')
    end subroutine test_files
+
+   !> A result that a caller has filled has rows if each column that is listed has a value in each:
+   !! it is in the table of the rows, in one to which they belong, or in one without dimensions.
+   subroutine test_rows()
+      character(8), parameter :: tables(4) = [character(8) :: 'items', 'groups', 'run', 'others']
+      type(result_type) :: result
+      logical :: listed, filled
+      integer :: i, first, k
+
+      do i = 0, 15
+         listed = btest(i, 0)
+         filled = btest(i, 1)
+         do k = 1, size(tables)
+            call start_result([line_type ::], [column_type('items', 'number'), &
+               column_type(tables(k), 'other', listed=listed)], 'items', result)
+            ! the order of the tables does not matter, except that a parent comes first
+            do first = 1, 2
+               if (first == 1 .eqv. btest(i, 2)) call result%open('run', '', [integer ::])
+               if (first == 1 .eqv. btest(i, 3)) call result%open('others', 'other', [3])
+               if (first == 1) call result%open('groups', 'group', [2])
+            end do
+            call result%open('items', 'item', [3], 'groups', [1, 2, 2])
+            call result%put('items', 'number', [1.0_wp, 2.0_wp, 3.0_wp])
+            if (filled) call result%put(tables(k), 'other', [(1.0_wp, first=1, merge(3, merge(2, &
+               1, tables(k) == 'groups'), tables(k) == 'items' .or. tables(k) == 'others'))])
+            call check(has_rows(result) .eqv. .not. listed .or. (filled .and. tables(k) /= &
+               'others'), 'rows have a value of each column that is listed')
+         end do
+      end do
+   end subroutine test_rows
 
    !> A text is its parts with the separators between them.
    subroutine test_split(n)

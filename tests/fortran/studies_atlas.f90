@@ -13,7 +13,8 @@ module studies_atlas
    implicit none (type, external)
    private
 
-   public :: test_atlas, test_outcomes, test_rings, test_rings_on_edges, test_shared_simulations
+   public :: test_atlas, test_limits, test_outcomes, test_rings, test_rings_on_edges, &
+      test_shared_simulations
 
 contains
 
@@ -225,6 +226,41 @@ contains
       counts = outcomes_of(stopped)
       call check(counts(not_settled) == 60, 'a stopped survey has settled nothing')
    end subroutine test_outcomes
+
+   !> A motion is within limits that are as large as it, and beyond those with one symbol less; also
+   !! one with more symbols than the equations of a family, which the simulation alone confirms.
+   subroutine test_limits()
+      real(wp), parameter :: places(2, 5) = reshape([0.684420428658572_wp, 1.71679245107618_wp, &
+         0.0630533507424860_wp, 0.170730469072553_wp, 1.08898080055573_wp, 5.48269317674957_wp, &
+         0.636945682449190_wp, 0.436404317306424_wp, 0.387364031107183_wp, 0.720415225214458_wp], &
+         [2, 5])
+      integer, parameter :: many = 24
+      type(oscillator_type) :: osc
+      type(attractor_type) :: wide, other
+      integer :: i, less, confirmed(2)
+
+      osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp])
+      confirmed = 0
+      do i = 1, size(places, 2)
+         wide = attractor_type(r=places(1, i), clearance=places(2, i))
+         call settle_from(osc, 1, 400, limits_type(80, 10, 10000000), wide)
+         if (wide%outcome /= periodic) cycle
+         associate (kind => merge(1, 2, size(wide%symbols) > many))
+            confirmed(kind) = confirmed(kind) + 1
+         end associate
+         do less = 0, 1
+            other = attractor_type(r=places(1, i), clearance=places(2, i))
+            call settle_from(osc, 1, 400, limits_type(size(wide%symbols) - less, wide%cycles, &
+               10000000), other)
+            call check(other%outcome == merge(beyond, periodic, less == 1), &
+               'a motion is beyond limits that are less than it')
+            call check(other%cycles == wide%cycles, 'cycles do not depend on limits')
+            if (.not. any(other%outcome == [beyond, periodic])) cycle
+            call check(same_symbols(other%symbols, wide%symbols), 'nor does the pattern')
+         end do
+      end do
+      call check(all(confirmed > 0), 'motions with few and with many symbols')
+   end subroutine test_limits
 
    pure logical function same_symbols(one, other)
       integer, intent(in) :: one(:), other(:)

@@ -2,11 +2,16 @@
 module studies_rest
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
+   use vi_forced_system, only: event_type, new_forced_system
    use vi_kinds, only: wp
    use vi_frame, only: condition_count, condition_type, edge, frame_type, neimark_sacker
+   use vi_motion, only: motion_type, unknown, yes
+   use vi_oscillator, only: oscillator_type
    use vi_rest_conditions, only: measure_in_period, rest_condition, rest_conditions
    use vi_rest_family, only: follow_symbols, measure_type, new_rest_family, plane_map, &
       rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
+   use vi_rest_motion, only: solve_rest_motion
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
@@ -39,7 +44,48 @@ contains
          call check_period(family, [6.283_wp*u(7), asinh(3*(u(8) - 0.5_wp))], c, followed)
       end do
       call check(followed > 30, 'rest: periods that could be followed')
+      call test_repeated_periods()
    end subroutine test_rest
+
+   !> A motion with rest, and the same motion as one of seven times the period: its multipliers are
+   !! the seventh powers, although they come from the derivative of a simulation and not of symbols,
+   !! of which no family has so many.
+   !!
+   !! At the clearance `critical` both leading multipliers lie on the unit circle. Near it the
+   !! effect of rounding decides about a verdict; without symbols it is not known, and neither is
+   !! the verdict.
+   subroutine test_repeated_periods()
+      real(wp), parameter :: r = 0.986630084605407_wp, critical = 10.85053457697103_wp
+      real(wp), parameter :: offsets(3) = [-1.0e-3_wp, -1.0e-4_wp, 0.0_wp]
+      integer, parameter :: times = 7, once_stable(3) = [yes, yes, unknown], &
+         repeated_stable(3) = [yes, unknown, unknown]
+      type(motion_type) :: once, repeated
+      type(event_type) :: events(400)
+      real(wp) :: point(2), again(2)
+      integer :: i, n, m
+
+      do i = 1, size(offsets)
+         associate (system => new_forced_system(oscillator_type(0.00359_wp, 0.05224_wp, &
+            [0.6257_wp, 0.371_wp]), r, 1.0_wp, critical*(1 + offsets(i))))
+            point = [2.663216_wp, 30.01765_wp]
+            call solve_rest_motion(system, -1, 1, point, once, events, n)
+            again = point
+            call solve_rest_motion(system, -1, times, again, repeated, events, m)
+         end associate
+         call check(once%status == stat%ok .and. repeated%status == stat%ok, 'rest: both periods')
+         call check(m == times*n, 'rest: events of a repeated period')
+         call check_close(maxval(abs(again - point)), 0.0_wp, 1e-10_wp, &
+            'rest: a repeated period begins with the same release')
+         call check_close(abs(once%multipliers(1)) - 1, offsets(i), 0.1_wp*abs(offsets(i)) &
+            + 1e-12_wp, 'rest: a place near the unit circle')
+         call check_close(aimag(repeated%multipliers(1))**2, aimag(once%multipliers(1)**times)**2, &
+            1e-8_wp, 'rest: a multiplier of a repeated period')
+         call check_close(real(sum(repeated%multipliers(:2))), &
+            real(sum(once%multipliers(:2)**times)), 1e-8_wp, 'rest: both multipliers')
+         call check(once%stable == once_stable(i), 'rest: a verdict near the unit circle')
+         call check(repeated%stable == repeated_stable(i), 'rest: a verdict without symbols')
+      end do
+   end subroutine test_repeated_periods
 
    !> The conditions of a motion that is cut by edges, and what is left of them where its symbols
    !! cannot be followed.

@@ -1,5 +1,6 @@
 !> Tests of numerics: linear algebra in both kinds, and the status codes.
 program test_numerics
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: real32
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -39,6 +40,7 @@ program test_numerics
    call test_numbers_of_threads()
    call test_spacing()
    call test_status()
+   call test_not_finite()
    call finish()
 
 contains
@@ -68,6 +70,30 @@ contains
       end do
       call check(real_ones > 500, 'eigenvector: real ones')
    end subroutine test_eigenvector
+
+   !> A matrix with an entry that is infinite or not a number has no eigenvalues: that is said, and
+   !! does not end the program.
+   subroutine test_not_finite()
+      real(wp) :: a(4, 4), copy(4, 4), v(4)
+      complex(wp) :: lambda(4)
+      integer :: i, j, k, status
+
+      do k = 1, 2
+         do j = 1, 4
+            do i = 1, 4
+               call random_matrix(a)
+               a(i, j) = ieee_value(a(i, j), merge(ieee_quiet_nan, ieee_positive_inf, k == 1))
+               copy = a
+               call eigenvalues(copy, lambda, status)
+               call check(status == stat%not_finite .and. all(abs(lambda) <= 0), &
+                  'not finite: eigenvalues')
+               call eigenvector(a, 1.0_wp, lambda(1), v, status)
+               call check(status == stat%not_finite .and. all(abs(v) <= 0), &
+                  'not finite: an eigenvector')
+            end do
+         end do
+      end do
+   end subroutine test_not_finite
 
    !> The test of Schur and Cohn agrees with the eigenvalues wherever it decides.
    subroutine test_unit_circle()

@@ -5,15 +5,17 @@ program test_studies
    use random_numbers, only: draw_integer, draw_log, random_type
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides
-   use studies_atlas, only: test_atlas, test_outcomes, test_rings, test_rings_on_edges, &
-      test_shared_simulations
+   use studies_atlas, only: test_atlas, test_limits, test_outcomes, test_rings, &
+      test_rings_on_edges, test_shared_simulations
    use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
    use studies_joints, only: test_joints
    use studies_symbols, only: test_symbols
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
+   use studies_spans, only: test_spans
    use studies_steps, only: test_steps
+   use studies_surfaces, only: test_surfaces
    use studies_structures, only: test_structures
    use studies_structure_slopes, only: test_structure_slopes
    use vi_assess, only: paper_acceptance
@@ -52,12 +54,15 @@ program test_studies
    call test_joints()
    call test_atlas()
    call test_outcomes()
+   call test_limits()
    call test_shared_simulations()
    call test_conditions()
    call test_symbols()
    call test_rest()
    call test_rows()
+   call test_spans()
    call test_steps()
+   call test_surfaces()
    call test_structures()
    call test_structure_slopes()
    call test_attractors()

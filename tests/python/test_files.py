@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_results import NAMES, STUDIES_NAMED, same, write
+from vibroimpact.formats.rows import places_of
 
 FILES = [name for name in NAMES if name != "still"]
 
@@ -61,6 +62,17 @@ def test_datasets_are_labelled(name, results):
             zone.pattern.sides for zone in result.zones
         ]
         assert data.sizes["vertex"] == sum(len(p) for zone in result.zones for p in zone.boundary)
+
+
+def test_listed_columns_belong_to_the_rows(results):
+    """A column of the CSV is in the table of its rows, or in one of which each row has one row."""
+    for name in NAMES:
+        result = results[name]._result
+        places = places_of(result, result.row)
+        tables = {id(table): key for key, table in result.tables.items()}
+        listed = {tables[id(table)] for table, column in result.columns() if column.listed}
+        assert result.row in listed
+        assert listed <= set(places), name
 
 
 def test_netcdf_is_read_by_others(results, tmp_path):

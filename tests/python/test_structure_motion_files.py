@@ -108,6 +108,18 @@ def test_refused_cases(keys, message, tmp_path):
         vi.read_namelist(path)
 
 
+def test_one_phase_beyond_the_limit_is_refused(tmp_path):
+    """Whichever it is, and of either sign, where the other is within the limit."""
+    head = MAKERS["exact"]().to_namelist().split("&motion")[0]
+    path = tmp_path / "case.nml"
+    for phases in ("999999, 1000001", "-1000001, -999999"):
+        path.write_text(f"{head}&motion gaps = 0, 1, phases = {phases} /\n")
+        with pytest.raises(vi.errors.ParameterError, match="at most 1e6 rad in magnitude"):
+            vi.read_namelist(path)
+    path.write_text(f"{head}&motion gaps = 0, 1, phases = 999998, 1000000 /\n")
+    vi.read_namelist(path)
+
+
 def test_a_load_without_frequency_is_refused(tmp_path):
     path = tmp_path / "case.nml"
     path.write_text(

@@ -1,0 +1,367 @@
+!> Laws on the surface of motions of one pattern over a window: zeros of conditions on a step, the
+!! lines of a net, steps of a branch, and displaced boundaries.
+module studies_surfaces
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, draw_log, random_type
+   use vi_branch, only: branch_type, follow_branch
+   use vi_boundary_shift, only: shift_boundary, shift_lost
+   use vi_conditions, only: all_conditions, condition_value
+   use vi_crossing, only: innermost_zero, locate
+   use vi_curve, only: curve_type, parameters_of, unknowns_of
+   use vi_frame, only: condition_count, condition_type, grazing, is_inside, neimark_sacker, &
+      unknown_count
+   use vi_kinds, only: wp
+   use vi_lattice, only: even_lattice
+   use vi_net, only: cover_from, net_type, new_net
+   use vi_net_line, only: line_of, start_type
+   use vi_orbit, only: n_parameters
+   use vi_oscillator, only: gain, oscillator_type
+   use vi_pattern, only: pattern_type
+   use vi_seeds, only: motions_at
+   use vi_status, only: stat
+   use vi_steps, only: begin_walk, place_type, stride_type, take_step
+   use vi_zone_request, only: make_surface, zone_request_type
+   implicit none (type, external)
+   private
+
+   public :: test_surfaces
+
+   !> The middle of a window that is no larger than the units.
+   real(wp), parameter :: middle(2) = 0.5_wp
+
+   character(4), parameter :: patterns(4) = [character(4) :: 'RL', 'RRL', 'RLL', 'RRLL']
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_surfaces()
+      call test_windows()
+      call test_lost_vertices()
+      call test_zeros()
+      call test_nets()
+      call test_branches()
+   end subroutine test_surfaces
+
+   pure function sides_of(text) result(sides)
+      character(*), intent(in) :: text
+      integer, allocatable :: sides(:)
+      integer :: i
+
+      sides = [(merge(1, -1, text(i:i) == 'R'), i=1, len_trim(text))]
+   end function sides_of
+
+   !> A small window is the unit square, whatever its size: steps along its lines are shares of it.
+   !! In a large one a unit does not depend on the size: steps are as short as in another.
+   subroutine test_windows()
+      type(zone_request_type) :: request
+      type(curve_type) :: small, large, larger
+      real(wp), parameter :: square(2) = 1, zero(4) = 0
+      real(wp) :: r, clearance, width(2), q(2)
+      real(wp), allocatable :: c(:)
+      integer :: i, status
+
+      request%osc = oscillator_type(0.01_wp, 0.05_wp, [0.7_wp, 0.6_wp])
+      request%pattern = pattern_type(sides_of('RL'), 1)
+      do i = 1, 200
+         r = draw(random, 0.3_wp, 2.0_wp)
+         clearance = draw_log(random, 0.1_wp, 100.0_wp)
+         width = [draw_log(random, 1.0e-4_wp, 0.3_wp), draw_log(random, 1.0e-4_wp, 4.0_wp)]
+         call resize(width, small)
+         c = parameters_of(small, [zero, square])
+         call check_close(c(1), request%r(2), 1e-14_wp*r, 'windows: r at the upper corner')
+         call check_close(c(2), log(request%clearance(2)), 1e-13_wp, 'windows: and the clearance')
+         width = [draw(random, 0.5_wp, 2.0_wp), draw(random, 5.0_wp, 8.0_wp)]
+         call resize(width, large)
+         call resize(2*width, larger)
+         q(1) = draw(random, 0.0_wp, 1.0_wp)
+         q(2) = draw(random, 0.0_wp, 1.0_wp)
+         call check_close(norm2(parameters_of(large, [zero, q]) - parameters_of(larger, &
+            [zero, q])), 0.0_wp, 0.0_wp, 'windows: units of large ones')
+      end do
+
+   contains
+
+      subroutine resize(by, surface)
+         real(wp), intent(in) :: by(2)
+         type(curve_type), intent(out) :: surface
+
+         request%r = [r, r + by(1)]
+         request%clearance = clearance*[1.0_wp, exp(by(2))]
+         call make_surface(request, surface, status)
+         call check(status == stat%ok, 'windows: a pattern with motions')
+      end subroutine resize
+
+   end subroutine test_windows
+
+   !> What is not found of a vertex is said to be lost and has no number: a condition that the
+   !! family has not, a pattern without such motions, and what a stop leaves out.
+   subroutine test_lost_vertices()
+      integer, parameter :: fold = 1, rest_vanishes = 7
+      type(zone_request_type) :: request
+      real(wp) :: normals(2, 1), slopes(6, 1), shifts(3, 1)
+      real(wp), parameter :: theta(3, 1) = reshape([0.0_wp, 2.0_wp, 4.0_wp], [3, 1]), &
+         x(3, 1) = reshape([0.3_wp, 0.2_wp, -0.4_wp], [3, 1]), places(2, 1) = reshape([0.9_wp, &
+         6.0_wp], [2, 1])
+      integer :: outcomes(3, 1), status(1), progress(3), i
+      real(wp) :: changes(6, 3)
+
+      request%osc = oscillator_type(0.01_wp, 0.05_wp, [0.7_wp, 0.7_wp])
+      request%r = [0.8_wp, 1.1_wp]
+      request%clearance = [2.0_wp, 20.0_wp]
+      request%pattern = pattern_type(sides_of('RRL'), 1)
+      changes = spread([1.0_wp, 1.0_wp, 0.01_wp, 0.05_wp, 0.7_wp, 0.7_wp], 2, 3)
+      do i = 1, 3
+         progress = 0
+         if (i == 3) progress(3) = 1
+         request%symmetric = i == 2
+         outcomes = -99
+         call shift_boundary(request, [merge(rest_vanishes, fold, i == 1)], [0], places, x, theta, &
+            changes, 1, normals, slopes, shifts, outcomes, status, progress)
+         call check(status(1) == merge(stat%not_computed, stat%no_motion, i == 3), &
+            'lost vertices: the reason')
+         call check(all(outcomes == shift_lost), 'lost vertices are said to be lost')
+         call check(all(ieee_is_nan(shifts)) .and. all(ieee_is_nan(normals)) .and. &
+            all(ieee_is_nan(slopes)), 'lost vertices have no numbers')
+      end do
+   end subroutine test_lost_vertices
+
+   !> Lines over the surfaces of random patterns: between two motions of a line where a condition
+   !! has two signs it is zero, and from either end the same zero is found.
+   subroutine test_zeros()
+      type(zone_request_type) :: request
+      type(curve_type) :: surface, line
+      real(wp), allocatable :: found(:, :)
+      integer :: i, k, status, zeros, borders, hidden
+
+      zeros = 0
+      borders = 0
+      hidden = 0
+      do i = 1, 300
+         call random_request(i, request)
+         call make_surface(request, surface, status)
+         call motions_at(surface%frame, request%pattern, parameters_at(surface, middle), 6, 0, &
+            found)
+         do k = 1, size(found, 2)
+            call line_of(surface, start_type(found(:, k), middle), 1 + mod(i + k, 2), line)
+            line%frame%every_crossing = mod(i, 2) == 0
+            call walk(line, [found(:, k), 0.5_wp], zeros, borders, hidden)
+         end do
+      end do
+      call check(zeros > 1000 .and. borders > 100, 'zeros: many are found')
+      call check(hidden > 0, 'zeros: some are passed twice in one step')
+   end subroutine test_zeros
+
+   !> r, log(D), xi, mu, R1, R2 at a place of a surface.
+   pure function parameters_at(surface, at) result(c)
+      type(curve_type), intent(in) :: surface
+      real(wp), intent(in) :: at(2)
+      real(wp) :: c(n_parameters)
+      integer :: i
+
+      c = parameters_of(surface, [(0.0_wp, i=1, unknown_count(surface%frame)), at])
+   end function parameters_at
+
+   !> A pattern of up to four impacts near resonance, and a window about a clearance at which it may
+   !! have motions.
+   subroutine random_request(i, request)
+      integer, intent(in) :: i
+      type(zone_request_type), intent(out) :: request
+      real(wp) :: r, clearance, walls(2)
+
+      r = draw(random, 0.7_wp, 1.3_wp)
+      walls(1) = draw(random, 0.5_wp, 0.8_wp)
+      walls(2) = merge(walls(1), draw(random, 0.5_wp, 0.8_wp), mod(i, 3) == 0)
+      request%osc = oscillator_type(draw(random, 0.005_wp, 0.1_wp), draw_log(random, 0.02_wp, &
+         0.3_wp), walls)
+      request%pattern = pattern_type(sides_of(patterns(draw_integer(random, 1, 4))), 1)
+      clearance = draw_log(random, 0.2_wp, 3.0_wp)*gain(request%osc%xi, r)
+      request%r = [r - 0.15_wp, r + 0.15_wp]
+      request%clearance = clearance*[0.4_wp, 2.5_wp]
+   end subroutine random_request
+
+   !> A net that begins at a motion inside a zone leaves the zone on both lines through it, in both
+   !! directions.
+   subroutine test_nets()
+      type(zone_request_type) :: request
+      type(curve_type) :: surface
+      type(condition_type), allocatable :: conditions(:)
+      real(wp), allocatable :: found(:, :), values(:)
+      real(wp), parameter :: at(2) = [0.55_wp, 0.45_wp]
+      real(wp) :: c(n_parameters)
+      integer :: i, k, n, nets, status
+
+      nets = 0
+      do i = 1, 300
+         call random_request(i, request)
+         call make_surface(request, surface, status)
+         c = parameters_at(surface, at)
+         call motions_at(surface%frame, request%pattern, c, 6, 0, found)
+         n = condition_count(surface%frame)
+         allocate (values(n), conditions(n))
+         do k = 1, size(found, 2)
+            call all_conditions(surface%frame, found(:, k), c, values, conditions)
+            if (.not. all(values > 0)) cycle
+            nets = nets + 1
+            call check_net(surface, at, found(:, k))
+         end do
+         deallocate (values, conditions)
+      end do
+      call check(nets > 5, 'nets: motions inside zones')
+   end subroutine test_nets
+
+   subroutine check_net(surface, at, unknowns)
+      type(curve_type), intent(in) :: surface
+      real(wp), intent(in) :: at(2), unknowns(:)
+      type(net_type), save :: net
+      integer :: direction, i
+      logical :: below, above
+
+      call new_net(surface, even_lattice(3), net)
+      call cover_from(net, at, unknowns)
+      do direction = 1, 2
+         below = .false.
+         above = .false.
+         do i = 1, net%n_borders
+            associate (q => net%borders(i)%point(size(unknowns) + 1:))
+               ! of this line, not of one of the lattice
+               if (abs(q(3 - direction) - at(3 - direction)) > 0) cycle
+               below = below .or. q(direction) < at(direction)
+               above = above .or. q(direction) > at(direction)
+            end associate
+         end do
+         call check(below .and. above, 'nets: both ways out of a zone')
+      end do
+   end subroutine check_net
+
+   !> Special points that account for the multipliers that cross the unit circle need no short
+   !! steps: a pair crosses it at a Neimark-Sacker point, and none crosses it where a gap closes.
+   subroutine test_branches()
+      integer, parameter :: most = 400, work = 100
+      type(zone_request_type) :: request
+      type(curve_type) :: surface, line
+      type(branch_type) :: branch
+      real(wp), allocatable :: found(:, :)
+      integer :: i, j, k, status, way, reported, passed(2), slowly(2)
+
+      passed = 0
+      slowly = 0
+      do i = 1, 60
+         call random_request(i, request)
+         call make_surface(request, surface, status)
+         surface%frame%every_crossing = .true.
+         surface%frame%apart = 1.0e-5_wp
+         call motions_at(surface%frame, request%pattern, parameters_at(surface, middle), 6, 0, &
+            found)
+         do k = 1, size(found, 2)
+            call line_of(surface, start_type(found(:, k), middle), 2, line)
+            do way = -1, 1, 2
+               reported = 0
+               call follow_branch(line, stride_type(longest=0.05_wp, turn=0.3_wp), [found(:, k), &
+                  middle(2)], way, most, branch, work, reported)
+               do j = 2, branch%n - 1
+                  associate (points => branch%points, &
+                     kind => findloc([neimark_sacker, grazing], branch%special(j)%kind, dim=1))
+                     if (kind == 0) cycle
+                     passed(kind) = passed(kind) + 1
+                     if (norm2(points(:, j) - points(:, j - 1)) + norm2(points(:, j + 1) &
+                        - points(:, j)) < 1.0e-4_wp) slowly(kind) = slowly(kind) + 1
+                  end associate
+               end do
+            end do
+         end do
+      end do
+      call check(all(passed > 10), 'branches: points of both kinds')
+      call check(all(4*slowly < passed), 'branches: most are passed without short steps')
+   end subroutine test_branches
+
+   !> A few long steps in both directions along a line.
+   subroutine walk(line, point, zeros, borders, hidden)
+      type(curve_type), intent(in) :: line
+      real(wp), intent(in) :: point(:)
+      !> Zeros, and ends of zones, that are found on the steps; those where the condition has one
+      !! sign at both ends of the step.
+      integer, intent(inout) :: zeros, borders, hidden
+      type(place_type) :: now, next
+      type(condition_type) :: none(0)
+      real(wp) :: along(size(point))
+      logical :: good
+      integer :: i, j, way
+
+      do way = -1, 1, 2
+         along = 0
+         along(size(along)) = way
+         call begin_walk(line, none, point, along, 0.1_wp, now, good)
+         if (.not. good) return
+         do i = 1, 12
+            call take_step(line, none, stride_type(longest=0.2_wp, turn=1.0_wp), now, next, good)
+            if (.not. good) exit
+            if (next%came > 1.0e-3_wp) then
+               do j = 1, size(now%values)
+                  if (.not. now%values(j)*next%values(j) < 0) cycle
+                  ! elsewhere its sign jumps where another multiplier crosses the unit circle
+                  if (now%conditions(j)%kind == neimark_sacker .and. .not. &
+                     line%frame%every_crossing) cycle
+                  call check_zero(line, now, next, j)
+                  zeros = zeros + 1
+               end do
+               call check_innermost(line, now, next, borders, hidden)
+            end if
+            now = next
+         end do
+      end do
+   end subroutine walk
+
+   !> The zero of a condition that changes its sign on a step, from either end.
+   subroutine check_zero(line, now, next, j)
+      type(curve_type), intent(in) :: line
+      type(place_type), intent(in) :: now, next
+      integer, intent(in) :: j
+      type(place_type) :: from, to, place, other
+      type(condition_type) :: none(0)
+      real(wp) :: share, share_back, scale
+      logical :: good, good_back
+
+      from = next
+      from%tangent = -next%tangent
+      to = now
+      to%came = next%came
+      call locate(line, none, now, next, j, place, share, good)
+      call locate(line, none, from, to, j, other, share_back, good_back)
+      call check(good .and. good_back, 'zeros: where a condition has two signs it is zero')
+      if (.not. (good .and. good_back)) return
+      if (now%conditions(j)%kind /= grazing) call check_close(norm2(place%point - other%point), &
+         0.0_wp, 1.0e-6_wp, 'zeros: the same one from either end')
+      scale = max(abs(now%values(j)), abs(next%values(j)))
+      call check_close(condition_value(line%frame, unknowns_of(line, place%point), &
+         parameters_of(line, place%point), place%conditions(j)), 0.0_wp, 1.0e-9_wp*(1 + scale), &
+         'zeros: of the condition')
+      call check_close(place%came, dot_product(now%tangent, place%point - now%point) &
+         /dot_product(now%tangent, next%point - now%point)*next%came, 1.0e-12_wp, &
+         'zeros: how far along the step')
+      call check_close(share*next%came, place%came, 1.0e-12_wp, 'zeros: as a share of it')
+   end subroutine check_zero
+
+   !> Where a step leaves or enters a zone: one condition is zero and all others are met.
+   subroutine check_innermost(line, now, next, borders, hidden)
+      type(curve_type), intent(in) :: line
+      type(place_type), intent(in) :: now, next
+      integer, intent(inout) :: borders, hidden
+      type(place_type) :: best
+      logical :: inside
+      integer :: which
+
+      inside = is_inside(now%conditions, now%values, line%active(1))
+      if (inside .eqv. is_inside(next%conditions, next%values, line%active(1))) return
+      call innermost_zero(line, now, next, inside, best, which)
+      call check(which > 0, 'borders: a step into or out of a zone passes its end')
+      if (which == 0) return
+      borders = borders + 1
+      if (now%values(which)*next%values(which) > 0) hidden = hidden + 1
+      call check_close(best%values(which), 0.0_wp, 1.0e-8_wp, 'borders: one condition is zero')
+      call check(is_inside(best%conditions, best%values + 1.0e-8_wp, line%active(1)), &
+         'borders: all others are met')
+   end subroutine check_innermost
+
+end module studies_surfaces
