@@ -1,10 +1,7 @@
 """Structures in the stand-alone program: one clear message for each error, and results that are inputs."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import vibroimpact as vi
 from programs import PAIR
 
 STRUCTURE = "&structure mass = 1, 0.1, stiffness = 1, 0 /\n"
@@ -219,16 +216,3 @@ def test_keys_of_the_groups(batch):
     assert "&simulate of a &structure\n  duration: " in text
     for group, key in (("structure", "stiffness_file"), ("gap", "direction"), ("load", "cosine")):
         assert f"\n  {key}: " in batch("--keys", group).out.decode()
-
-
-@pytest.mark.parametrize(("name", "cases"), [("structure_motion", 4), ("structure_frame", 1)])
-def test_inputs_have_the_digits_of_python(batch, name, cases):
-    path = Path(__file__).parents[2] / "inputs" / f"{name}.nml"
-    assert batch(path, "-o", "program").status == 0
-    log = vi.run_namelists([path], batch.cwd / "python")
-    assert log.status == 0
-    files = sorted(p.name for p in (batch.cwd / "program").glob("*.csv"))
-    assert len(files) == cases
-    for name in files:
-        ours, theirs = (batch.cwd / folder / name for folder in ("program", "python"))
-        assert ours.read_bytes() == theirs.read_bytes()

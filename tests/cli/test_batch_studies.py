@@ -23,13 +23,14 @@ def tool(tmp_path):
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
-def test_results_are_those_of_the_api(path, batch, command, same_build):
-    """Program and command give the digits of the API, and again when run on the results."""
+def test_results_are_those_of_the_api(path, batch, same_build):
+    """The program gives the digits of the API, and again when run on the results; so does the command.
+
+    In test_batch_command_line.py the command writes the same bytes as the program for all these files.
+    """
     done = batch(str(path), "-o", "out")
     assert (done.status, done.err) == (0, b"")
-    assert command(str(path), "-o", "command") == done
     found = contents(batch.cwd / "out")
-    assert contents(batch.cwd / "command") == found
     assert batch(*[f"out/{name}" for name in found], "-o", "again").status == 0
     assert contents(batch.cwd / "again") == found
     for case in read_namelist(path):

@@ -570,7 +570,7 @@ def kind_of(found):
     return "with rest" if any("*" in name for name in found.letters) else "without rest"
 
 
-def audit(systems, points, seed=1, searched=8, cycles=400, patience=400):
+def audit(systems, points, seed=1, searched=8, cycles=200, patience=200):
     """Audit random systems at random points, one random state each.
 
     At every `searched`-th point with an attractor `find` is called too, and all its statements are compared

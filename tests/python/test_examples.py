@@ -38,7 +38,10 @@ def test_public_functions_have_examples():
     "path", sorted((ROOT / "inputs").glob("*.nml")), ids=lambda path: path.stem
 )
 def test_ready_cases(path, tmp_path):
-    """Every namelist of inputs/ runs, and is listed in its README."""
+    """Every namelist of inputs/ is listed in its README, and what Python computes runs.
+
+    The others run in tests/cli/test_batch_command_line.py.
+    """
     cases = vibroimpact.read_namelist(path)
     if "&sweep\n" in path.read_text(encoding="utf-8"):
         pytest.importorskip("zarr")
@@ -47,6 +50,4 @@ def test_ready_cases(path, tmp_path):
         assert not found.refused
     elif any(case.in_python for case in cases):
         assert all(case.run() for case in cases)
-    else:
-        assert vibroimpact.run_namelists([path], tmp_path).status == 0
     assert f"`{path.name}`" in (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")

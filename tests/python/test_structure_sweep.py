@@ -1,7 +1,5 @@
 """Sweeps of structures along a parameter: closed forms, published points, separate simulations."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -9,7 +7,6 @@ from vibroimpact import _core
 from vibroimpact.interrupt import new_counters
 from vibroimpact.tables import from_core
 
-INPUTS = Path(__file__).parents[2] / "inputs"
 #: The impact oscillator of VIVID: one impact in two load cycles from F = 0.34753... on.
 WALL, LOAD = vi.Structure([1], [0.04], [1], [vi.Gap([1], 1, 0.9)]), vi.Load(0.81, cosine=[1.0])
 
@@ -161,13 +158,6 @@ def test_files_and_namelists_give_them_back(extension, diagram, tmp_path):
                 np.testing.assert_array_equal(again.strobes(3), found.strobes(3))
             else:
                 np.testing.assert_array_equal(again.rms, found.rms)
-
-
-@pytest.mark.parametrize("name", ["bifurcation", "response"])
-def test_inputs_run(name, tmp_path):
-    log = vi.run_namelists([INPUTS / f"structure_{name}.nml"], tmp_path)
-    assert log.status == 0, log
-    assert len(list(tmp_path.glob("*.csv"))) == 2
 
 
 def test_pictures(diagram):
