@@ -5,7 +5,7 @@ usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY..
        find_answers.py --renew [--also LIBRARY...]
        find_answers.py --compare LIBRARY...
 
---search  COUNTED is a library for C that counts the blocks it reaches (reached.c tells how it is built). The kept
+--search  COUNTED is a library for C that counts the blocks it reaches (switched.py makes it). The kept
           texts, and namelists of inputs/ and of tests/fuzz/seeds, are changed at random; the fewest that reach
           each block, as often as any of them does, are kept.
 --mutants FOLDER is what switched.py makes. Mutants that the kept answers let pass, of a sample, are tried on

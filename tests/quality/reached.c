@@ -1,14 +1,5 @@
-/* Counts how often each block of a program is reached that was compiled with -fsanitize-coverage=trace-pc.
- *
- * The library for C that counts, for find_answers.py:
- *
- *     mkdir -p build/reached
- *     gcc -O2 -shared -fPIC -o build/reached/libreached.so tests/quality/reached.c
- *     meson setup build/counted -Dpython=disabled -Dlibrary_for_c=enabled -Doptimization=1 -Db_lundef=false \
- *       -Dfortran_args=-fsanitize-coverage=trace-pc \
- *       -Dfortran_link_args="-L$PWD/build/reached -lreached -Wl,-rpath,$PWD/build/reached"
- *     ninja -C build/counted
- *     python tests/quality/find_answers.py --search build/counted/src/c/libvibroimpact.so */
+/* Counts how often each block of a program is reached that was compiled with -fsanitize-coverage=trace-pc, as the
+ * build build/switched/counted is (switched.py). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stddef.h>
