@@ -189,7 +189,7 @@ class Switched(Compiled):
     """What tries a mutant where one build holds nearly all of them (switched.py); the others are compiled."""
 
     #: Seconds of Python tests that are tried, as they took in the build that counts.
-    MOST = 150.0
+    MOST = 40.0
 
     def __init__(self, fortran: Path, package: Path, folder: Path, jobs: int):
         super().__init__(fortran, package)
