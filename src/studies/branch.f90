@@ -288,6 +288,7 @@ contains
          if (done) return
          crossed(fold) = .false.
       end if
+      share = 0
       do j = 1, size(crossed)
          if (.not. crossed(j)) cycle
          call locate(curve, none, now, next, j, found(j), share(j), good)
