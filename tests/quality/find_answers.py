@@ -206,6 +206,7 @@ def main():
     if asked.renew and not others:
         parser.error("--renew needs other libraries, with which answers are compared: --also")
     counted = Searched(asked.search.resolve()) if asked.search else None
+    libraries = asked.mutants.resolve() if asked.mutants else None
     with tempfile.TemporaryDirectory() as folder:
         put_files(Path(folder))
         os.chdir(folder)
@@ -214,7 +215,7 @@ def main():
         if asked.compare:
             return compare(kept, others)
         if asked.mutants:
-            found = noticing(asked, folder=asked.mutants)
+            found = noticing(asked, libraries)
             return keep([*(item["text"] for item in kept), *found], others, kept)
         if asked.renew:
             return keep(with_small_cases(kept, others[0]), others, kept)

@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/python")]
 
-from shared_answers import KEPT, differences, load, put_files  # noqa: E402
+from shared_answers import differences, load, put_files  # noqa: E402
 
 from door import Counted, Library  # noqa: E402
 
@@ -166,16 +166,17 @@ def reach(folder: Path, texts: list[str]) -> list[tuple[float, list[int]]]:
 
 
 def kept_trial(folder: Path) -> Trial:
-    """Return what tries the kept answers; which of them reach what is noted beside the libraries."""
+    """Return what tries the kept answers; what each of them reaches is noted beside the libraries."""
     kept = load()
-    note = folder / "reached.json"
-    mark = hashlib.sha256(KEPT.read_bytes()).hexdigest()
-    known = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
-    if known.get("of") != mark:
-        found = reach(folder, [item["text"] for item in kept])
-        note.write_text(json.dumps({"of": mark, "found": found}), encoding="utf-8")
-    else:
-        found = known["found"]
+    note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
+    noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+    # the numbers of statements are those of one build
+    known = noted.get(mark := hashlib.sha256(numbers).hexdigest(), {})
+    new = [item["text"] for item in kept if item["text"] not in known]
+    if new:
+        known |= dict(zip(new, reach(folder, new), strict=True))
+        note.write_text(json.dumps({mark: known}), encoding="utf-8")
+    found = [known[item["text"]] for item in kept]
     trial = Trial(folder)
     cases, reached = [], []
     for item, (took, statements) in zip(kept, found, strict=True):
