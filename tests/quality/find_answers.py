@@ -294,8 +294,13 @@ def notice(asked, numbers):
     rng, tongue, found = random.Random(f"{asked.seed} {numbers[:1]}"), Language(language()), []
     for place, number in enumerate(numbers):
         outcome, _ = trial(number)
-        if place % 50 == 0:
-            print(f"{place} of {len(numbers)}, {len(found)} passed", file=sys.stderr, flush=True)
+        if place % 20 == 0:
+            noticed = sum(text is not None for _, text in found)
+            print(
+                f"{place} of {len(numbers)}, {len(found)} passed, {noticed} noticed",
+                file=sys.stderr,
+                flush=True,
+            )
         if outcome == "killed":
             continue
         reaching = [
