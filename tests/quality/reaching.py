@@ -3,12 +3,15 @@
 What was found is kept beside the builds, and found again for the tests that changed.
 """
 
+import contextlib
+import functools
 import json
 import os
 import subprocess
 import sys
 import tempfile
 from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +65,10 @@ def python(folder: Path, jobs: int) -> dict[int, list[tuple[float, str]]]:
     new = [file for file, mark in files.items() if known.get(file, {}).get("of") != mark]
     if new:
         print(f"{len(new)} files of Python tests: what they reach", flush=True)
-        run(folder, new, jobs)
+        for path in folder.glob("by_test.*"):
+            path.unlink()
+        with ThreadPoolExecutor(jobs) as pool:
+            list(pool.map(functools.partial(run, folder), new))
         known |= {file: {"of": files[file], "tests": []} for file in new}
         for path in folder.glob("by_test.*"):
             for line in path.read_text(encoding="utf-8").splitlines():
@@ -78,17 +84,20 @@ def python(folder: Path, jobs: int) -> dict[int, list[tuple[float, str]]]:
     return found
 
 
-def run(folder: Path, files: list[str], jobs: int) -> None:
-    """Run files of tests with the package that counts."""
+def run(folder: Path, file: str) -> None:
+    """Run a file of tests with the package that counts: alone, since one may break down or wait for ever."""
     made = folder / "counted"
     paths = [str(made / "site"), str(ROOT / "tests/quality"), str(ROOT / "tests/python")]
     env = variables(made / "site", made / "src/vibroimpact-batch") | {
         "PYTHONPATH": os.pathsep.join(paths), "VIBROIMPACT_SWITCHED": str(folder),
         "VIBROIMPACT_REACHED_BY": str(folder / "by_test"),
     }  # fmt: skip
-    for path in folder.glob("by_test.*"):
-        path.unlink()
-    subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "--once", "-p", "no:cacheprovider", "-p", "reached_by",
-         "-n", str(jobs), "--dist", "loadfile", "-m", "not slow and not browser", *files],
-        cwd=ROOT, env=os.environ | env, stdout=subprocess.DEVNULL, check=False)  # fmt: skip
+    command = [sys.executable, "-m", "pytest", "-q", "--once", "-p", "no:cacheprovider", "-p", "reached_by",
+               "-m", "not slow and not browser", file]  # fmt: skip
+    quiet = {
+        "stdin": subprocess.DEVNULL,
+        "stdout": subprocess.DEVNULL,
+        "stderr": subprocess.DEVNULL,
+    }
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        subprocess.run(command, cwd=ROOT, env=os.environ | env, check=False, timeout=900, **quiet)
