@@ -9,7 +9,7 @@ usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY..
           texts, and namelists of inputs/ and of tests/fuzz/seeds, are changed at random; the fewest that reach
           each block, as often as any of them does, are kept.
 --mutants FOLDER is what switched.py makes. Mutants that the kept answers let pass, of a sample, are tried on
-          changed texts that come to the same statement; the fewest that notice what any of them does are added.
+          changed texts that reach the same statement; the fewest that notice what any of them does are added.
 --renew   writes the answers to the kept texts again, and prints what changed.
 --compare prints what other builds answer differently, but for rounding: the exit status is 1 if anything.
 
@@ -33,7 +33,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / part) for part in ("python", "fuzz")]
 
-from kills import kept_trial  # noqa: E402
+from kills import KILLED, kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
 from mutate import core_files, sample  # noqa: E402
 from shared_answers import KEPT, answer, differences, load, merged, put_files  # noqa: E402
@@ -301,7 +301,7 @@ def notice(asked, numbers):
                 file=sys.stderr,
                 flush=True,
             )
-        if outcome == "killed":
+        if outcome == KILLED:
             continue
         reaching = [
             trial.cases[i] for i in trial.reaching.get(trial.statements.of_number[number], [])

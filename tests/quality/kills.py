@@ -26,7 +26,7 @@ from door import Counted, Library  # noqa: E402
 LIBRARY = "src/c/libvibroimpact.so"
 #: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number.
 NOTICED, IN_VAIN = 1, 2
-#: What became of a mutant: the kept answers notice it, let it pass, or do not come to its statement.
+#: What became of a mutant: the kept answers notice it, let it pass, or do not reach its statement.
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
 
 
@@ -35,10 +35,11 @@ class Statements:
 
     def __init__(self, folder: Path):
         self.index = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
-        #: By file, line and text: the number of a mutant.
         #: Of each file, in order: (first line, last line, first number).
         self.known = defaultdict(list)
+        #: By the number of a mutant: the first number of its statement.
         self.of_number = {}
+        #: By file, line and text: the number of a mutant.
         self.numbers = {}
         for number, file, line, _before, after, begin, end in self.index:
             self.numbers[file, line, after] = number

@@ -17,6 +17,8 @@ import pytest
 from kills import Statements
 from vibroimpact import _core
 
+from door import BLOCKS
+
 FOLDER = Path(os.environ["VIBROIMPACT_SWITCHED"])
 
 
@@ -25,9 +27,6 @@ class Counters:
 
     def __init__(self):
         self.c = ctypes.CDLL(str(FOLDER / "libreached.so"))
-        self.first = ctypes.c_void_p.in_dll(self.c, "first_address").value
-        from door import BLOCKS
-
         self.counts = np.ctypeslib.as_array((ctypes.c_uint32 * BLOCKS).in_dll(self.c, "reached"))
         self.statements = Statements(FOLDER)
         #: By program and place: the statement.

@@ -1,4 +1,4 @@
-"""Which tests come to which statements that have mutants, in the builds of switched.py.
+"""Which tests reach which statements that have mutants, in the builds of switched.py.
 
 What was found is kept beside the builds, and found again for the tests that changed.
 """
@@ -19,7 +19,7 @@ from kills import Statements
 from package import variables
 from switched import ROOMS, ROOT, digest
 
-#: Tests that call the core as others do, or not at all.
+#: Files that are left out: they call the core only as other tests do, or not at all.
 LEFT_OUT = (
     "test_animation", "test_answers", "test_audit", "test_batch_command_line", "test_campaign", "test_commands",
     "test_completion", "test_docs", "test_drawn", "test_examples", "test_explorer", "test_faults", "test_identify",
@@ -85,7 +85,7 @@ def python(folder: Path, jobs: int) -> dict[int, list[tuple[float, str]]]:
 
 
 def run(folder: Path, file: str) -> None:
-    """Run a file of tests with the package that counts: alone, since one may break down or wait for ever."""
+    """Run a file of tests with the package that counts: alone, because one of them may crash or hang."""
     made = folder / "counted"
     paths = [str(made / "site"), str(ROOT / "tests/quality"), str(ROOT / "tests/python")]
     env = variables(made / "site", made / "src/vibroimpact-batch") | {

@@ -6,7 +6,7 @@ So a mutant costs no compilation. In FOLDER (build/switched) each statement stan
 package and library for C compute what the core does, or with VIBROIMPACT_MUTANT=N what mutant N does. What is no
 statement (a constant that is declared) or does not compile is left out. `mutants.json` tells of each number the
 mutant, and the lines of its statement in the sources that were compiled. There are two builds: `plain`, and
-`counted`, which counts the blocks that it reaches (reached.c), so that one knows which tests come to a statement.
+`counted`, which counts the blocks that it reaches (reached.c), so that one knows which tests reach a statement.
 """
 
 import hashlib
