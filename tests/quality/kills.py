@@ -9,10 +9,8 @@ import json
 import os
 import resource
 import signal
-import subprocess
 import sys
 import tempfile
-from bisect import bisect_left
 from collections import defaultdict
 from pathlib import Path
 
@@ -20,52 +18,14 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/python")]
 
 from shared_answers import differences, load, put_files  # noqa: E402
+from statements import LIBRARY, Statements  # noqa: E402
 
 from door import Counted, Library  # noqa: E402
 
-LIBRARY = "src/c/libvibroimpact.so"
 #: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number.
 NOTICED, IN_VAIN = 1, 2
 #: What became of a mutant: the kept answers notice it, let it pass, or do not reach its statement.
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
-
-
-class Statements:
-    """The statements that have mutants, in the sources that were compiled."""
-
-    def __init__(self, folder: Path):
-        self.index = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
-        #: Of each file, in order: (first line, last line, first number).
-        self.known = defaultdict(list)
-        #: By the number of a mutant: the first number of its statement.
-        self.of_number = {}
-        #: By file, line and text: the number of a mutant.
-        self.numbers = {}
-        for number, file, line, _before, after, begin, end in self.index:
-            self.numbers[file, line, after] = number
-            known = self.known[Path(file).name]
-            if not known or known[-1][0] != begin:
-                known.append((begin, end, number))
-            self.of_number[number] = known[-1][2]
-
-    def at(self, file: str, line: int) -> int:
-        """Return the first number of the statement at a line; 0 if no mutant is there."""
-        # a twin has the lines of its source
-        known = self.known.get(file.replace("_single.f90", ".f90").replace("_wide.f90", ".f90"), ())
-        place = bisect_left(known, (line + 1,)) - 1
-        return known[place][2] if place >= 0 and known[place][0] <= line <= known[place][1] else 0
-
-    def of_places(self, program: Path, places: list[int]) -> dict[int, int]:
-        """Return the statement of each place that a program or library counts."""
-        said = subprocess.run(
-            ["addr2line", "-e", str(program)], input="\n".join(hex(place - 1) for place in places),
-            capture_output=True, text=True, check=True,
-        ).stdout  # fmt: skip
-        found = {}
-        for place, line in zip(places, said.splitlines(), strict=True):
-            file, _, number = line.split(" ")[0].rpartition(":")
-            found[place] = self.at(Path(file).name, int(number)) if number.isdigit() else 0
-        return found
 
 
 class Trial:

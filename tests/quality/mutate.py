@@ -29,9 +29,9 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 import reaching
-from kills import Statements
 from mutants import Mutant, mutants_of
 from package import copy_package, core_of, variables
+from statements import Statements
 from switched import digest, prepare
 
 ROOT = Path(__file__).resolve().parents[2]

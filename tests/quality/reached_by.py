@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kills import Statements
+from statements import Statements
 from vibroimpact import _core
 
 from door import BLOCKS

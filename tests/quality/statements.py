@@ -1,0 +1,87 @@
+"""The statements that have mutants, in the sources that were compiled (switched.py)."""
+
+import json
+import re
+import subprocess
+from bisect import bisect_left
+from collections import defaultdict
+from pathlib import Path
+
+LIBRARY = "src/c/libvibroimpact.so"
+#: A procedure ends here: what comes before it says nothing of what comes behind.
+END = re.compile(r"end (subroutine|function)\b|contains\b", re.IGNORECASE)
+
+
+class Statements:
+    """Of each statement: its lines, its mutants, and the first number among them, by which it is called.
+
+    A compiler joins some statements with what is beside them, so that nothing is counted there. They are taken for
+    the statement before, or behind where a procedure begins.
+    """
+
+    def __init__(self, folder: Path):
+        self.index = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
+        #: Of each file, in order: (first line, last line, first number).
+        self.known = defaultdict(list)
+        #: By file, line and text: the number of a mutant.
+        self.numbers = {}
+        own = {}
+        for number, file, line, _before, after, begin, end in self.index:
+            self.numbers[file, line, after] = number
+            known = self.known[Path(file).name]
+            if not known or known[-1][0] != begin:
+                known.append((begin, end, number))
+            own[number] = known[-1][2]
+        note = folder / "counted.json"
+        if not note.exists():
+            note.write_text(
+                json.dumps(self.counted(folder / "counted" / LIBRARY)), encoding="utf-8"
+            )
+        alike = self.alike(folder / "tree", set(json.loads(note.read_text(encoding="utf-8"))))
+        #: By the number of a mutant: the statement that tells what reaches it.
+        self.of_number = {number: alike[first] for number, first in own.items()}
+
+    def counted(self, library: Path) -> list[int]:
+        """Return the statements at which a library counts something."""
+        said = subprocess.run(
+            ["objdump", "-d", "--no-show-raw-insn", library], capture_output=True, text=True, check=True
+        ).stdout  # fmt: skip
+        # what is counted is the address to which the call returns: that of the next line
+        calls = r"call +\w+ <__sanitizer_cov_trace_pc@plt>\n *(\w+):"
+        places = [int(address, 16) for address in re.findall(calls, said)]
+        return sorted({*self.of_places(library, places).values()} - {0})
+
+    def alike(self, tree: Path, counted: set[int]) -> dict[int, int]:
+        """Return, for each statement, the one that is counted with it."""
+        found = {}
+        for path in (path for path in tree.glob("src/*/*.f90") if path.name in self.known):
+            lines = path.read_text(encoding="utf-8").splitlines()
+            ends = [i for i, line in enumerate(lines, 1) if END.match(line.strip())]
+            procedures = defaultdict(list)
+            for begin, _end, first in self.known[path.name]:
+                procedures[bisect_left(ends, begin)].append(first)
+            for firsts in procedures.values():
+                there = [first for first in firsts if first in counted]
+                for first in firsts:
+                    place = max(bisect_left(there, first + 1) - 1, 0)
+                    found[first] = there[place] if there else first
+        return found
+
+    def at(self, file: str, line: int) -> int:
+        """Return the statement at a line; 0 if none that has mutants is there."""
+        # a twin has the lines of its source
+        known = self.known.get(file.replace("_single.f90", ".f90").replace("_wide.f90", ".f90"), ())
+        place = bisect_left(known, (line + 1,)) - 1
+        return known[place][2] if place >= 0 and known[place][0] <= line <= known[place][1] else 0
+
+    def of_places(self, program: Path, places: list[int]) -> dict[int, int]:
+        """Return the statement of each place that a program or library counts."""
+        said = subprocess.run(
+            ["addr2line", "-e", str(program)], input="\n".join(hex(place - 1) for place in places),
+            capture_output=True, text=True, check=True,
+        ).stdout  # fmt: skip
+        found = {}
+        for place, line in zip(places, said.splitlines(), strict=True):
+            file, _, number = line.split(" ")[0].rpartition(":")
+            found[place] = self.at(Path(file).name, int(number)) if number.isdigit() else 0
+        return found
