@@ -147,6 +147,30 @@ def test_body_without_gaps_whose_damping_is_not_classical():
     assert np.concatenate(run.final_state) == pytest.approx(state, abs=1e-11)
 
 
+@pytest.mark.parametrize("damping", [[[0.3, -0.1], [-0.1, 0.1]], [[0.5, -0.3], [-0.3, 0.3]]])
+def test_more_numbers_on_the_same_lines(damping):
+    """A record is linear between its numbers: four times as many on its lines are the same force, with the same rests.
+
+    Intervals that are proved to be without an event are passed at once, whether the gaps are open or a body rests.
+    """
+    coarse, step = np.random.default_rng(7).normal(size=(60, 2)) * [1.5, 0.5] + [0.8, 0.4], 0.8
+    fine = np.array([np.interp(np.arange(237) / 4, np.arange(60), column) for column in coarse.T]).T
+    gaps = [vi.Gap([1, 0], 0.2, 0.3), vi.Gap([0, 1], 0.4, 0.2), vi.Gap([0, -1], 0.5, 0.0)]
+    structure = vi.Structure([1, 0.5], damping, [[1, -0.3], [-0.3, 0.8]], gaps)
+    one, other = (
+        vi.simulate(structure, vi.Record(step / parts, record), duration=47.0)
+        for parts, record in ((1, coarse), (4, fine))
+    )
+    assert one.events.size == other.events.size > 100
+    assert (one.events["kind"] == "stick").sum() > 5
+    for name in ("kind", "gap"):
+        assert np.array_equal(one.events[name], other.events[name])
+    assert one.events["time"] == pytest.approx(other.events["time"], abs=1e-8)
+    assert np.concatenate(one.final_state) == pytest.approx(
+        np.concatenate(other.final_state), abs=1e-8
+    )
+
+
 @pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
 def test_motion_of_the_base(tmp_path, direction):
     """A base motion is that of `base_record`, bit for bit; gaps are the same in both kinds of coordinates."""

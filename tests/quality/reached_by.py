@@ -36,7 +36,7 @@ class Counters:
 
     def take(self) -> set[int]:
         """Return what was reached since this was called last."""
-        found = {Path(_core.__file__).resolve(): np.flatnonzero(self.counts).tolist()}
+        found = {Path(_core.__file__).resolve(): np.flatnonzero(self.counts.copy()).tolist()}
         self.counts[:] = 0
         for path in Path(self.children).iterdir():
             name = path.name.partition(".")[2]

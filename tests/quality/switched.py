@@ -56,6 +56,7 @@ OTHER = re.compile(
     r"|where\s*\(.*\)$|elsewhere|forall)",
     re.IGNORECASE,
 )
+ELEMENT = re.compile(r"\w\(\d+\)%")
 LONG = "-ffree-line-length-none"
 
 
@@ -118,7 +119,12 @@ class Source:
         if (found := CONDITION.match(whole)) and re.fullmatch(
             r"(then)?( \w+)?", rest(whole, found.end())
         ):
-            self.condition(begin, text, changes, whole, found.end())
+            # gfortran may evaluate what is not asked for: an element that is not there has no components
+            safe = [m for m in changes if ELEMENT.findall(m.before) == ELEMENT.findall(m.after)]
+            if safe:
+                self.condition(begin, text, safe, whole, found.end())
+            else:
+                self.out += text
         elif found := LOOP.match(whole):
             self.loop(begin, text, changes, found)
         elif OTHER.match(whole):
@@ -138,7 +144,7 @@ class Source:
             self.out += ["end select", "end if"]
 
     def condition(self, begin, text, changes, whole, opens):
-        """Add the head of a block that depends on a condition; what is not asked for is not evaluated."""
+        """Add the head of a block that depends on a condition."""
         numbers = self.number(changes)
         start = len(self.out) + 1
         self.out.append(whole[:opens] + " &")
