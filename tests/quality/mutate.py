@@ -277,7 +277,7 @@ def pytest(site: Path, program: Path, *tests: str) -> tuple[list, Path, int, byt
     return (
         [
             "env", *(f"{name}={value}" for name, value in variables(site, program).items()),
-            sys.executable, "-m", "pytest", "-x", "-q", "--once", "-p", "no:cacheprovider",
+            sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
             "-m", "not slow and not browser", *tests,
         ], ROOT, 120 if tests == (ANSWERS,) else 600, PYTHON_END,
     )  # fmt: skip

@@ -1,7 +1,8 @@
 """A pytest plugin: notes the statements with mutants that each test reaches, in a package that counts.
 
 What a fixture of many tests reaches counts for each of them. Each line of the file that VIBROIMPACT_REACHED_BY
-names (with the number of the process) tells a test, its seconds and its statements.
+names (with the number of the process) tells a test, its seconds and its statements. Of a test with many parameters
+those are left out that reach nothing new.
 """
 
 import ctypes
@@ -56,6 +57,7 @@ class Counters:
 
 counters = Counters()
 of_fixtures: dict[str, set[int]] = {}
+of_functions: dict[str, set[int]] = {}
 here: set[int] = set()
 
 
@@ -81,6 +83,10 @@ def pytest_runtest_protocol(item):
     here.update(counters.take())
     for name in item.fixturenames:
         here.update(of_fixtures.get(name, ()))
+    before = of_functions.setdefault(item.nodeid.partition("[")[0], set())
+    if before and here <= before:
+        return
+    before.update(here)
     with Path(f"{os.environ['VIBROIMPACT_REACHED_BY']}.{os.getpid()}").open(
         "a", encoding="utf-8"
     ) as out:

@@ -91,8 +91,8 @@ def run(folder: Path, file: str) -> None:
         "PYTHONPATH": os.pathsep.join(paths), "VIBROIMPACT_SWITCHED": str(folder),
         "VIBROIMPACT_REACHED_BY": str(folder / "by_test"),
     }  # fmt: skip
-    command = [sys.executable, "-m", "pytest", "-q", "--once", "-p", "no:cacheprovider", "-p", "reached_by",
-               "-m", "not slow and not browser", file]  # fmt: skip
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "reached_by", "-m",
+               "not slow and not browser", file]  # fmt: skip
     quiet = {
         "stdin": subprocess.DEVNULL,
         "stdout": subprocess.DEVNULL,
