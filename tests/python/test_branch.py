@@ -184,6 +184,28 @@ def test_equispaced_bifurcations_against_the_closed_form():
     assert {"pitchfork", "neimark_sacker"} <= set(checked)
 
 
+def test_special_points_do_not_depend_on_the_start():
+    """A branch that starts within a step of a bifurcation, before it or after it, finds all special points."""
+    bounds, found = (44, 50), []
+    motion, _ = vi.equispaced(FIGURE6, 1.0, 45.0)
+    points = vi.branch(motion, "clearance", bounds).special_points
+    for point in points:
+        if point.type not in ("pitchfork", "neimark_sacker"):
+            continue
+        found.append(point.type)
+        for share in (1 - 2e-4, 1 + 2e-4):
+            start = min(
+                vi.equispaced(FIGURE6, 1.0, point.clearance * share),
+                key=lambda m, phase=point.motion.load_phase: abs(m.load_phase - phase),
+            )
+            again = vi.branch(start, "clearance", bounds).special_points
+            assert [p.type for p in again] == [p.type for p in points]
+            assert [p.clearance for p in again] == pytest.approx(
+                [p.clearance for p in points], rel=1e-9
+            )
+    assert "pitchfork" in found
+
+
 def test_branch_goes_round_a_fold():
     """The equispaced pair has 0 motions on one side of each fold and 2 on the other."""
     branch = vi.branch(vi.equispaced(FIGURE6, 0.9, 20.0)[0], "clearance", (5, 200))

@@ -75,7 +75,7 @@ def sources(library, kept):
 
 
 def with_small_cases(kept, library):
-    """The kept texts, and those that are written by hand: small cases, and what is refused."""
+    """The kept texts, and those that are written by hand: small cases, and those at the edge."""
     text = (ROOT / "tests/quality/small_cases.nml").read_text(encoding="utf-8")
     cases = library.cases(text)
     if not cases:
@@ -84,9 +84,9 @@ def with_small_cases(kept, library):
         case for case in cases
         if (found := library.run(case, 20.0)[0]) and len(json.dumps(found)) < LARGEST
     ]  # fmt: skip
-    refused = (ROOT / "tests/quality/refused_cases.nml").read_text(encoding="utf-8").split("\n\n")
+    edge = (ROOT / "tests/quality/edge_cases.nml").read_text(encoding="utf-8").split("\n\n")
     texts = [item["text"] for item in kept]
-    return list(dict.fromkeys([*texts, *small, *(f"{text.strip()}\n" for text in refused[1:])]))
+    return list(dict.fromkeys([*texts, *small, *(f"{text.strip()}\n" for text in edge[1:])]))
 
 
 def change(tongue, rng, groups):
