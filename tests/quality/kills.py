@@ -52,7 +52,8 @@ class Trial:
 
     def __call__(self, number: int) -> tuple[str, int]:
         """Return what became of a mutant, and the number of the case that killed it (-1: none)."""
-        places = self.reaching.get(self.statements.of_number[number], [])
+        statement = self.statements.nearest(self.statements.of_number[number], self.reaching)
+        places = self.reaching.get(statement, [])
         if not places:
             return UNREACHED, -1
         noticed = self.noticed(number, [self.cases[i] for i in places])

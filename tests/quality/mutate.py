@@ -195,8 +195,10 @@ class Switched(Compiled):
         super().__init__(fortran, package)
         self.folder = folder
         statements = Statements(folder)
+        self.statements = statements
         self.numbers, self.of_number = statements.numbers, statements.of_number
         self.programs, self.tests = reaching.fortran(folder), reaching.python(folder, jobs)
+        self.reached = self.tests.keys() | set().union(*self.programs.values())
         self.asked = threading.local()
         #: Of each test, whether it passes without a mutant.
         self.sound: dict[str, bool] = {}
@@ -222,7 +224,7 @@ class Switched(Compiled):
         number = self.numbers.get((mutant.file, mutant.line, mutant.after))
         if number is None:
             return super().__call__(mutant)
-        statement = self.of_number[number]
+        statement = self.statements.nearest(self.of_number[number], self.reached)
         # a case costs less than any test
         if not self.kept_answers(number):
             return "killed by the kept answers"

@@ -25,6 +25,8 @@ class Statements:
         self.known = defaultdict(list)
         #: By file, line and text: the number of a mutant.
         self.numbers = {}
+        #: By file and place of its end: the statements of a procedure.
+        self.procedures = defaultdict(list)
         own = {}
         for number, file, line, _before, after, begin, end in self.index:
             self.numbers[file, line, after] = number
@@ -40,6 +42,20 @@ class Statements:
         alike = self.alike(folder / "tree", set(json.loads(note.read_text(encoding="utf-8"))))
         #: By the number of a mutant: the statement that tells what reaches it.
         self.of_number = {number: alike[first] for number, first in own.items()}
+        #: Of each statement: those of its procedure, in order.
+        self.beside: dict[int, list[int]] = {}
+        for firsts in self.procedures.values():
+            self.beside |= dict.fromkeys(firsts, firsts)
+
+    def nearest(self, statement: int, reached) -> int:
+        """Return a statement if it is among those that are reached; else one before it, or behind, that is.
+
+        What is inlined or moved by a compiler may be counted elsewhere.
+        """
+        firsts = self.beside.get(statement, [statement])
+        place = firsts.index(statement)
+        around = [*firsts[place::-1], *firsts[place + 1 :]]
+        return next((first for first in around if first in reached), statement)
 
     def counted(self, library: Path) -> list[int]:
         """Return the statements at which a library counts something."""
@@ -57,14 +73,13 @@ class Statements:
         for path in (path for path in tree.glob("src/*/*.f90") if path.name in self.known):
             lines = path.read_text(encoding="utf-8").splitlines()
             ends = [i for i, line in enumerate(lines, 1) if END.match(line.strip())]
-            procedures = defaultdict(list)
             for begin, _end, first in self.known[path.name]:
-                procedures[bisect_left(ends, begin)].append(first)
-            for firsts in procedures.values():
-                there = [first for first in firsts if first in counted]
-                for first in firsts:
-                    place = max(bisect_left(there, first + 1) - 1, 0)
-                    found[first] = there[place] if there else first
+                self.procedures[path.name, bisect_left(ends, begin)].append(first)
+        for firsts in self.procedures.values():
+            there = [first for first in firsts if first in counted]
+            for first in firsts:
+                place = max(bisect_left(there, first + 1) - 1, 0)
+                found[first] = there[place] if there else first
         return found
 
     def at(self, file: str, line: int) -> int:
