@@ -149,7 +149,7 @@ def test_body_without_gaps_whose_damping_is_not_classical():
 
 @pytest.mark.parametrize("damping", [[[0.3, -0.1], [-0.1, 0.1]], [[0.5, -0.3], [-0.3, 0.3]]])
 def test_more_numbers_on_the_same_lines(damping):
-    """A record is linear between its numbers: four times as many on its lines are the same force, with the same rests.
+    """A record is linear between its numbers: four times as many on its lines are the same force.
 
     Intervals that are proved to be without an event are passed at once, whether the gaps are open or a body rests.
     """
