@@ -5,6 +5,7 @@ import re
 import subprocess
 from bisect import bisect_left
 from collections import defaultdict
+from itertools import groupby
 from pathlib import Path
 
 LIBRARY = "src/c/libvibroimpact.so"
@@ -13,74 +14,41 @@ END = re.compile(r"end (subroutine|function)\b|contains\b", re.IGNORECASE)
 
 
 class Statements:
-    """Of each statement: its lines, its mutants, and the first number among them, by which it is called.
-
-    A compiler joins some statements with what is beside them, so that nothing is counted there. They are taken for
-    the statement before, or behind where a procedure begins.
-    """
+    """Of each statement: its lines, its mutants, and the first number among them, by which it is called."""
 
     def __init__(self, folder: Path):
         self.index = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
         #: Of each file, in order: (first line, last line, first number).
         self.known = defaultdict(list)
+        #: By the number of a mutant: its statement.
+        self.of_number = {}
         #: By file, line and text: the number of a mutant.
         self.numbers = {}
-        #: By file and place of its end: the statements of a procedure.
-        self.procedures = defaultdict(list)
-        own = {}
         for number, file, line, _before, after, begin, end in self.index:
             self.numbers[file, line, after] = number
             known = self.known[Path(file).name]
             if not known or known[-1][0] != begin:
                 known.append((begin, end, number))
-            own[number] = known[-1][2]
-        note = folder / "counted.json"
-        if not note.exists():
-            note.write_text(
-                json.dumps(self.counted(folder / "counted" / LIBRARY)), encoding="utf-8"
-            )
-        alike = self.alike(folder / "tree", set(json.loads(note.read_text(encoding="utf-8"))))
-        #: By the number of a mutant: the statement that tells what reaches it.
-        self.of_number = {number: alike[first] for number, first in own.items()}
+            self.of_number[number] = known[-1][2]
         #: Of each statement: those of its procedure, in order.
         self.beside: dict[int, list[int]] = {}
-        for firsts in self.procedures.values():
-            self.beside |= dict.fromkeys(firsts, firsts)
+        for path in (path for path in folder.glob("tree/src/*/*.f90") if path.name in self.known):
+            lines = path.read_text(encoding="utf-8").splitlines()
+            ends = [i for i, line in enumerate(lines, 1) if END.match(line.strip())]
+            for _, group in groupby(self.known[path.name], lambda item: bisect_left(ends, item[0])):  # noqa: B023
+                firsts = [first for _, _, first in group]
+                self.beside |= dict.fromkeys(firsts, firsts)
 
     def nearest(self, statement: int, reached) -> int:
         """Return a statement if it is among those that are reached; else one before it, or behind, that is.
 
-        What is inlined or moved by a compiler may be counted elsewhere.
+        A compiler joins some statements with what is beside them, or inlines or moves them, so that nothing is
+        counted there.
         """
-        firsts = self.beside.get(statement, [statement])
+        firsts = self.beside[statement]
         place = firsts.index(statement)
         around = [*firsts[place::-1], *firsts[place + 1 :]]
         return next((first for first in around if first in reached), statement)
-
-    def counted(self, library: Path) -> list[int]:
-        """Return the statements at which a library counts something."""
-        said = subprocess.run(
-            ["objdump", "-d", "--no-show-raw-insn", library], capture_output=True, text=True, check=True
-        ).stdout  # fmt: skip
-        # what is counted is the address to which the call returns: that of the next line
-        calls = r"call +\w+ <__sanitizer_cov_trace_pc@plt>\n *(\w+):"
-        places = [int(address, 16) for address in re.findall(calls, said)]
-        return sorted({*self.of_places(library, places).values()} - {0})
-
-    def alike(self, tree: Path, counted: set[int]) -> dict[int, int]:
-        """Return, for each statement, the one that is counted with it."""
-        found = {}
-        for path in (path for path in tree.glob("src/*/*.f90") if path.name in self.known):
-            lines = path.read_text(encoding="utf-8").splitlines()
-            ends = [i for i, line in enumerate(lines, 1) if END.match(line.strip())]
-            for begin, _end, first in self.known[path.name]:
-                self.procedures[path.name, bisect_left(ends, begin)].append(first)
-        for firsts in self.procedures.values():
-            there = [first for first in firsts if first in counted]
-            for first in firsts:
-                place = max(bisect_left(there, first + 1) - 1, 0)
-                found[first] = there[place] if there else first
-        return found
 
     def at(self, file: str, line: int) -> int:
         """Return the statement at a line; 0 if none that has mutants is there."""
