@@ -144,19 +144,22 @@ def test_campaigns_stopped_at_random_instants(
         with contextlib.suppress(ProcessLookupError):
             os.kill(process, number)
         status, output = nursery.end()
-        stopped += "80 of 80" not in output
+        finished = "80 of 80" in output
+        stopped += not finished
         assert "Traceback" not in output
         if (
             number != signal.SIGKILL and status != -number
         ):  # before and after the work it ends at once
             assert status == 1
-            assert "80 of 80" in output or "interrupted" in output
+            assert finished or "interrupted" in output
         if store.exists():
             whole(store, expected)
-        if i % 4 == 3:
+        # in a store that is whole there is nothing to stop; the machine may have been slower when it was timed
+        if i % 4 == 3 or finished:
             nursery.run(store)
             assert files_of(store) == expected
             shutil.rmtree(store)
+        seconds *= 0.8 if finished else 1
     assert stopped
     nursery.run(store)
     assert files_of(store) == expected
