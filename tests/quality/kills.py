@@ -18,7 +18,9 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/python")]
 
 from shared_answers import differences, load, put_files  # noqa: E402
-from statements import LIBRARY, Statements  # noqa: E402
+from statements import Statements  # noqa: E402
+
+LIBRARY = "src/c/libvibroimpact.so"
 
 from door import Counted, Library  # noqa: E402
 

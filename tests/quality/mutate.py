@@ -1,7 +1,7 @@
 """Mutation testing of the Fortran core: does a test fail where one place of one line is wrong?
 
 One build holds nearly all mutants, of which the environment chooses one (build/switched: the first run makes it,
-and finds which tests reach which statement, in half an hour). A mutant is tried on the kept answers first, then
+and finds which tests reach which statement, in forty minutes). A mutant is tried on the kept answers first, then
 on the Fortran tests and the Python tests that reach its statement. The few that are no statements, and all with
 --fortran-only, are compiled alone and linked before the library instead. A test that fails, crashes or exceeds its
 limits kills the mutant. One that no test kills must be in `survivors.txt`, with the reason. Results are kept

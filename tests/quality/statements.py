@@ -8,8 +8,7 @@ from collections import defaultdict
 from itertools import groupby
 from pathlib import Path
 
-LIBRARY = "src/c/libvibroimpact.so"
-#: A procedure ends here: what comes before it says nothing of what comes behind.
+#: The end of a procedure: the statements before it are not related to those after it.
 END = re.compile(r"end (subroutine|function)\b|contains\b", re.IGNORECASE)
 
 
@@ -40,10 +39,10 @@ class Statements:
                 self.beside |= dict.fromkeys(firsts, firsts)
 
     def nearest(self, statement: int, reached) -> int:
-        """Return a statement if it is among those that are reached; else one before it, or behind, that is.
+        """Return a statement if it is among those that are reached; else the nearest one before it that is, or after it.
 
-        A compiler joins some statements with what is beside them, or inlines or moves them, so that nothing is
-        counted there.
+        A compiler joins some statements with their neighbours, or inlines or moves them, so that nothing is counted
+        at their lines.
         """
         firsts = self.beside[statement]
         place = firsts.index(statement)
