@@ -39,10 +39,10 @@ class Statements:
                 self.beside |= dict.fromkeys(firsts, firsts)
 
     def nearest(self, statement: int, reached) -> int:
-        """Return a statement if it is among those that are reached; else the nearest one before it that is, or after it.
+        """Return a statement if it is reached; else the nearest one before it that is, or after it.
 
-        A compiler joins some statements with their neighbours, or inlines or moves them, so that nothing is counted
-        at their lines.
+        A compiler joins some statements with their neighbours, or inlines or moves them, so that nothing is
+        counted at their lines.
         """
         firsts = self.beside[statement]
         place = firsts.index(statement)
