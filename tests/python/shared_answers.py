@@ -17,13 +17,17 @@ INPUTS = Path(__file__).parents[2] / "inputs"
 KEPT = FOLDER / "answers.jsonl"
 #: Sums agree within this share of the sum of magnitudes; what is smaller than FLOOR is rounding.
 SHARE, FLOOR = 1e-8, 1e-12
+#: The first line of a case that is stopped before it begins.
+STOPPED = "! stopped before it begins\n"
 #: In the place of a sum that two builds, compilers or libraries do not have in common: rounding alone.
 ROUNDING = "rounding"
 
 
 def answer(text):
     """The answer to one case: a message, or notes and a fingerprint of each column."""
-    handle, status = _core.run_case(np.frombuffer(text.encode(), "S1"), 1, new_counters())
+    counters = new_counters()
+    counters[2] = text.startswith(STOPPED)
+    handle, status = _core.run_case(np.frombuffer(text.encode(), "S1"), 1, counters)
     owner = Handle(handle)
     return read(owner, status, text_of(_core.describe_result, handle))
 
@@ -111,7 +115,7 @@ def close(kept, found):
     """Whether two fingerprints agree."""
     if len(kept) != 4 or len(found) != 4:
         rounded = [ROUNDING] in (kept[1:], found[1:])
-        return kept == found or (rounded and kept[0] == found[0])
+        return kept == found or (rounded and kept[:1] == found[:1])
     if kept[:2] != found[:2]:
         return False
     return (

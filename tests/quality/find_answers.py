@@ -36,7 +36,7 @@ sys.path[:0] = [str(ROOT / "tests" / part) for part in ("python", "fuzz")]
 from kills import KILLED, kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
 from mutate import core_files, sample  # noqa: E402
-from shared_answers import KEPT, answer, differences, load, merged, put_files  # noqa: E402
+from shared_answers import KEPT, STOPPED, answer, differences, load, merged, put_files  # noqa: E402
 from vibroimpact.tables import language  # noqa: E402
 
 from door import BLOCKS, Counted, Library  # noqa: E402
@@ -366,8 +366,12 @@ def keep(texts, others, before):
     """Write the texts with the answers that all builds have in common, and tell what changed; return 0."""
     old = {item["text"]: item["answer"] for item in before}
     lines, changed = [], 0
-    for text in texts:
+    texts = [text for text in texts if not text.startswith(STOPPED)]
+    for text in (*texts, *(STOPPED + text for text in texts)):
         common = answer(text)
+        if text.startswith(STOPPED) and not [*differences(answer(text[len(STOPPED) :]), common)]:
+            # done before it was asked to stop
+            continue
         for other in others:
             seen, _ = other.run(text, 20.0)
             common = merged(common, seen) if common and seen else None
@@ -381,7 +385,9 @@ def keep(texts, others, before):
     new = KEPT.with_suffix(".new")
     new.write_text("\n".join([*lines, ""]), encoding="utf-8")
     new.replace(KEPT)
-    print(f"{len(lines)} of {len(texts)} kept, {KEPT.stat().st_size} bytes, {changed} changes")
+    print(
+        f"{len(lines)} answers to {len(texts)} texts, {KEPT.stat().st_size} bytes, {changed} changes"
+    )
     return 0
 
 

@@ -52,23 +52,30 @@ class Trial:
         for places in self.reaching.values():
             places.sort(key=lambda i: self.cases[i][2])
 
-    def __call__(self, number: int) -> tuple[str, int]:
-        """Return what became of a mutant, and the number of the case that killed it (-1: none)."""
-        statement = self.statements.nearest(self.statements.of_number[number], self.reaching)
-        places = self.reaching.get(statement, [])
+    def __call__(self, number: int, alone: str = "") -> tuple[str, int]:
+        """Return what became of a mutant, and the number of the case that killed it (-1: none).
+
+        number: 0 for a mutant that the library does not hold; then any case may notice it.
+        alone: a library with this mutant only, and with checks, which take longer.
+        """
+        if number:
+            statement = self.statements.nearest(self.statements.of_number[number], self.reaching)
+            places = self.reaching.get(statement, [])
+        else:
+            places = sorted(range(len(self.cases)), key=lambda i: self.cases[i][2])
         if not places:
             return UNREACHED, -1
-        noticed = self.noticed(number, [self.cases[i] for i in places])
+        noticed = self.noticed(number, [self.cases[i] for i in places], alone)
         return (PASSED, -1) if noticed < 0 else (KILLED, places[noticed])
 
-    def noticed(self, number: int, cases) -> int:
+    def noticed(self, number: int, cases, alone: str = "") -> int:
         """Return the place of the first case that tells a mutant from the core; -1 if none does."""
         into, out = os.pipe()
         child = os.fork()
         if child == 0:
             try:
                 os.close(into)
-                os._exit(NOTICED if self.notices(number, cases, out) else IN_VAIN)
+                os._exit(NOTICED if self.notices(number, cases, out, alone) else IN_VAIN)
             except BaseException:
                 os._exit(NOTICED)
         os.close(out)
@@ -92,18 +99,22 @@ class Trial:
         place = self.noticed(number, sorted(cases, key=lambda case: case[2]))
         return None if place < 0 else sorted(cases, key=lambda case: case[2])[place][0]
 
-    def notices(self, number: int, cases, out: int) -> bool:
+    def notices(self, number: int, cases, out: int, alone: str = "") -> bool:
         """Return whether a case tells a mutant from the core; the place of each is written before it runs."""
         quiet = os.open(os.devnull, os.O_WRONLY)
         os.dup2(quiet, 1)
         os.dup2(quiet, 2)
         resource.setrlimit(resource.RLIMIT_AS, (2**33, 2**33))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        self.library.choose(number)
+        if alone:
+            library = Library(alone)
+        else:
+            library = self.library
+            library.choose(number)
         for place, (text, kept, took) in enumerate(cases):
             os.write(out, place.to_bytes(4, "little"))
-            signal.setitimer(signal.ITIMER_PROF, 10 * took + 1)
-            found, _ = self.library.run(text)
+            signal.setitimer(signal.ITIMER_PROF, (100 if alone else 10) * took + 1)
+            found, _ = library.run(text)
             if any(True for _ in differences(kept, found)):
                 return True
         return False
@@ -161,7 +172,8 @@ def main() -> None:
         trial = kept_trial(folder)
         print("ready", flush=True)
         for line in sys.stdin:
-            print(*trial(int(line)), flush=True)
+            number, _, alone = line.rstrip("\n").partition(" ")
+            print(*trial(int(number), alone), flush=True)
 
 
 if __name__ == "__main__":

@@ -3,22 +3,17 @@
 One build holds nearly all mutants, of which the environment chooses one (build/switched: the first run makes it,
 and finds which tests reach which statement, in forty minutes). A mutant is tried on the kept answers first, then
 on the Fortran tests and the Python tests that reach its statement. The few that are no statements, and all with
---fortran-only, are compiled alone and linked before the library instead. A test that fails, crashes or exceeds its
-limits kills the mutant. One that no test kills must be in `survivors.txt`, with the reason. Results are kept
-(build/mutation), so that a run can be stopped and continued: a mutant that was killed is not tried again until its
-file changes, one that survived until the tests do.
+--fortran-only, are compiled alone and linked before the library instead. What survives is tried once more with
+the checks of the debug build (build/checked), which end a program at an element that is not there. A test that
+fails, crashes or exceeds its limits kills the mutant. One that no test kills must be in `survivors.txt`, with the
+reason. Results are kept (build/mutation), so that a run can be stopped and continued: a mutant that was killed is
+not tried again until its file changes, one that survived until the tests do.
 """
 
 import argparse
-import contextlib
-import functools
-import gzip
 import hashlib
 import json
-import os
 import re
-import resource
-import shlex
 import subprocess
 import sys
 import tempfile
@@ -29,6 +24,8 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 import reaching
+from checked import Checked
+from linked import FORTRAN_END, PYTHON_END, ROOMS, Build, passes
 from mutants import Mutant, mutants_of
 from package import copy_package, core_of, variables
 from statements import Statements
@@ -36,111 +33,8 @@ from switched import digest, prepare
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
-#: The folders that are tried, and the Fortran tests that see a change there: their own first.
-ROOMS = {
-    "numerics": ("numerics", "mechanics", "motions", "studies"),
-    "mechanics": ("mechanics", "motions", "studies"),
-    "motions": ("motions", "studies"),
-    "cases": ("cases", "studies"),
-    "studies": ("studies",),
-}
-
-
 #: Cases from all studies, whose answers are kept.
 ANSWERS = "tests/python/test_answers.py"
-#: The last line of tests that pass.
-FORTRAN_END, PYTHON_END = rb" passed, 0 failed", rb"\d+ passed.* in [\d.]+s( \(.*\))?"
-
-
-class Build:
-    """A folder with a build, whose commands are repeated with another source."""
-
-    def __init__(self, folder: Path):
-        if not (folder / "compile_commands.json").exists():
-            sys.exit(f"mutate: nothing is built in {folder}; ./run test builds")
-        self.folder = folder
-        self.commands: dict[str, list[list[str]]] = {}
-        for entry in json.loads((folder / "compile_commands.json").read_text(encoding="utf-8")):
-            # files of the core are compiled again in single precision, those of lanes for wide registers
-            name = re.sub(r"_(single|wide)\.f90$", ".f90", Path(entry["file"]).name)
-            self.commands.setdefault(name, []).append(shlex.split(entry["command"]))
-
-    @functools.cache  # noqa: B019
-    def linking(self, target: str) -> tuple[str, ...]:
-        """Return the command that links a target."""
-        ask = ["ninja", "-C", self.folder, "-t", "commands", "-s", target]
-        said = subprocess.run(ask, check=True, capture_output=True, text=True).stdout
-        return tuple(shlex.split(said.splitlines()[-1]))
-
-    def compile(self, mutant: Mutant, folder: Path) -> list[str] | None:
-        """Return the objects of a mutant; None if it does not compile, or changes what its users see."""
-        objects = []
-        folder.mkdir()
-        plain = folder / Path(mutant.file).name
-        plain.write_text(mutant.source(ROOT), encoding="utf-8")
-        for words in self.commands[plain.name]:
-            source = plain
-            for twin in ("single", "wide"):
-                if words[-1].endswith(f"_{twin}.f90"):
-                    source = folder / Path(words[-1]).name
-                    subprocess.run(
-                        [sys.executable, ROOT / f"src/{twin}_source.py", plain, source], check=True
-                    )
-            modules = folder / f"{source.stem}.modules"
-            modules.mkdir()
-            objects.append(str(source.with_suffix(".o")))
-            kept = [word for word in words[:-1] if not word.startswith(("-J", "-W"))]
-            kept[kept.index("-o") + 1] = objects[-1]
-            # a value that is never set is not 0 by chance
-            kept += ["-O1", "-w", "-finit-integer=-77777", "-finit-real=nan", f"-J{modules}"]
-            if subprocess.run(
-                [*kept, str(source)],
-                cwd=self.folder,
-                capture_output=True,
-            ).returncode:
-                return None
-            there = self.folder / next(word[2:] for word in words if word.startswith("-J"))
-            if any(
-                declared(module) != declared(there / module.name) for module in modules.iterdir()
-            ):
-                return None
-        return objects
-
-    def link(self, target: str, objects: list[str], out: Path) -> bool:
-        """Link a target, with these objects in the place of the library's; return whether that went well."""
-        words = list(self.linking(target))
-        words[words.index("-o") + 1] = str(out)
-        first = next(
-            i for i, word in enumerate(words) if word.endswith(".a") or word == "-Wl,--start-group"
-        )
-        command = [*words[:first], *objects, *words[first:]]
-        return subprocess.run(command, cwd=self.folder, capture_output=True).returncode == 0
-
-
-def declared(module: Path) -> bytes:
-    """Return what a module file tells others, without the name of its source."""
-    return gzip.decompress(module.read_bytes()).split(b"\n", 1)[1]
-
-
-def passes(command: list, folder: Path, cpu: int, end: bytes, more: dict | None = None) -> bool:
-    """Return whether a command ends well within so many CPU seconds and 8 GiB; `more`: of its environment.
-
-    What it printed last has to match `end`: a library may end a program as if all were well, as LAPACK does where
-    an argument is not a number.
-    """
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_CPU, (cpu, cpu))
-        resource.setrlimit(resource.RLIMIT_AS, (2**33, 2**33))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-    with contextlib.suppress(subprocess.TimeoutExpired):
-        done = subprocess.run(
-            command, cwd=folder, capture_output=True, preexec_fn=limit, timeout=30 * cpu, stdin=subprocess.DEVNULL,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1"} | (more or {}),
-        )  # fmt: skip
-        return done.returncode == 0 and re.search(end + rb"\s*\Z", done.stdout) is not None
-    return False
 
 
 class Compiled:
@@ -189,11 +83,12 @@ class Switched(Compiled):
     """What tries a mutant where one build holds nearly all of them (switched.py); the others are compiled."""
 
     #: Seconds of Python tests that are tried, as they took in the build that counts.
-    MOST = 40.0
+    MOST = 80.0
 
     def __init__(self, fortran: Path, package: Path, folder: Path, jobs: int):
         super().__init__(fortran, package)
         self.folder = folder
+        self.checked = Checked(ROOT / "build/checked")
         statements = Statements(folder)
         self.statements = statements
         self.numbers, self.of_number = statements.numbers, statements.of_number
@@ -223,8 +118,15 @@ class Switched(Compiled):
     def __call__(self, mutant: Mutant) -> str:
         """Return what became of a mutant."""
         number = self.numbers.get((mutant.file, mutant.line, mutant.after))
-        if number is None:
-            return super().__call__(mutant)
+        outcome = super().__call__(mutant) if number is None else self.switched(number)
+        if outcome == "survived" and self.checked(
+            mutant, lambda library: self.kept_answers(number or 0, library)
+        ):
+            return "killed by the checks of the debug build"
+        return outcome
+
+    def switched(self, number: int) -> str:
+        """Return what became of a mutant that the build holds."""
         statement = self.statements.nearest(self.of_number[number], self.reached)
         # a case costs less than any test
         if not self.kept_answers(number):
@@ -244,8 +146,8 @@ class Switched(Compiled):
             chosen.remove(failing)
         return "survived"
 
-    def kept_answers(self, number: int) -> bool:
-        """Return whether the kept answers let a mutant pass; each thread has a process that it asks."""
+    def kept_answers(self, number: int, library: Path | None = None) -> bool:
+        """Return whether the kept answers let a mutant pass (or a library); each thread asks a process."""
         if not hasattr(self.asked, "process"):
             self.asked.process = subprocess.Popen(
                 [sys.executable, HERE / "kills.py", self.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -253,7 +155,7 @@ class Switched(Compiled):
             )  # fmt: skip
             if self.asked.process.stdout.readline() != "ready\n":
                 raise RuntimeError("the kept answers cannot be tried")
-        print(number, file=self.asked.process.stdin, flush=True)
+        print(number, library or "", file=self.asked.process.stdin, flush=True)
         return not self.asked.process.stdout.readline().startswith("killed")
 
     def is_sound(self, test: str) -> bool:
