@@ -1,7 +1,8 @@
-"""An option of all tests, and the order of tests that shortens a full run."""
+"""Options of all tests, and the order of tests that shortens a full run."""
 
 import os
 
+import pytest
 import vibroimpact  # noqa: F401
 
 # Importing the editable package has just built all changes: processes started by tests skip the build.
@@ -19,16 +20,31 @@ LONGEST = (
 
 
 def pytest_addoption(parser):
-    """Add the option for a short run."""
+    """Add the options for a short run."""
     parser.addoption(
         "--once",
         action="store_true",
         help="run each test with the first of its parameters alone, and with few random examples",
     )
+    parser.addoption(
+        "--share", type=float, default=1.0, metavar="X",
+        help="share of the random systems that slow tests try, from 0.1 to 1 (1)",
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def share(request):
+    """How many random systems to try, of so many."""
+    asked = request.config.getoption("--share")
+    return lambda systems: round(asked * systems)
 
 
 def pytest_configure(config):
     """Limit the number of random examples, before test files read it."""
+    if not 0.1 <= config.getoption("--share") <= 1:
+        raise pytest.UsageError(
+            f"--share {config.getoption('--share')}: must be a number from 0.1 to 1"
+        )
     if config.getoption("--once"):
         os.environ["VIBROIMPACT_EXAMPLES"] = "25"
 

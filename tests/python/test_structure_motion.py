@@ -276,7 +276,7 @@ def check_laws(count, seed):
 
 
 @pytest.mark.slow
-def test_the_determinant_of_thousands_of_random_structures():
+def test_the_determinant_of_thousands_of_random_structures(share):
     """det[P] is exp(-tr(M^-1 C) T) times R (R + R'v) of every impact, and 0 with a rest.
 
     Structures have up to 8 coordinates and six gaps, some with R(v). An error of P counts by the product
@@ -284,7 +284,7 @@ def test_the_determinant_of_thousands_of_random_structures():
     """
     rng = np.random.default_rng(3)
     precise = rests = 0
-    for _ in range(3000):
+    for _ in range(share(3000)):
         structure, load = structure_of_six_gaps(rng)
         try:
             motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=100))
@@ -302,7 +302,7 @@ def test_the_determinant_of_thousands_of_random_structures():
         assert motion.law == pytest.approx(law, rel=1e-11)
         assert abs(motion.determinant - law) <= 1e-11 * law + 1e-14 * scale
         precise += abs(motion.determinant / law - 1) < 1e-11
-    assert precise > 230
+    assert precise > share(230)
     assert precise + rests > 660
 
 
