@@ -303,7 +303,7 @@ def test_the_determinant_of_thousands_of_random_structures(share):
         assert abs(motion.determinant - law) <= 1e-11 * law + 1e-14 * scale
         precise += abs(motion.determinant / law - 1) < 1e-11
     assert precise > share(230)
-    assert precise + rests > 660
+    assert precise + rests > share(660)
 
 
 def squared(restitution, v):
