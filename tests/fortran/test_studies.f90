@@ -6,7 +6,7 @@ program test_studies
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides
    use studies_atlas, only: test_atlas, test_limits, test_outcomes, test_rings, &
-      test_rings_on_edges, test_shared_simulations
+      test_passing, test_rings_on_edges, test_shared_simulations
    use studies_attractors, only: test_attractors
    use studies_conditions, only: test_conditions
    use studies_joints, only: test_joints
@@ -50,6 +50,7 @@ program test_studies
    call test_flags()
    call test_single()
    call test_rings()
+   call test_passing()
    call test_rings_on_edges()
    call test_joints()
    call test_atlas()
