@@ -13,8 +13,8 @@ module studies_atlas
    implicit none (type, external)
    private
 
-   public :: test_atlas, test_limits, test_outcomes, test_passing, test_rings, test_rings_on_edges, &
-      test_shared_simulations
+   public :: test_atlas, test_limits, test_outcomes, test_passing, test_rings, &
+      test_rings_on_edges, test_shared_simulations
 
 contains
 
@@ -48,7 +48,8 @@ contains
       end do
    end subroutine test_rings
 
-   !> What a rectangle passes: each point of its sides, and none that is further away than the sides are accurate.
+   !> What a rectangle passes: each point of its sides, and none that is further away than the sides
+   !! are accurate.
    subroutine test_passing()
       real(wp), parameter :: r(2) = [0.8_wp, 1.2_wp], clearance(2) = [5.0_wp, 40.0_wp]
       real(wp) :: ring(2, 4), side(2), point(2), across(2)
