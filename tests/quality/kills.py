@@ -150,7 +150,10 @@ def kept_trial(folder: Path) -> Trial:
     new = [item["text"] for item in kept if item["text"] not in known]
     if new:
         known |= dict(zip(new, reach(folder, new), strict=True))
-        note.write_text(json.dumps({mark: known}), encoding="utf-8")
+        # processes beside this one may write theirs
+        written = note.with_suffix(f".{os.getpid()}")
+        written.write_text(json.dumps({mark: known}), encoding="utf-8")
+        written.replace(note)
     found = [known[item["text"]] for item in kept]
     trial = Trial(folder)
     cases, reached = [], []

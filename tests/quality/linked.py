@@ -99,7 +99,14 @@ def declared(module: Path) -> bytes:
 
 
 def passes(command: list, folder: Path, cpu: int, end: bytes, more: dict | None = None) -> bool:
-    """Return whether a command ends well within so many CPU seconds and 8 GiB; `more`: of its environment.
+    """Return whether a command ends well within so many CPU seconds and 8 GiB; `more`: of its environment."""
+    return ended(command, folder, cpu, end, more)[0]
+
+
+def ended(
+    command: list, folder: Path, cpu: int, end: bytes, more: dict | None = None
+) -> tuple[bool, str]:
+    """Return whether a command ends well, as in `passes`, and what it printed.
 
     What it printed last has to match `end`: a library may end a program as if all were well, as LAPACK does where
     an argument is not a number.
@@ -115,5 +122,6 @@ def passes(command: list, folder: Path, cpu: int, end: bytes, more: dict | None 
             command, cwd=folder, capture_output=True, preexec_fn=limit, timeout=30 * cpu, stdin=subprocess.DEVNULL,
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1"} | (more or {}),
         )  # fmt: skip
-        return done.returncode == 0 and re.search(end + rb"\s*\Z", done.stdout) is not None
-    return False
+        well = done.returncode == 0 and re.search(end + rb"\s*\Z", done.stdout) is not None
+        return well, done.stdout.decode(errors="replace")
+    return False, ""

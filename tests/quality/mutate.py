@@ -25,7 +25,7 @@ from pathlib import Path
 
 import reaching
 from checked import Checked
-from linked import FORTRAN_END, PYTHON_END, ROOMS, Build, passes
+from linked import FORTRAN_END, PYTHON_END, ROOMS, Build, ended, passes
 from mutants import Mutant, mutants_of
 from package import copy_package, core_of, variables
 from statements import Statements
@@ -135,9 +135,13 @@ class Switched(Compiled):
             if not self.passes(room, number) and self.is_sound(room):
                 return f"killed by {room}"
         chosen = self.affordable(sorted(self.tests.get(statement, ())))
-        while chosen and not self.passes(chosen, number):
-            # which test fails is asked of each, and whether it fails without the mutant, too
-            failing = next((name for name in chosen if not self.passes([name], number)), None)
+        while chosen and (failed := self.failed(chosen, number)) is not None:
+            # a crash does not tell which test it was: each is asked
+            failing = (
+                failed
+                if failed in chosen
+                else next((name for name in chosen if not self.passes([name], number)), None)
+            )
             if failing is None:
                 # it takes several of them, unless these fail anyhow
                 return "killed by Python tests" if self.passes(chosen, 0) else "survived"
@@ -166,15 +170,23 @@ class Switched(Compiled):
                 print(f"{test} is left out: it fails without a mutant", flush=True)
         return self.sound[test]
 
+    def failed(self, tests: list[str], number: int) -> str | None:
+        """Return the first of some Python tests that fails, "" if it is not known which, None if all pass."""
+        plain = self.folder / "plain"
+        command, folder, _, end = pytest(plain / "site", plain / "src/vibroimpact-batch", *tests)
+        # in the build that counts they took longer
+        seconds = int(30 + 3 * sum(self.seconds[name] for name in tests))
+        well, said = ended(command, folder, seconds, end, {"VIBROIMPACT_MUTANT": str(number)})
+        if well:
+            return None
+        found = re.search(r"^FAILED (.*?)(?: - .*)?$", said, re.MULTILINE)
+        return found[1] if found else ""
+
     def passes(self, test: str | list[str], number: int) -> bool:
         """Return whether the Fortran tests of a folder pass, or some Python tests."""
         chosen = {"VIBROIMPACT_MUTANT": str(number)}
         if isinstance(test, list):
-            plain = self.folder / "plain"
-            command, folder, _, end = pytest(plain / "site", plain / "src/vibroimpact-batch", *test)
-            # in the build that counts they took longer
-            seconds = 30 + 3 * sum(self.seconds[name] for name in test)
-            return passes(command, folder, int(seconds), end, chosen)
+            return self.failed(test, number) is None
         with tempfile.TemporaryDirectory(prefix="mutant-") as home:
             program = self.folder / f"plain/tests/fortran/test_{test}"
             return passes([program], Path(home), 150, FORTRAN_END, chosen)
