@@ -136,12 +136,9 @@ class Switched(Compiled):
                 return f"killed by {room}"
         chosen = self.affordable(sorted(self.tests.get(statement, ())))
         while chosen and (failed := self.failed(chosen, number)) is not None:
-            # a crash does not tell which test it was: each is asked
-            failing = (
-                failed
-                if failed in chosen
-                else next((name for name in chosen if not self.passes([name], number)), None)
-            )
+            # the one that is said to fail may do so only beside others; a crash does not tell which it was
+            asked = [failed, *chosen] if failed in chosen else chosen
+            failing = next((name for name in asked if not self.passes([name], number)), None)
             if failing is None:
                 # it takes several of them, unless these fail anyhow
                 return "killed by Python tests" if self.passes(chosen, 0) else "survived"
