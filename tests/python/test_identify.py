@@ -182,7 +182,7 @@ def test_three_hundred_rigs(share):
         for name, value in wanted.items():
             low, high = found.interval(name)
             inside[name].append(low < value < high)
-    # of 300: four standard deviations of a share of 95 % less, 2.4 more
+    # for 300 rigs, 4 standard deviations below 95 % is 90 %, and 2.4 above it 98 %
     deviation = (0.95 * 0.05 / count) ** 0.5
     for name, covered in inside.items():
         assert -4 * deviation <= np.mean(covered) - 0.95 <= 2.4 * deviation, name
