@@ -38,7 +38,8 @@ module vi_branch_table
 
 contains
 
-   !> Follows a branch in both directions; the points are in order along it.
+   !> Follows a branch in both directions; the points are in order along it. What arrays hold after
+   !! the last point is not set.
    subroutine branch_arrays(request, unknowns, parameters, phases, impacts, scalars, multipliers, &
       verdicts, codes, special, n, reasons, status, progress)
       !> What to follow.
@@ -69,14 +70,6 @@ contains
       logical :: cut
       integer :: reported
 
-      parameters = 0
-      phases = 0
-      impacts = 0
-      scalars = 0
-      multipliers = 0
-      verdicts = 0
-      codes = 0
-      special = 0
       n = 0
       reasons = 0
       reported = 0

@@ -356,7 +356,6 @@ contains
       integer :: i, touched
 
       system = system_of(c)
-      unknowns = 0
       unknowns(:2) = release
       here = start_of(system, sign(1, family%symbols(size(family%symbols))), release, 2)
       touched = 0
