@@ -14,6 +14,8 @@ module motions_assess
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_sample, only: sample_motion
    use vi_status, only: stat
+   use vi_structure, only: check_structure, new_structure, structure_type
+   use vi_structure_assess, only: by_damping, by_mass, coupling_at_instants, none
    implicit none (type, external)
    private
 
@@ -34,6 +36,7 @@ contains
       call test_no_approach()
       call test_rest_verdicts()
       call test_sample()
+      call test_coupling_at_instants()
    end subroutine test_assess
 
    !> A primary mass that hardly moves (high frequency) and a mass that goes to and fro:
@@ -326,5 +329,29 @@ contains
             + lag(motion%osc%xi, motion%r)), 1e-12_wp, 'load')
       end do
    end subroutine test_sample
+
+   !> Two masses, each at a wall of its own: impacts at one instant are coupled by the mass matrix,
+   !! else by the damping, whatever the signs.
+   subroutine test_coupling_at_instants()
+      real(wp), parameter :: both(3) = [-0.2_wp, 0.0_wp, 0.2_wp]
+      type(structure_type) :: structure
+      real(wp) :: matrices(2, 2, 3)
+      integer :: i, j, k, status
+
+      do i = 1, size(both)
+         do j = 1, size(both)
+            matrices = reshape([1.0_wp, both(i), both(i), 2.0_wp, 0.3_wp, both(j), both(j), 0.5_wp, &
+               1.0_wp, 0.1_wp, 0.1_wp, 1.0_wp], [2, 2, 3])
+            structure = new_structure(matrices, reshape([1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2]), &
+               reshape([1.0_wp, 0.5_wp, 1.0_wp, 0.5_wp], [2, 2]))
+            call check_structure(structure, status)
+            call check(status == stat%ok, 'a structure is accepted')
+            k = merge(by_mass, merge(by_damping, none, abs(both(j)) > 0), abs(both(i)) > 0)
+            call check(coupling_at_instants(structure, [1, 2], [1, 1]) == k, 'two at one instant')
+            call check(coupling_at_instants(structure, [1, 2], [1, 2]) == none, 'one after the other')
+            call check(coupling_at_instants(structure, [1, 2, 1], [1, 2, 2]) == k, 'only the last two')
+         end do
+      end do
+   end subroutine test_coupling_at_instants
 
 end module motions_assess

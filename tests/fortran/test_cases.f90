@@ -12,6 +12,7 @@ program test_cases
    type(random_type) :: random
 
    call test_numbers_read_back()
+   call test_forms_of_printed_numbers()
    call test_forms_of_numbers()
    call test_lists()
    call test_words()
@@ -40,6 +41,26 @@ contains
          call check(abs(values(1) - value) <= 0, 'few digits give the same bits')
       end do
    end subroutine test_numbers_read_back
+
+   !> From 0.001 to below 100000 a number is printed without exponent, with no digit too many.
+   subroutine test_forms_of_printed_numbers()
+      character(12), parameter :: forms(*) = [character(12) :: '0', '0.001', '0.0012', '0.5', '1', &
+         '10', '12.5', '12345.678', '99999', '1e5', '1.23456e5', '1.5e300', '9.99e-4', '1e-4', '1e-300']
+      real(wp), allocatable :: values(:)
+      logical :: good
+      integer :: i
+
+      do i = 1, size(forms)
+         call parse_numbers(trim(forms(i)), .false., 1, values, good)
+         call check(good .and. number_text(values(1), .false.) == forms(i), trim(forms(i))// &
+            ' is printed so')
+         call check(number_text(-values(1), .false.) == trim(merge('-', ' ', i > 1))//forms(i), '-'// &
+            trim(forms(i))//' is printed so')
+      end do
+      call check(number_text(2.0_wp/3, .false., 3) == '0.667', 'of many digits the first are printed')
+      call check(number_text(2.0e6_wp/3, .false., 1) == '7e5', 'one digit has no point')
+      call check(number_text(3.0_wp, .true.) == '3', 'a whole number is printed whole')
+   end subroutine test_forms_of_printed_numbers
 
    !> Texts that are numbers, and similar texts that are not.
    subroutine test_forms_of_numbers()
