@@ -50,6 +50,7 @@ contains
       type(repetition_type), allocatable :: repetitions(:)
       type(pattern_type) :: pattern
       real(wp), allocatable :: matrices(:, :, :), directions(:, :), harmonics(:, :, :), constant(:)
+      real(wp), parameter :: link(2, 2) = reshape([1, -1, -1, 1], [2, 2])
       real(wp) :: laws(6, 2)
       integer :: i, n, status
       logical :: mirror, possible
@@ -66,9 +67,10 @@ contains
       do i = 1, n - 2
          call connect(i, i + 1)
       end do
-      ! a drag that is small or large over a period, a spring to the host, or none of them
+      ! a drag that is small or large over a period, a dashpot or a spring to the host, or none of them
       if (mod(number, 3) == 0) matrices(n, n, 2) = 10**draw(random, -3.0_wp, 0.5_wp)
       if (mod(number, 5) == 0) call connect(n - 1, n)
+      if (mod(number, 7) == 0) call damp(n - 1, n)
       directions(n - 1, 1) = -1
       directions(n, 1) = 1
       directions(:, 2) = -directions(:, 1)
@@ -98,14 +100,19 @@ contains
       !> A spring and a dashpot between two coordinates.
       subroutine connect(i, j)
          integer, intent(in) :: i, j
-         real(wp), parameter :: link(2, 2) = reshape([1, -1, -1, 1], [2, 2])
          real(wp) :: k
 
          k = draw(random, 0.3_wp, 1.0_wp)
          matrices([i, j], [i, j], 3) = matrices([i, j], [i, j], 3) + k*link
-         k = draw(random, 0.01_wp, 0.2_wp)
-         matrices([i, j], [i, j], 2) = matrices([i, j], [i, j], 2) + k*link
+         call damp(i, j)
       end subroutine connect
+
+      !> A dashpot between two coordinates.
+      subroutine damp(i, j)
+         integer, intent(in) :: i, j
+
+         matrices([i, j], [i, j], 2) = matrices([i, j], [i, j], 2) + draw(random, 0.01_wp, 0.2_wp)*link
+      end subroutine damp
    end subroutine random_family
 
    !> One parameter at random unknowns, which need not be those of a motion.
