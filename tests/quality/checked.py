@@ -10,7 +10,7 @@ from mutants import Mutant
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = "src/c/libvibroimpact.so.0.1.0"
-CHECKS = ("-fcheck=all", "-finit-real=snan", "-finit-derived")
+CHECKS = ("-fcheck=all", "-finit-real=snan", "-finit-integer=-987654321", "-finit-derived")
 
 
 class Checked:
