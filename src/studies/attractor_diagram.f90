@@ -160,7 +160,7 @@ contains
    pure subroutine find_windows(periods, first, last, n)
       !> (4, values)
       integer, intent(in) :: periods(:, :)
-      !> (values) First and last value of each of the n windows; the rest is 0.
+      !> (values) First and last value of each of the n windows; the rest is not set.
       integer, intent(out) :: first(:), last(:)
       !> Number of windows.
       integer, intent(out) :: n
@@ -168,8 +168,6 @@ contains
       logical :: goes_on
 
       n = 0
-      first = 0
-      last = 0
       goes_on = .false.
       do i = 1, size(periods, 2)
          if (goes_on) goes_on = all(periods(:2, i) == periods(:2, i - 1))

@@ -2,8 +2,9 @@
 module studies_structures
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check, check_close
-   use random_numbers, only: draw, draw_integer, draw_log, random_type
+   use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
    use vi_kinds, only: wp
+   use vi_modes, only: modes_type
    use vi_motion, only: unknown, yes
    use vi_responses, only: offset_pairs
    use vi_status, only: stat
@@ -12,6 +13,7 @@ module studies_structures
    use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
    use vi_structure_exact, only: solve_structure_exact
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
+   use vi_structure_record, only: bound_interval
    use vi_structure_return, only: settle, settled_type
    use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at
@@ -33,6 +35,7 @@ contains
       call test_newton_step()
       call test_audit()
       call test_long_flight()
+      call test_bounds_of_intervals()
    end subroutine test_structures
 
    !> A flight of hundreds of thousands of turns before the first impact: in parts it gives
@@ -356,5 +359,95 @@ contains
       constant = 0
       load = new_load(frequency, harmonics, constant)
    end function sine_load
+
+   !> Between two samples of a record, fourth differences of x and v, which Runge's and Kutta's method
+   !! finds, are within the bounds on fourth derivatives, and reach those of an undamped pair that
+   !! turns once.
+   subroutine test_bounds_of_intervals()
+      integer, parameter :: steps = 400
+      type(random_type) :: random
+      type(modes_type) :: modes
+      real(wp), allocatable :: now(:, :), next(:, :), x(:, :), v(:, :)
+      real(wp) :: bounds(4), length, h, largest(4)
+      integer :: i, j, m
+
+      do i = 1, 60
+         m = merge(1, draw_integer(random, 2, 4), mod(i, 2) == 0)
+         allocate (modes%stiffness(m), modes%damping(m), modes%inverse(m), now(m, 4), next(m, 4), &
+            x(m, -2:steps + 2), v(m, -2:steps + 2))
+         do j = 1, m
+            modes%stiffness(j) = merge(0.0_wp, draw_log(random, 0.1_wp, 10.0_wp), mod(i + j, 5) == 0)
+            modes%damping(j) = merge(0.0_wp, draw(random, 0.0_wp, 0.5_wp), mod(i, 2) == 0)
+            modes%inverse(j) = merge(1/sqrt(max(modes%stiffness(j), tiny(1.0_wp))), 0.0_wp, &
+               modes%stiffness(j) > 0)
+         end do
+         length = 2*pi*merge(maxval(modes%inverse), draw(random, 0.1_wp, 1.0_wp), mod(i, 2) == 0 &
+            .and. all(modes%stiffness > 0))
+         do j = 1, 4
+            call fill(random, -1.0_wp, 1.0_wp, now(:, j))
+            call fill(random, -1.0_wp, 1.0_wp, next(:, j))
+         end do
+         h = length/steps
+         call integrate()
+         call bound_interval(modes, m, length, now, next, bounds)
+         largest = 0
+         do j = 0, steps
+            largest(1) = max(largest(1), norm2(difference(x(:, j - 2:j + 2))))
+            largest(2) = max(largest(2), norm2(difference(v(:, j - 2:j + 2))))
+            largest(3) = max(largest(3), norm2(x(:, j)))
+            largest(4) = max(largest(4), norm2(v(:, j)))
+         end do
+         ! an error of h^2 and rounding
+         call check(all(largest(:2) <= 1.01_wp*bounds(:2) + 1.0e-13_wp*largest(3:)/h**4), &
+            'records: fourth derivatives are within their bounds')
+         if (mod(i, 2) == 0 .and. modes%stiffness(1) > 0) call check(all(largest(:2) >= 0.98_wp &
+            *bounds(:2)), 'records: the bounds are reached')
+         ! the sizes are at least those at the beginning, and grow by no more than the rates allow
+         call check(all(bounds(3:) >= (1 - 1.0e-12_wp)*[norm2(now(:, 1)), norm2(now(:, 2))]) &
+            .and. bounds(3) >= 0.5_wp*length*norm2(now(:, 2)) .and. bounds(4) >= 0.5_wp*length &
+            *norm2([now(:, 4), next(:, 4)]), 'records: sizes are not too small')
+         call check(bounds(3) <= (1 + 1.0e-12_wp)*(norm2(now(:, 1)) + length*norm2(now(:, 2))) &
+            .and. bounds(4) <= (1 + 1.0e-12_wp)*(norm2(now(:, 2)) + length*(norm2(now(:, 4)) &
+            + norm2(next(:, 4)))), 'records: sizes are not too large')
+         deallocate (modes%stiffness, modes%damping, modes%inverse, now, next, x, v)
+      end do
+
+   contains
+
+      !> x and v from two steps before the interval to two steps after it.
+      subroutine integrate()
+         real(wp), dimension(m) :: dx(m, 4), dv(m, 4), at_x, at_v
+         real(wp), parameter :: parts(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
+         integer :: i, k, way
+
+         do way = -1, 1, 2
+            x(:, 0) = now(:, 1)
+            v(:, 0) = now(:, 2)
+            do i = 0, merge(1, steps + 1, way < 0)
+               do k = 1, 4
+                  at_x = x(:, way*i)
+                  at_v = v(:, way*i)
+                  if (k > 1) at_x = at_x + way*h*parts(k)*dx(:, k - 1)
+                  if (k > 1) at_v = at_v + way*h*parts(k)*dv(:, k - 1)
+                  associate (share => way*(i + parts(k))/steps)
+                     dx(:, k) = at_v + now(:, 3) + share*(next(:, 3) - now(:, 3))
+                     dv(:, k) = now(:, 4) + share*(next(:, 4) - now(:, 4)) - modes%stiffness*at_x &
+                        - 2*modes%damping*at_v
+                  end associate
+               end do
+               x(:, way*(i + 1)) = x(:, way*i) + way*h/6*matmul(dx, [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp])
+               v(:, way*(i + 1)) = v(:, way*i) + way*h/6*matmul(dv, [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp])
+            end do
+         end do
+      end subroutine integrate
+
+      !> The fourth derivative at the third of five places.
+      function difference(values) result(fourth)
+         real(wp), intent(in) :: values(:, :)
+         real(wp) :: fourth(m)
+
+         fourth = matmul(values, [1.0_wp, -4.0_wp, 6.0_wp, -4.0_wp, 1.0_wp])/h**4
+      end function difference
+   end subroutine test_bounds_of_intervals
 
 end module studies_structures
