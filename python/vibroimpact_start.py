@@ -12,13 +12,13 @@ INTERRUPTED = "vibroimpact: interrupted; nothing was finished"
 
 def main() -> int:
     """Run `vibroimpact`; returns the exit status."""
-    heard = signal.getsignal(signal.SIGINT)
-    if heard is signal.default_int_handler:  # not where a shell has it ignored, in the background
-        signal.signal(signal.SIGINT, stop)
-    from vibroimpact.command import main as run
-
-    signal.signal(signal.SIGINT, heard)
     try:
+        heard = signal.getsignal(signal.SIGINT)
+        if heard is signal.default_int_handler:  # not where a shell has it ignored, in the background
+            signal.signal(signal.SIGINT, stop)
+        from vibroimpact.command import main as run
+
+        signal.signal(signal.SIGINT, heard)
         return run()
     except KeyboardInterrupt:  # before the work, or for the second time
         print(INTERRUPTED, file=sys.stderr)
