@@ -14,7 +14,8 @@ def main() -> int:
     """Run `vibroimpact`; returns the exit status."""
     try:
         heard = signal.getsignal(signal.SIGINT)
-        if heard is signal.default_int_handler:  # not where a shell has it ignored, in the background
+        # not where a shell has it ignored, in the background
+        if heard is signal.default_int_handler:
             signal.signal(signal.SIGINT, stop)
         from vibroimpact.command import main as run
 

@@ -340,16 +340,18 @@ contains
 
       do i = 1, size(both)
          do j = 1, size(both)
-            matrices = reshape([1.0_wp, both(i), both(i), 2.0_wp, 0.3_wp, both(j), both(j), 0.5_wp, &
-               1.0_wp, 0.1_wp, 0.1_wp, 1.0_wp], [2, 2, 3])
-            structure = new_structure(matrices, reshape([1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2]), &
-               reshape([1.0_wp, 0.5_wp, 1.0_wp, 0.5_wp], [2, 2]))
+            matrices = reshape([1.0_wp, both(i), both(i), 2.0_wp, 0.3_wp, both(j), both(j), &
+               0.5_wp, 1.0_wp, 0.1_wp, 0.1_wp, 1.0_wp], [2, 2, 3])
+            structure = new_structure(matrices, reshape([1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], &
+               [2, 2]), reshape([1.0_wp, 0.5_wp, 1.0_wp, 0.5_wp], [2, 2]))
             call check_structure(structure, status)
             call check(status == stat%ok, 'a structure is accepted')
             k = merge(by_mass, merge(by_damping, none, abs(both(j)) > 0), abs(both(i)) > 0)
             call check(coupling_at_instants(structure, [1, 2], [1, 1]) == k, 'two at one instant')
-            call check(coupling_at_instants(structure, [1, 2], [1, 2]) == none, 'one after the other')
-            call check(coupling_at_instants(structure, [1, 2, 1], [1, 2, 2]) == k, 'only the last two')
+            call check(coupling_at_instants(structure, [1, 2], [1, 2]) == none, &
+               'one after the other')
+            call check(coupling_at_instants(structure, [1, 2, 1], [1, 2, 2]) == k, &
+               'only the last two')
          end do
       end do
    end subroutine test_coupling_at_instants

@@ -67,7 +67,7 @@ contains
       do i = 1, n - 2
          call connect(i, i + 1)
       end do
-      ! a drag that is small or large over a period, a dashpot or a spring to the host, or none of them
+      ! a drag that is small or large over a period, a dashpot or a spring to the host, or none
       if (mod(number, 3) == 0) matrices(n, n, 2) = 10**draw(random, -3.0_wp, 0.5_wp)
       if (mod(number, 5) == 0) call connect(n - 1, n)
       if (mod(number, 7) == 0) call damp(n - 1, n)
@@ -111,7 +111,8 @@ contains
       subroutine damp(i, j)
          integer, intent(in) :: i, j
 
-         matrices([i, j], [i, j], 2) = matrices([i, j], [i, j], 2) + draw(random, 0.01_wp, 0.2_wp)*link
+         matrices([i, j], [i, j], 2) = matrices([i, j], [i, j], 2) &
+            + draw(random, 0.01_wp, 0.2_wp)*link
       end subroutine damp
    end subroutine random_family
 

@@ -360,9 +360,9 @@ contains
       load = new_load(frequency, harmonics, constant)
    end function sine_load
 
-   !> Between two samples of a record, fourth differences of x and v, which Runge's and Kutta's method
-   !! finds, are within the bounds on fourth derivatives, and reach those of an undamped pair that
-   !! turns once.
+   !> Between two samples of a record, fourth differences of x and v, which Runge's and Kutta's
+   !! method finds, are within the bounds on fourth derivatives, and reach those of an undamped pair
+   !! that turns once.
    subroutine test_bounds_of_intervals()
       integer, parameter :: steps = 400
       type(random_type) :: random
@@ -376,7 +376,8 @@ contains
          allocate (modes%stiffness(m), modes%damping(m), modes%inverse(m), now(m, 4), next(m, 4), &
             x(m, -2:steps + 2), v(m, -2:steps + 2))
          do j = 1, m
-            modes%stiffness(j) = merge(0.0_wp, draw_log(random, 0.1_wp, 10.0_wp), mod(i + j, 5) == 0)
+            modes%stiffness(j) = merge(0.0_wp, draw_log(random, 0.1_wp, 10.0_wp), &
+               mod(i + j, 5) == 0)
             modes%damping(j) = merge(0.0_wp, draw(random, 0.0_wp, 0.5_wp), mod(i, 2) == 0)
             modes%inverse(j) = merge(1/sqrt(max(modes%stiffness(j), tiny(1.0_wp))), 0.0_wp, &
                modes%stiffness(j) > 0)
@@ -416,8 +417,9 @@ contains
 
       !> x and v from two steps before the interval to two steps after it.
       subroutine integrate()
-         real(wp), dimension(m) :: dx(m, 4), dv(m, 4), at_x, at_v
-         real(wp), parameter :: parts(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
+         real(wp) :: dx(m, 4), dv(m, 4), at_x(m), at_v(m)
+         real(wp), parameter :: parts(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp], &
+            weights(4) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp]/6
          integer :: i, k, way
 
          do way = -1, 1, 2
@@ -435,8 +437,8 @@ contains
                         - 2*modes%damping*at_v
                   end associate
                end do
-               x(:, way*(i + 1)) = x(:, way*i) + way*h/6*matmul(dx, [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp])
-               v(:, way*(i + 1)) = v(:, way*i) + way*h/6*matmul(dv, [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp])
+               x(:, way*(i + 1)) = x(:, way*i) + way*h*matmul(dx, weights)
+               v(:, way*(i + 1)) = v(:, way*i) + way*h*matmul(dv, weights)
             end do
          end do
       end subroutine integrate

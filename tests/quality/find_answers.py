@@ -41,7 +41,7 @@ from vibroimpact.tables import language  # noqa: E402
 
 from door import BLOCKS, Counted, Library  # noqa: E402
 
-# OpenBLAS has kernels for each kind of processor, with other last digits, which decide at an edge: one for all machines
+# OpenBLAS has a kernel for each kind of processor, whose last digits decide at an edge: one for all machines
 os.environ["OPENBLAS_CORETYPE"] = "Haswell"
 
 #: CPU seconds that a kept case may take in the counting library.
