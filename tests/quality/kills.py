@@ -24,8 +24,9 @@ LIBRARY = "src/c/libvibroimpact.so"
 
 from door import Counted, Library  # noqa: E402
 
-#: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number.
-NOTICED, IN_VAIN = 1, 2
+#: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number, and the
+#: Fortran runtime with 2 where it meets an error.
+NOTICED, IN_VAIN = 1, 77
 #: What became of a mutant: the kept answers notice it, let it pass, or do not reach its statement.
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
 

@@ -154,6 +154,8 @@ class Switched(Compiled):
             self.asked.process = subprocess.Popen(
                 [sys.executable, HERE / "kills.py", self.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 text=True, bufsize=1,
+                # what is allocated holds no zeros by chance, but numbers of -1e303 and -16843010
+                env=os.environ | {"MALLOC_PERTURB_": "1"},
             )  # fmt: skip
             if self.asked.process.stdout.readline() != "ready\n":
                 raise RuntimeError("the kept answers cannot be tried")
@@ -294,8 +296,6 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     """Try mutants, and tell what became of them."""
     asked = arguments()
-    # what is allocated holds no zeros by chance, but numbers of -1e303 and -16843010
-    os.environ["MALLOC_PERTURB_"] = "1"
     files = [
         file
         for file in core_files()
