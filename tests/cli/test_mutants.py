@@ -1,5 +1,7 @@
 """The tool that tries mutants of the core: what it changes, and its list of survivors."""
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/quality"))
 
+from kills import Trial  # noqa: E402
 from mutants import code_of, mutants_of  # noqa: E402
 from mutate import ROOMS, listed, sample  # noqa: E402
 
@@ -91,3 +94,25 @@ def test_bad_options(option, value):
     assert option in told.stderr
     assert repr(value) in told.stderr
     assert "Traceback" not in told.stderr
+
+
+@pytest.mark.parametrize("end", [*range(8), 127, "signal", "exception", "in vain"])
+def test_a_process_that_ends_by_itself_has_noticed_a_mutant(end):
+    """LAPACK ends a process with status 0, the Fortran runtime with 2, a fault by a signal."""
+
+    class Ends(Trial):
+        def __init__(self):
+            pass
+
+        def notices(self, number, cases, out, alone=""):
+            os.write(out, (0).to_bytes(4, "little"))
+            os.write(out, (1).to_bytes(4, "little"))
+            if end == "signal":
+                os.kill(os.getpid(), signal.SIGKILL)
+            if end == "exception":
+                raise ValueError
+            if end == "in vain":
+                return False
+            os._exit(end)
+
+    assert Ends().noticed(1, []) == (-1 if end == "in vain" else 1)
