@@ -27,7 +27,7 @@ ENVIRONMENT = dict(
     os.environ,
     OPENBLAS_NUM_THREADS="1",
     OMP_NUM_THREADS="1",
-    # a shorter list of what was freed lately takes fewer pages
+    # a small quarantine of freed memory touches fewer pages
     ASAN_OPTIONS="allocator_may_return_null=1:max_allocation_size_mb=1000:hard_rss_limit_mb=3000:quarantine_size_mb=8",
     UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1",
     # what is freed is free at once, so that a leak is seen case by case
