@@ -126,7 +126,8 @@ contains
          state%x + y, state%z_dot + merge(kick*half, 0.0_wp, state%side /= 0)])
    end function carried
 
-   !> Simulates the transient, and examines the load cycles after it.
+   !> Simulates the transient, and examines the load cycles after it. Where it fails, nothing of the
+   !! simulation before is left.
    subroutine settle_on(system, state, settling, keep, max_events, settled, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -146,6 +147,11 @@ contains
 
       if (.not. allocated(settled%events)) allocate (settled%events(capacity))
       settled%period = 0
+      settled%symbols = 0
+      settled%impacts = 0
+      settled%rests = 0
+      settled%x_min = ieee_value(settled%x_min, ieee_quiet_nan)
+      settled%x_max = settled%x_min
       settled%n = 0
       left = max_events
       state%cycle = 0

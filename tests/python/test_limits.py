@@ -56,6 +56,17 @@ def test_response_ends():
     assert "max_events" in vi.status_text(EVENT_LIMIT)
 
 
+@pytest.mark.parametrize("r", [[0.5, 1.0], [1.0, 0.5]])
+def test_nothing_is_left_of_the_simulation_before(r):
+    """Where a simulation has too many events, no number of the one before it in the thread is shown."""
+    found = vi.response(RIG, r, 20.0, states=2, settling=50, keep=9, max_events=150, threads=1)
+    assert sorted(found.status.ravel().tolist()) == [0, 0, EVENT_LIMIT, EVENT_LIMIT]
+    ended = found.status == EVENT_LIMIT
+    for values in (found.cycles, found.symbols, found.impacts, found.rests):
+        assert not values[ended].any()
+    assert found.impacts[~ended].all()
+
+
 def test_sweeps_end():
     """A value at which a simulation had too many events has a status that says so."""
     found = vi.bifurcation_diagram(
