@@ -110,6 +110,7 @@ class StructureBranch(Followed, study="branch_structure"):
     q_min, q_max : ndarray (n, M)
         Least and greatest value of each coordinate over the period.
     multipliers : ndarray (2n, M) of complex
+        NaN at a "zero_approach": the period has no derivative there.
     residual : ndarray (M,)
     consistent, admissible, stable : ndarray (M,) of int
         1, 0, or -1 where not known.

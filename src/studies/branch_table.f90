@@ -1,11 +1,13 @@
 !> Branches as plain arrays: the motion at every point, and the special points among them.
 module vi_branch_table
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_branch, only: branch_type, end_stopped, follow_branch
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
    use vi_family, only: new_family, whole_unknowns
-   use vi_frame, only: condition_type, edge
+   use vi_frame, only: condition_type, edge, zero_approach
    use vi_kinds, only: wp
+   use vi_motion, only: no, unknown
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
@@ -174,6 +176,12 @@ contains
       m = size(whole)/2
       call member_point(setting, whole(:m)*c(by_clearance), whole(m + 1:), phases, impacts, &
          scalars, multipliers, verdicts, code)
+      if (condition%kind == zero_approach) then
+         ! an impact without approach speed is none, and its map has no derivative: what is computed
+         ! there is rounding over rounding
+         multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
+         verdicts(2:) = [no, unknown]
+      end if
    end subroutine write_point
 
    !> The curve and the start on it.

@@ -1,17 +1,20 @@
 !> The family of a known motion of a structure, and its place in it: where branches and zones start.
 module vi_structure_start
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_family, only: new_family, repetition_distance, repetition_type, whole_unknowns
-   use vi_frame, only: condition_type, edge
+   use vi_frame, only: condition_type, edge, zero_approach
    use vi_kinds, only: wp
    use vi_columns, only: solve_columns
    use vi_linear, only: most
+   use vi_motion, only: no, unknown, yes
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
    use vi_responses, only: offset_pairs
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type, &
       to_pairs
+   use vi_structure_assess, only: structure_verdicts_type
    use vi_structure_extremes, only: coordinate_extremes
    use vi_structure_together, only: are_multiple, multipliers_beside, set_together, whole_family, &
       whole_member
@@ -302,10 +305,24 @@ contains
             family%sides = whole_sides(frame%family)
             family%mirror = .false.
          end if
+         if (condition%kind == zero_approach) call without_derivative(motion%verdicts)
          call set_flights(family, member)
          call coordinate_extremes(family, member, extremes)
       end associate
    end subroutine motion_at
+
+   !> The verdicts on a motion one of whose impacts has no approach speed: it is no impact, and the
+   !! period has no derivative. What is computed there is rounding over rounding.
+   pure subroutine without_derivative(verdicts)
+      !> In and out: the verdicts.
+      type(structure_verdicts_type), intent(inout) :: verdicts
+
+      verdicts%p = ieee_value(1.0_wp, ieee_quiet_nan)
+      verdicts%multipliers = cmplx(verdicts%p(:, 1), 0.0_wp, wp)
+      verdicts%determinant = verdicts%p(1, 1)
+      verdicts%stable = unknown
+      if (verdicts%consistent == yes) verdicts%admissible = no
+   end subroutine without_derivative
 
    !> The unknowns of a motion.
    subroutine unknowns_of_motion(s, family, regime, found, shares, unknowns)

@@ -242,6 +242,21 @@ def test_zero_approach_is_one_event():
     assert np.diff(places).min() > 1e-3
 
 
+def test_no_multipliers_at_a_zero_approach():
+    """The period has no derivative where an impact has no approach speed v; near it a multiplier is c/v."""
+    branch = vi.branch(triple_motion(), "clearance", (1, 60))
+    marks = [(p.index, p.impact) for p in branch.special_points if p.type == "zero_approach"]
+    assert marks
+    for i, impact in marks:
+        assert np.isnan(branch.multipliers[:, i]).all()
+        assert (branch[i].admissible, branch[i].stable) == (False, None)
+        products = [
+            branch.multipliers[0, j].real * (m.Z_dot_before[impact] - m.X_dot_before[impact])
+            for j, m in ((i - 1, branch[i - 1]), (i + 1, branch[i + 1]))
+        ]
+        assert products[0] == pytest.approx(products[1], rel=0.05)
+
+
 def test_columns_and_table():
     branch = vi.branch(pair_motion(), "clearance", (10, 60))
     item = branch[3]

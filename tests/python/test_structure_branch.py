@@ -97,7 +97,9 @@ def law_of(kind, branch, i):
     if kind == "neimark_sacker":
         pairs = multipliers[np.abs(multipliers.imag) > 1e-9]
         return np.abs(np.abs(pairs) - 1).min()
-    if kind == "zero_approach":
+    if kind == "zero_approach":  # the period has no derivative there
+        assert np.isnan(multipliers).all()
+        assert (branch.admissible[i], branch.stable[i]) == (0, -1)
         return np.abs(branch.speeds[:, i]).min()
     if kind == "simultaneous":
         ends = np.append(branch.phases[:, i], branch.phases[0, i] + 2 * np.pi * branch.cycles)

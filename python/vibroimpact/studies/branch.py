@@ -101,6 +101,7 @@ class Branch(Noun, study="branch", part=True):
     phases, X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
     A, tau, residual, x_min, x_max, attenuation : ndarray (M,)
     multipliers : ndarray (4, M) of complex
+        NaN at a "zero_approach": [P] does not exist there.
     consistent, admissible, stable : ndarray (M,) of int
         1, 0, or -1 where not known.
     special_points : list of SpecialPoint
