@@ -135,7 +135,8 @@ contains
       type(pieces_type), allocatable :: found(:)
       type(line_type), allocatable :: sides(:)
       character(:), allocatable :: outcomes, patterns
-      integer :: j, lost
+      logical, allocatable :: lost(:)
+      integer :: j
       logical :: stopped
 
       request = atlas_request(case, threads)
@@ -158,7 +159,7 @@ contains
          end associate
       end do
       ! if stopped, an attractor outside all zones may belong to a zone that was not searched
-      lost = merge(0, count(.not. atlas%explained), stopped)
+      lost = .not. (atlas%explained .or. stopped)
       call survey_text(atlas, outcomes)
       call result%open('families', 'family', [size(found)])
       call result%put_text('families', 'sides', sides)
@@ -167,7 +168,7 @@ contains
          j=1, size(found))])
       call put_pieces(found, result)
       call put_points(atlas, result)
-      result%empty = all(found%n == 0) .and. all(found%closed) .and. lost == 0 .and. .not. stopped
+      result%empty = all(found%n == 0) .and. all(found%closed) .and. .not. (any(lost) .or. stopped)
       if (result%empty) then
          call result%fail('no zone: neither search nor survey found a stable, &
             &admissible motion within the limits in the window; '//outcomes)
@@ -182,9 +183,9 @@ contains
          if (.not. found(j)%closed) call result%fail(pattern_text( &
             atlas%families(j)%pattern%sides, atlas%families(j)%pattern%cycles)//' '//not_closed)
       end do
-      if (lost == 0) return
+      if (.not. any(lost)) return
       call list_patterns(atlas, patterns)
-      call result%fail(whole(lost)//' of '//counted(size(atlas%explained), &
+      call result%fail(whole(count(lost))//' of '//counted(size(atlas%explained), &
          'attractor')//' in no zone of the pattern:'//patterns)
    end subroutine run_atlas
 
@@ -246,8 +247,8 @@ contains
       type(pieces_type), intent(in) :: found(:)
       !> The outcomes of the survey, in words.
       character(*), intent(in) :: outcomes
-      !> Number of attractors that should lie in a zone and do not; they are listed if it is not 0.
-      integer, intent(in) :: lost
+      !> Of each attractor, whether it should lie in a zone and does not: these are listed.
+      logical, intent(in) :: lost(:)
       !> The result.
       type(result_type), intent(inout) :: result
       integer :: i, j
@@ -259,8 +260,8 @@ contains
             atlas%families(j)%pattern%sides, atlas%families(j)%pattern%cycles)//': '//not_closed// &
             ' (its loop is 0)')
       end do
-      do i = 1, merge(size(atlas%attractors), 0, lost > 0)
-         if (atlas%explained(i)) cycle
+      do i = 1, size(lost)
+         if (.not. lost(i)) cycle
          associate (item => atlas%attractors(i))
             call result%remark('in no zone of its pattern: '//pattern_text(item%symbols, &
                item%cycles)//' at r = '//exact(item%r)//', clearance = '//exact(item%clearance))
