@@ -4,10 +4,11 @@ One build holds nearly all mutants, of which the environment chooses one (build/
 and finds which tests reach which statement, in forty minutes). A mutant is tried on the kept answers first, then
 on the Fortran tests and the Python tests that reach its statement. The few that are no statements, and all with
 --fortran-only, are compiled alone and linked before the library instead. What survives is tried once more with
-the checks of the debug build (build/checked), which end a program at an element that is not there. A test that
-fails, crashes or exceeds its limits kills the mutant. One that no test kills must be in `survivors.txt`, with the
-reason. Results are kept (build/mutation), so that a run can be stopped and continued: a mutant that was killed is
-not tried again until its file changes, one that survived until the tests do.
+the checks of the debug build (build/checked), which end a program at an element that is not there, and then on
+the Python tests that take long. A test that fails, crashes or exceeds its limits kills the mutant. One that no
+test kills must be in `survivors.txt`, with the reason. Results are kept (build/mutation), so that a run can be
+stopped and continued: a mutant that was killed is not tried again until its file changes, one that survived until
+the tests do.
 """
 
 import argparse
@@ -83,8 +84,8 @@ class Compiled:
 class Switched(Compiled):
     """What tries a mutant where one build holds nearly all of them (switched.py); the others are compiled."""
 
-    #: Seconds of Python tests that are tried, as they took in the build that counts.
-    MOST = 80.0
+    #: Seconds of Python tests that are tried, as they took in the build that counts; and of those that take long.
+    MOST, MOST_LONG = 80.0, 300.0
 
     def __init__(self, fortran: Path, package: Path, folder: Path, jobs: int):
         super().__init__(fortran, package)
@@ -93,7 +94,8 @@ class Switched(Compiled):
         statements = Statements(folder)
         self.statements = statements
         self.numbers, self.of_number = statements.numbers, statements.of_number
-        self.programs, self.tests = reaching.fortran(folder), reaching.python(folder, jobs)
+        self.programs = reaching.fortran(folder)
+        self.tests, self.long = reaching.python(folder, jobs)
         self.reached = self.tests.keys() | set().union(*self.programs.values())
         self.asked = threading.local()
         self.seconds = {name: seconds for found in self.tests.values() for seconds, name in found}
@@ -107,11 +109,11 @@ class Switched(Compiled):
         often = Counter(name for number in first for _, name in self.tests.get(number, ()))
         return self.affordable([(seconds[name], name) for name, _ in often.most_common()])
 
-    def affordable(self, tests: list[tuple[float, str]]) -> list[str]:
+    def affordable(self, tests: list[tuple[float, str]], long: bool = False) -> list[str]:
         """Return the first of some tests that do not take too long together."""
-        chosen, left = [], self.MOST
+        chosen, left = [], self.MOST_LONG if long else self.MOST
         for seconds, name in tests:
-            if seconds <= left and self.sound.get(name, True):
+            if (name in self.long) is long and seconds <= left and self.sound.get(name, True):
                 chosen.append(name)
                 left -= seconds
         return chosen
@@ -124,6 +126,8 @@ class Switched(Compiled):
             mutant, lambda library: self.kept_answers(number or 0, library)
         ):
             return "killed by the checks of the debug build"
+        if outcome == "survived" and number and (failing := self.failing(number, long=True)):
+            return f"killed by {failing}"
         return outcome
 
     def switched(self, number: int) -> str:
@@ -135,18 +139,27 @@ class Switched(Compiled):
         for room in (room for room in ROOMS if statement in self.programs[room]):
             if not self.passes(room, number) and self.is_sound(room):
                 return f"killed by {room}"
-        chosen = self.affordable(sorted(self.tests.get(statement, ())))
+        failing = self.failing(number)
+        return f"killed by {failing}" if failing else "survived"
+
+    def failing(self, number: int, long: bool = False) -> str:
+        """Return which Python test notices a mutant, "" if none does."""
+        statement = self.statements.nearest(self.of_number[number], self.reached)
+        chosen = self.affordable(sorted(self.tests.get(statement, ())), long)
         while chosen and (failed := self.failed(chosen, number)) is not None:
-            # the one that is said to fail may do so only beside others; a crash does not tell which it was
-            asked = [failed, *chosen] if failed in chosen else chosen
-            failing = next((name for name in asked if not self.passes([name], number)), None)
-            if failing is None:
-                # it takes several of them, unless these fail anyhow
-                return "killed by Python tests" if self.passes(chosen, 0) else "survived"
-            if self.is_sound(failing):
-                return f"killed by {failing}"
-            chosen.remove(failing)
-        return "survived"
+            if failed in chosen and not self.passes([failed], number):
+                if self.is_sound(failed):
+                    return failed
+                chosen.remove(failed)
+                continue
+            # a crash, which does not tell the test, or one that fails only after others: unless they do so anyhow
+            wrong = self.failed(chosen, 0)
+            if wrong is None:
+                return "Python tests"
+            if wrong not in chosen:
+                return ""
+            chosen.remove(wrong)
+        return ""
 
     def kept_answers(self, number: int, library: Path | None = None) -> bool:
         """Return whether the kept answers let a mutant pass (or a library); each thread asks a process."""
@@ -198,7 +211,7 @@ def pytest(site: Path, program: Path, *tests: str) -> tuple[list, Path, int, byt
         [
             "env", *(f"{name}={value}" for name, value in variables(site, program).items()),
             sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
-            "-m", "not slow and not browser", *tests,
+            "-m", "not browser", *tests,
         ], ROOT, 120 if tests == (ANSWERS,) else 600, PYTHON_END,
     )  # fmt: skip
 

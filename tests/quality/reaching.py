@@ -16,16 +16,26 @@ from pathlib import Path
 import numpy as np
 from package import variables
 from statements import Statements
-from switched import ROOMS, ROOT, digest
+from switched import REACHED_BY_TESTS, ROOMS, ROOT, digest
 
 #: Files that are left out: they call the core only as other tests do, or not at all.
 LEFT_OUT = (
-    "test_animation", "test_answers", "test_audit", "test_batch_command_line", "test_campaign", "test_commands",
-    "test_completion", "test_docs", "test_drawn", "test_examples", "test_explorer", "test_faults", "test_identify",
-    "test_imports", "test_in_turn", "test_jax", "test_jupyter", "test_malicious_files", "test_pictures",
-    "test_plots", "test_public_names", "test_published", "test_reproduce", "test_saving", "test_sensor_records",
-    "test_threads",
+    "test_animation", "test_answers", "test_batch_command_line", "test_campaign", "test_completion", "test_drawn",
+    "test_explorer", "test_faults", "test_imports", "test_in_turn", "test_jax", "test_jupyter",
+    "test_malicious_files", "test_pictures", "test_plots", "test_public_names", "test_saving",
+    "test_sensor_records", "test_threads",
 )  # fmt: skip
+#: Files whose tests take long, and seldom notice what others do not: they are tried last.
+LONG = (
+    "test_audit", "test_commands", "test_docs", "test_examples", "test_identify", "test_published",
+    "test_reproduce",
+)  # fmt: skip
+#: What pytest runs of a file.
+SHORT_TESTS, LONG_TESTS, ALL_TESTS = (
+    "not slow and not browser",
+    "slow and not browser",
+    "not browser",
+)
 
 
 def fortran(folder: Path) -> dict[str, set[int]]:
@@ -51,48 +61,61 @@ def fortran(folder: Path) -> dict[str, set[int]]:
     return {room: set(found) for room, (_, found) in known.items()}
 
 
-def python(folder: Path, jobs: int) -> dict[int, list[tuple[float, str]]]:
-    """Return, for each statement, the Python tests that reach it: seconds, and name."""
-    note = folder / "python.json"
+def python(folder: Path, jobs: int) -> tuple[dict[int, list[tuple[float, str]]], set[str]]:
+    """Return, for each statement, the Python tests that reach it (seconds, name), and which of all take long."""
+    note = folder / REACHED_BY_TESTS
     known = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
-    files = {
-        str(path.relative_to(ROOT)): digest(path)
+    asked = {
+        f"{file}:{which}": digest(path)
         for room in ("python", "cli")
         for path in sorted((ROOT / "tests" / room).glob("test_*.py"))
-        if not path.stem.startswith(LEFT_OUT)
+        for file in [str(path.relative_to(ROOT))]
+        for which in parts(path)
     }
-    new = [file for file, mark in files.items() if known.get(file, {}).get("of") != mark]
+    new = [part for part, mark in asked.items() if known.get(part, {}).get("of") != mark]
     if new:
         print(f"{len(new)} files of Python tests: what they reach", flush=True)
         for path in folder.glob("by_test.*"):
             path.unlink()
         with ThreadPoolExecutor(jobs) as pool:
             list(pool.map(functools.partial(run, folder), new))
-        known |= {file: {"of": files[file], "tests": []} for file in new}
+        known |= {part: {"of": asked[part], "tests": []} for part in new}
         for path in folder.glob("by_test.*"):
+            part = path.name.partition(".")[2].rpartition(".")[0].replace("+", "/")
             for line in path.read_text(encoding="utf-8").splitlines():
-                name, seconds, statements = json.loads(line)
-                known[name.partition("::")[0]]["tests"].append([name, seconds, statements])
+                known[part]["tests"].append(json.loads(line))
             path.unlink()
         note.write_text(json.dumps(known), encoding="utf-8")
-    found = defaultdict(list)
-    for file in files:
-        for name, seconds, statements in known[file]["tests"]:
+    found, long = defaultdict(list), set()
+    for part in asked:
+        for name, seconds, statements in known[part]["tests"]:
+            if not part.endswith(SHORT_TESTS):
+                long.add(name)
             for statement in statements:
                 found[statement].append((seconds, name))
-    return found
+    return found, long
 
 
-def run(folder: Path, file: str) -> None:
-    """Run a file of tests with the package that counts: alone, because one of them may crash or hang."""
+def parts(path: Path) -> list[str]:
+    """Return which tests of a file are run, each part alone."""
+    if path.stem.startswith(LEFT_OUT):
+        return []
+    if path.stem in LONG:
+        return [ALL_TESTS]
+    return [SHORT_TESTS, *[LONG_TESTS] * ("mark.slow" in path.read_text(encoding="utf-8"))]
+
+
+def run(folder: Path, part: str) -> None:
+    """Run a part of a file of tests with the package that counts: alone, because one of them may crash or hang."""
+    file, _, which = part.partition(":")
     made = folder / "counted"
     paths = [str(made / "site"), str(ROOT / "tests/quality"), str(ROOT / "tests/python")]
     env = variables(made / "site", made / "src/vibroimpact-batch") | {
         "PYTHONPATH": os.pathsep.join(paths), "VIBROIMPACT_SWITCHED": str(folder),
-        "VIBROIMPACT_REACHED_BY": str(folder / "by_test"),
+        "VIBROIMPACT_REACHED_BY": str(folder / f"by_test.{part.replace('/', '+')}"),
     }  # fmt: skip
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "reached_by", "-m",
-               "not slow and not browser", file]  # fmt: skip
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "reached_by", "-m", which,
+               file]  # fmt: skip
     quiet = {
         "stdin": subprocess.DEVNULL,
         "stdout": subprocess.DEVNULL,
@@ -104,6 +127,6 @@ def run(folder: Path, file: str) -> None:
         ).returncode
     except subprocess.TimeoutExpired:
         ended = "its time"
-    # 1: some tests fail; 5: all of them are slow
+    # 1: some tests fail; 5: the part is empty
     if ended not in (0, 1, 5):
-        print(f"{file} broke off ({ended}): what it reaches is known only in part", flush=True)
+        print(f"{part} broke off ({ended}): what it reaches is known only in part", flush=True)

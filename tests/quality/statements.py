@@ -38,6 +38,15 @@ class Statements:
                 firsts = [first for _, _, first in group]
                 self.beside |= dict.fromkeys(firsts, firsts)
 
+    def names(self) -> dict[int, tuple]:
+        """Return, of each statement, what stays when others change: its file, its text, and which of these it is."""
+        names, seen = {}, defaultdict(int)
+        for number, file, _, text, *_ in self.index:
+            if self.of_number[number] == number:
+                seen[file, text.strip()] += 1
+                names[number] = (file, text.strip(), seen[file, text.strip()])
+        return names
+
     def nearest(self, statement: int, reached) -> int:
         """Return a statement if it is reached; else the nearest one before it that is, or after it.
 

@@ -22,10 +22,13 @@ from pathlib import Path
 
 from mutants import DECLARATION, Mutant, closing, code_of, mutants_of
 from package import copy_package, core_of
+from statements import Statements
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 ROOMS = ("numerics", "mechanics", "motions", "studies", "cases")
+#: Which statements the Python tests reach (reaching.py).
+REACHED_BY_TESTS = "python.json"
 #: The variable, in a module that everything may use.
 MODULE = """
 !> Which mutant is tried; 0 for none.
@@ -276,8 +279,10 @@ def prepare(folder: Path) -> None:
     sources = [path for path in tracked() if path.is_relative_to(ROOT / "src")]
     now = digest(*sources, Path(__file__), HERE / "mutants.py")
     if not mark.exists() or mark.read_text(encoding="utf-8") != now:
+        before = reached_by_tests(folder)
         shutil.rmtree(folder, ignore_errors=True)
         write(folder, tree)
+        carry(before, folder)
         build(folder, tree, counted=False)
         build(folder, tree, counted=True)
         mark.write_text(now, encoding="utf-8")
@@ -292,6 +297,33 @@ def prepare(folder: Path) -> None:
     if changed:
         ninja(folder / "plain")
         ninja(folder / "counted")
+
+
+def reached_by_tests(folder: Path) -> dict[str, dict]:
+    """Return what reaching.py has noted of files of Python tests, statements by their names."""
+    note = folder / REACHED_BY_TESTS
+    if not note.exists():
+        return {}
+    names = Statements(folder).names()
+    files = json.loads(note.read_text(encoding="utf-8"))
+    for noted in files.values():
+        noted["tests"] = [
+            [test, seconds, [names[number] for number in reached]]
+            for test, seconds, reached in noted["tests"]
+        ]
+    return files
+
+
+def carry(files: dict[str, dict], folder: Path) -> None:
+    """Note it for a new build, in which most statements are what they were: to find it takes half an hour."""
+    numbers = {name: number for number, name in Statements(folder).names().items()}
+    for noted in files.values():
+        noted["tests"] = [
+            [test, seconds, [numbers[name] for name in reached if name in numbers]]
+            for test, seconds, reached in noted["tests"]
+        ]
+    if files:
+        (folder / REACHED_BY_TESTS).write_text(json.dumps(files), encoding="utf-8")
 
 
 def tracked() -> list[Path]:
