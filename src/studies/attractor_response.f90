@@ -1,7 +1,6 @@
 !> The response of the primary mass over all coexisting attractors.
 module vi_attractor_response
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_negative_inf, ieee_positive_inf, &
-      ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_spread, only: spread_states
    use vi_kinds, only: wp
@@ -29,7 +28,7 @@ contains
       integer, intent(in) :: max_events, threads
       !> (states, n): NaN where a simulation failed.
       real(wp), intent(out) :: attenuation(:, :)
-      !> (2, n): least and greatest over the states; inf and -inf if all failed.
+      !> (2, n): least and greatest over the states; NaN if all failed.
       real(wp), intent(out) :: envelope(:, :)
       !> (4, states, n): period, symbols, impacts, rests; (states, n): status of each simulation.
       integer, intent(out) :: periods(:, :, :), status(:, :)
@@ -39,8 +38,10 @@ contains
       real(wp), allocatable :: parameters(:, :, :), starts(:, :), impacts(:, :, :, :), &
          extremes(:, :, :), ends(:, :, :)
       integer, allocatable :: labels(:, :, :, :), found(:, :), counts(:, :, :), ends_status(:, :)
+      real(wp) :: nan
       integer :: states, n, j, m
 
+      nan = ieee_value(load, ieee_quiet_nan)
       states = size(attenuation, 1)
       n = size(r)
       m = states*n
@@ -58,13 +59,10 @@ contains
       periods = reshape(counts, [4, states, n])
       attenuation = reshape(max(-extremes(1, 1, :), extremes(2, 1, :)), [states, n])
       do j = 1, n
-         associate (each => attenuation(:, j))
-            each = each/(load*gain(osc%xi, r(j)))
-            where (status(:, j) /= stat%ok) each = ieee_value(load, ieee_quiet_nan)
-            envelope(1, j) = minval([ieee_value(load, ieee_positive_inf), pack(each, .not. &
-               ieee_is_nan(each))])
-            envelope(2, j) = maxval([ieee_value(load, ieee_negative_inf), pack(each, .not. &
-               ieee_is_nan(each))])
+         associate (each => attenuation(:, j), good => status(:, j) == stat%ok)
+            each = merge(each/(load*gain(osc%xi, r(j))), nan, good)
+            envelope(:, j) = nan
+            if (any(good)) envelope(:, j) = [minval(each, good), maxval(each, good)]
          end associate
       end do
    end subroutine respond

@@ -43,7 +43,8 @@ module vi_response_study
       column_type('points', 'r', meaning='frequency ratio'), &
       column_type('points', 'clearance', unit='F0/K', &
       meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
-      column_type('points', 'lowest', meaning='least max|X|/A of the attractors'), &
+      column_type('points', 'lowest', &
+      meaning='least max|X|/A of the attractors; nan if all simulations failed'), &
       column_type('points', 'highest', meaning='greatest max|X|/A of the attractors'), &
       column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &
       column_type('runs', 'cycles', wholes, listed=.false., &
@@ -189,9 +190,12 @@ contains
       lost = count(status(:, done) /= stat%ok)
       n = size(done)
       result%empty = lost == n*states
-      if (.not. result%empty) call result%add_note('max|X|/A from '//shown(minval(envelope(1, &
-         done)), &
-         'f12.4')//' to '//shown(maxval(envelope(2, done)), 'f12.4')//' at '//counted(n, 'point'))
+      if (.not. result%empty) then
+         associate (values => attenuation(:, done), good => status(:, done) == stat%ok)
+            call result%add_note('max|X|/A from '//shown(minval(values, good), 'f12.4')//' to '// &
+               shown(maxval(values, good), 'f12.4')//' at '//counted(n, 'point'))
+         end associate
+      end if
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(n*states, 'simulation')// &
          ' failed: '//status_text(maxval(status(:, done))))
    end subroutine run_response

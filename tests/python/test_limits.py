@@ -65,6 +65,11 @@ def test_nothing_is_left_of_the_simulation_before(r):
     for values in (found.cycles, found.symbols, found.impacts, found.rests):
         assert not values[ended].any()
     assert found.impacts[~ended].all()
+    failed = ended.all(axis=1)
+    assert failed.sum() == 1
+    for values in (found.lowest, found.highest):
+        np.testing.assert_array_equal(np.isnan(values), failed)
+    assert f"from {np.nanmin(found.attenuation):.4g} to" in repr(found)
 
 
 def test_sweeps_end():

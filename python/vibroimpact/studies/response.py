@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import door
@@ -26,7 +27,7 @@ class Response(Noun, study="response"):
     attenuation : ndarray (n, states)
         max|X|/A of the motion on which each initial state settles; NaN where it failed.
     lowest, highest : ndarray (n,)
-        The least and the greatest of these over the attractors at each r.
+        The least and the greatest of these over the attractors at each r; NaN where all failed.
     cycles, symbols : ndarray (n, states) of int
         Load cycles of the period (0: none was found), and symbols in it.
     impacts, rests : ndarray (n, states) of int
@@ -60,7 +61,7 @@ class Response(Noun, study="response"):
         cut = "" if self.complete else f"; cut short, {self.cut}"
         return (
             f"<Response at {self.r.size} r from {self.r[0]:.6g} to {self.r[-1]:.6g}: max|X|/A from "
-            f"{self.lowest.min():.4g} to {self.highest.max():.4g}{cut}>"
+            f"{np.fmin.reduce(self.lowest):.4g} to {np.fmax.reduce(self.highest):.4g}{cut}>"
         )
 
 
