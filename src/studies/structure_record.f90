@@ -11,7 +11,7 @@ module vi_structure_record
    implicit none (type, external)
    private
 
-   public :: advance_recorded, bound_interval, pass_intervals, set_forces
+   public :: advance_recorded, bound_interval, modal_forces, pass_intervals, rows_now, set_forces
 
 contains
 

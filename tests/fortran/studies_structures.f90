@@ -13,7 +13,7 @@ module studies_structures
    use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
    use vi_structure_exact, only: solve_structure_exact
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
-   use vi_structure_record, only: bound_interval
+   use vi_structure_record, only: bound_interval, modal_forces, rows_now
    use vi_structure_return, only: settle, settled_type
    use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at
@@ -36,6 +36,7 @@ contains
       call test_audit()
       call test_long_flight()
       call test_bounds_of_intervals()
+      call test_rates_of_rows()
    end subroutine test_structures
 
    !> A flight of hundreds of thousands of turns before the first impact: in parts it gives
@@ -359,6 +360,61 @@ contains
       constant = 0
       load = new_load(frequency, harmonics, constant)
    end function sine_load
+
+   !> Under a force that stays, the rows of a record change as their rates tell. They are linear in
+   !! the pairs, so that a step of any length along the derivatives of these shows it. Where damping
+   !! does not couple the modes, rows depend on positions alone.
+   subroutine test_rates_of_rows()
+      integer, parameter :: n = 3
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(regime_type) :: regime
+      real(wp), allocatable :: pairs(:, :), moved(:, :), values(:, :), after(:, :)
+      real(wp) :: matrices(n, n, 3), part(n, n), force(n), step
+      integer :: i, j, kinds(2), status
+
+      kinds = 0
+      do i = 1, 60
+         do j = 1, 3
+            call fill(random, -1.0_wp, 1.0_wp, part(:, 1))
+            call fill(random, -1.0_wp, 1.0_wp, part(:, 2))
+            call fill(random, -1.0_wp, 1.0_wp, part(:, 3))
+            matrices(:, :, j) = matmul(part, transpose(part))
+         end do
+         do j = 1, n
+            matrices(j, j, 1) = matrices(j, j, 1) + 1
+         end do
+         if (mod(i, 3) == 0) matrices(:, :, 2) = 0.3_wp*matrices(:, :, 3)
+         structure = new_structure(matrices, reshape([-1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp, &
+            1.0_wp], [n, 2]), reshape([0.5_wp, 0.7_wp, 0.6_wp, 0.4_wp], [2, 2]))
+         call check_structure(structure, status)
+         call new_regime(structure, new_load(0.0_wp, reshape([real(wp) ::], [n, 2, 0]), [0.0_wp, &
+            0.0_wp, 0.0_wp], 1.0_wp, part), [(1, j=1, mod(i, 2))], regime, status)
+         if (status /= stat%ok) cycle
+         associate (rows => size(regime%base_offset), m => size(regime%modes%stiffness))
+            allocate (pairs(m, 4), moved(m, 4), values(rows, 2), after(rows, 2))
+         end associate
+         call fill(random, -1.0_wp, 1.0_wp, force)
+         call fill(random, -1.0_wp, 1.0_wp, pairs(:, 1))
+         call fill(random, -1.0_wp, 1.0_wp, pairs(:, 2))
+         call modal_forces(regime, force, pairs(:, 3), pairs(:, 4))
+         step = draw_log(random, 0.01_wp, 1.0_wp)
+         moved = pairs
+         moved(:, 1) = pairs(:, 1) + step*(pairs(:, 2) + pairs(:, 3))
+         moved(:, 2) = pairs(:, 2) + step*(pairs(:, 4) - regime%modes%stiffness*pairs(:, 1) &
+            - 2*regime%modes%damping*pairs(:, 2))
+         call rows_now(regime, force, pairs, values)
+         call rows_now(regime, force, moved, after)
+         associate (scale => maxval(abs(values)) + maxval(abs(after)))
+            call check(all(abs(after(:, 1) - values(:, 1) - step*values(:, 2)) <= 1.0e-12_wp &
+               *scale), 'records: rates of rows are the derivatives of the rows')
+         end associate
+         j = merge(1, 2, regime%rows%by_position)
+         kinds(j) = kinds(j) + 1
+         deallocate (pairs, moved, values, after)
+      end do
+      call check(all(kinds >= 10), 'records: rows with and without velocities')
+   end subroutine test_rates_of_rows
 
    !> Between two samples of a record, fourth differences of x and v, which Runge's and Kutta's
    !! method finds, are within the bounds on fourth derivatives, and reach those of an undamped pair

@@ -15,6 +15,7 @@ from vibroimpact.tables import STORED, Handle, declared, language, shown, text_o
 FOLDER = Path(__file__).parents[1] / "data" / "answers"
 INPUTS = Path(__file__).parents[2] / "inputs"
 KEPT = FOLDER / "answers.jsonl"
+DECLARED = FOLDER / "declared.json"
 #: Sums agree within this share of the sum of magnitudes; what is smaller than FLOOR is rounding.
 SHARE, FLOOR = 1e-8, 1e-12
 #: The first line of a case that is stopped before it begins.
@@ -96,6 +97,18 @@ def fingerprint(values):
         values.size, int(values.size - np.isfinite(values).sum()),
         float(f"{weighted.sum():.13g}"), float(f"{np.abs(weighted).sum():.4g}"),
     ]  # fmt: skip
+
+
+def declarations():
+    """A checksum of what each group and each study declares, without the sentences on their meaning."""
+    text = json.dumps(language())
+    bare = json.loads(
+        text, object_hook=lambda about: {key: about[key] for key in about if key != "meaning"}
+    )
+    return {
+        part: {name: zlib.crc32(json.dumps(about).encode()) for name, about in items.items()}
+        for part, items in bare.items()
+    }
 
 
 def differences(kept, found):

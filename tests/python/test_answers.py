@@ -7,7 +7,7 @@ change is meant, `python tests/quality/find_answers.py --renew` writes the answe
 import json
 import os
 
-from shared_answers import answer, differences, load, put_files
+from shared_answers import DECLARED, answer, declarations, differences, load, put_files
 
 
 def test_answers(tmp_path, monkeypatch):
@@ -22,6 +22,14 @@ def test_answers(tmp_path, monkeypatch):
         if changed and "STOP_AT_FAILURE" in os.environ:
             break
     assert not changed, "\n".join(["what changed:", *changed[:5]])
+
+
+def test_declarations():
+    """The keys with their limits and defaults, and the columns with their units, are those that were kept."""
+    kept = json.loads(DECLARED.read_text(encoding="utf-8"))
+    for part, found in declarations().items():
+        names = kept[part].keys() | found.keys()
+        assert [name for name in sorted(names) if kept[part].get(name) != found.get(name)] == []
 
 
 def test_differences_are_seen():

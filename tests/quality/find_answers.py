@@ -36,7 +36,17 @@ sys.path[:0] = [str(ROOT / "tests" / part) for part in ("python", "fuzz")]
 from kills import KILLED, kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
 from mutate import core_files, sample  # noqa: E402
-from shared_answers import KEPT, STOPPED, answer, differences, load, merged, put_files  # noqa: E402
+from shared_answers import (  # noqa: E402
+    DECLARED,
+    KEPT,
+    STOPPED,
+    answer,
+    declarations,
+    differences,
+    load,
+    merged,
+    put_files,
+)
 from vibroimpact.tables import language  # noqa: E402
 
 from door import BLOCKS, Counted, Library  # noqa: E402
@@ -388,6 +398,7 @@ def keep(texts, others, before):
     new = KEPT.with_suffix(".new")
     new.write_text("\n".join([*lines, ""]), encoding="utf-8")
     new.replace(KEPT)
+    DECLARED.write_text(json.dumps(declarations(), indent=1) + "\n", encoding="utf-8")
     print(
         f"{len(lines)} answers to {len(texts)} texts, {KEPT.stat().st_size} bytes, {changed} changes"
     )

@@ -39,7 +39,7 @@ class Statements:
                 self.beside |= dict.fromkeys(firsts, firsts)
 
     def names(self) -> dict[int, tuple]:
-        """Return, of each statement, what stays when others change: its file, its text, and which of these it is."""
+        """Return, of each statement, what stays when others change: file, text, and which of these it is."""
         names, seen = {}, defaultdict(int)
         for number, file, _, text, *_ in self.index:
             if self.of_number[number] == number:
