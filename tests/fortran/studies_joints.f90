@@ -37,6 +37,8 @@ contains
                pack(loop%corner, cshift(loop%corner, 1) == begins) == 0) .and. &
                count(loop%corner == begins) == count(loop%corner == ends), &
                'a piece ends where the next begins')
+            call check(all(abs(norm2(loop%tangents, 1) - 1) < 1.0e-12_wp), &
+               'tangents of joints are unit vectors, too')
          end associate
          ! one gap is not: a longer arc, which stays open
          call two_arcs([5.0e-5_wp, 1.0e-3_wp], turned, zone)
@@ -48,6 +50,16 @@ contains
          zone%loops(2)%points(1, :) = 1
          call join_loose_ends(zone)
          call check(zone%n == 2 .and. .not. any(zone%loops(:2)%closed), 'other motions')
+         ! a line whose end is near the gap, but farther than the gap is wide, stays alone
+         call two_arcs([5.0e-5_wp, 1.0e-3_wp], turned, zone)
+         zone%n = 3
+         zone%loops(3) = arc(0.0_wp, 1.0_wp, flip)
+         do i = 1, zone%loops(3)%n
+            zone%loops(3)%points(3:, i) = [1 + 9.0e-5_wp + 0.01_wp*(i - 1), 0.0_wp]
+         end do
+         call join_loose_ends(zone)
+         call check(zone%n == 2 .and. count(zone%loops(1)%conditions%kind == joint) == 2 .and. &
+            all(zone%loops(2)%conditions%kind == flip), 'the nearest ends are joined first')
       end do
    end subroutine test_joints
 
