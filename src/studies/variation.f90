@@ -272,13 +272,12 @@ contains
       type(forced_system_type), intent(in) :: system
       !> The state just before.
       type(moment_type), intent(in) :: from
-      !> In: just before. Out: with the common velocity.
+      !> In: just before. Out: with the common velocity as x'; `through_rest` sets z', too.
       type(variation_type), intent(inout) :: change
 
       associate (mu => system%osc%mu, state => change%state, n => change%n)
          state(2, :n) = (state(2, :n) + mu*state(3, :n))/(1 + mu) + (from%z_dot - from%x_dot) &
             *change%others(of_mu, :n)/(1 + mu)**2
-         state(3, :n) = state(2, :n)
       end associate
    end subroutine through_stick
 
