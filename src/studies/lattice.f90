@@ -8,7 +8,7 @@ module vi_lattice
    implicit none (type, external)
    private
 
-   public :: even_lattice, lattice_type, new_lattice, nearest_lines, line_spacing
+   public :: density, even_lattice, lattice_type, new_lattice, nearest_lines, line_spacing
 
    !> Coordinates of lines in increasing order, 0 at the lower end of the window.
    type :: axis_type

@@ -12,7 +12,7 @@ module studies_surfaces
    use vi_frame, only: condition_count, condition_type, grazing, is_inside, neimark_sacker, &
       unknown_count
    use vi_kinds, only: wp
-   use vi_lattice, only: even_lattice
+   use vi_lattice, only: density, even_lattice, lattice_type, new_lattice
    use vi_net, only: cover_from, net_type, new_net
    use vi_net_line, only: line_of, start_type
    use vi_orbit, only: n_parameters
@@ -40,9 +40,44 @@ contains
       call test_windows()
       call test_lost_vertices()
       call test_zeros()
+      call test_lattices()
       call test_nets()
       call test_branches()
    end subroutine test_surfaces
+
+   !> Lines of constant r are nowhere farther apart than their density allows. Where they are not
+   !! evenly spaced, the integral of the density (Simpson's rule) is the same between any two.
+   subroutine test_lattices()
+      real(wp), parameter :: windows(2, 6) = reshape([0.1_wp, 0.6_wp, 0.3_wp, 0.9_wp, 0.5_wp, &
+         1.5_wp, 0.9_wp, 1.1_wp, 1.02_wp, 3.0_wp, 1.5_wp, 6.0_wp], [2, 6])
+      integer, parameter :: steps = 200
+      type(random_type) :: own
+      type(lattice_type) :: lattice
+      real(wp), allocatable :: parts(:), at(:)
+      integer :: i, j, k, lines
+
+      do i = 1, size(windows, 2)
+         lines = draw_integer(own, 2, 33)
+         lattice = new_lattice(lines, [windows(:, i), 0.0_wp, 1.0_wp], [1.0_wp, 1.0_wp])
+         at = windows(1, i) + lattice%axes(1)%at
+         allocate (parts(size(at) - 1))
+         do j = 1, size(parts)
+            associate (h => (at(j + 1) - at(j))/steps)
+               parts(j) = h/3*sum([(merge(1, merge(4, 2, mod(k, 2) == 1), k == 0 .or. k == steps) &
+                  *density(at(j) + k*h), k=0, steps)])
+            end associate
+         end do
+         call check_close(at(size(at)), windows(2, i), 1.0e-13_wp, 'lines from bound to bound')
+         ! no more than eight times as many lines as are asked for
+         if (size(at) < 8*(lines - 1)) call check(all(parts*(lines - 1) <= 16*(1 + 1.0e-6_wp)), &
+            'lines are as near as their density asks')
+         associate (apart => at(2:) - at(:size(at) - 1))
+            call check(maxval(apart) <= 1.001_wp*minval(apart) .or. maxval(parts) <= minval(parts) &
+               *(1 + 1.0e-6_wp), 'lines are even in r, or in the integral of their density')
+         end associate
+         deallocate (parts)
+      end do
+   end subroutine test_lattices
 
    pure function sides_of(text) result(sides)
       character(*), intent(in) :: text
