@@ -177,8 +177,8 @@ contains
       call member_point(setting, whole(:m)*c(by_clearance), whole(m + 1:), phases, impacts, &
          scalars, multipliers, verdicts, code)
       if (condition%kind == zero_approach) then
-         ! an impact without approach speed is none, and its map has no derivative: what is computed
-         ! there is rounding over rounding
+         ! without an approach speed there is no impact, and [P] does not exist: the computed one
+         ! contains a rounding error divided by another
          multipliers = cmplx(ieee_value(1.0_wp, ieee_quiet_nan), 0.0_wp, wp)
          verdicts(2:) = [no, unknown]
       end if

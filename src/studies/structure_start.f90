@@ -311,8 +311,8 @@ contains
       end associate
    end subroutine motion_at
 
-   !> The verdicts on a motion one of whose impacts has no approach speed: it is no impact, and the
-   !! period has no derivative. What is computed there is rounding over rounding.
+   !> The verdicts on a motion where an impact has no approach speed: it is not an impact, and the
+   !! period has no derivative. The computed one contains a rounding error divided by another.
    pure subroutine without_derivative(verdicts)
       !> In and out: the verdicts.
       type(structure_verdicts_type), intent(inout) :: verdicts

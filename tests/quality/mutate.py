@@ -152,7 +152,7 @@ class Switched(Compiled):
                     return failed
                 chosen.remove(failed)
                 continue
-            # a crash, which does not tell the test, or one that fails only after others: unless they do so anyhow
+            # a crash does not name the test, or the test fails only after others: do they fail without a mutant?
             wrong = self.failed(chosen, 0)
             if wrong is None:
                 return "Python tests"
