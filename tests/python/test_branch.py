@@ -257,6 +257,15 @@ def test_no_multipliers_at_a_zero_approach():
         assert products[0] == pytest.approx(products[1], rel=0.05)
 
 
+@pytest.mark.parametrize(("y", "drawn"), [("largest", False), ("attenuation", True)])
+def test_legend_names_only_markers_that_are_drawn(y, drawn):
+    """A zero approach has no multipliers, so that a plot of them neither marks nor names it."""
+    pytest.importorskip("matplotlib")
+    branch = vi.branch(triple_motion(), "clearance", (1, 60))
+    texts = [text.get_text() for text in branch.plot(y=y).get_legend().get_texts()]
+    assert ("zero approach" in texts) is drawn
+
+
 def test_columns_and_table():
     branch = vi.branch(pair_motion(), "clearance", (10, 60))
     item = branch[3]

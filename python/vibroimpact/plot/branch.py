@@ -78,7 +78,8 @@ def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any, along: An
             )  # fmt: skip
     seen: set[str] = set()
     for point in branch.special_points:
-        if point.type not in MARKERS:
+        # no marker, and no entry in the legend, where the column has no value
+        if point.type not in MARKERS or not np.isfinite(column[point.index]):
             continue
         marker, color = MARKERS[point.type]
         ax.plot(
