@@ -18,6 +18,7 @@ class Library:
     def __init__(self, path):
         self.c = ctypes.CDLL(str(path))
         self.c.vibroimpact_text.restype = ctypes.c_size_t
+        self.progress = [0, 0]
 
     def text(self, handle, what):
         """A text of a result."""
@@ -43,7 +44,10 @@ class Library:
         return self.text(handle, 0)
 
     def run(self, text, seconds=None):
-        """(answer, CPU seconds); the answer is None for a case that took longer than it may."""
+        """(answer, CPU seconds); the answer is None for a case that took longer than it may.
+
+        `progress` is then what the case told of its progress: units of work done and expected.
+        """
         handle, counters = ctypes.c_int64(), (ctypes.c_int32 * 3)()
         counters[2] = meant = text.startswith(STOPPED)
         clock = threading.Timer(seconds, counters.__setitem__, (2, 1)) if seconds else None
@@ -54,6 +58,7 @@ class Library:
         took = time.thread_time() - begin
         if clock:
             clock.cancel()
+        self.progress = list(counters[:2])
         late = (counters[2] or status not in (0, 1, 2)) and not meant
         found = None if late else read(self, status, self.text(handle, 7))
         self.c.vibroimpact_free(handle)

@@ -13,7 +13,8 @@ usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY..
 --renew   writes the answers to the kept texts again, and prints what changed.
 --compare prints what other builds answer differently, but for rounding: the exit status is 1 if anything.
 
-An answer is kept as far as the package and all libraries named (another compiler, another LAPACK) agree.
+An answer is kept as far as the package and all libraries named (another compiler, another LAPACK) agree, and so is
+the work that it takes (work.py), as far as these builds, that in build/fortran, and other versions of sines agree.
 """
 
 import argparse
@@ -22,6 +23,7 @@ import json
 import multiprocessing
 import os
 import random
+import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -33,6 +35,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / part) for part in ("python", "fuzz")]
 
+import work  # noqa: E402
 from kills import KILLED, kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
 from mutate import core_files, sample  # noqa: E402
@@ -54,6 +57,8 @@ from door import BLOCKS, Counted, Library  # noqa: E402
 # OpenBLAS has a kernel for each kind of processor, whose last digits decide at an edge: one for all machines
 os.environ["OPENBLAS_CORETYPE"] = "Haswell"
 
+#: Where glibc has several versions of a sine, the one for processors without fused products.
+PLAIN_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"}
 #: CPU seconds that a kept case may take in the counting library.
 LONGEST = 2.0
 #: Bytes of a kept answer.
@@ -204,6 +209,7 @@ def main():
     what.add_argument("--mutants", type=Path, metavar="FOLDER")
     what.add_argument("--renew", action="store_true")
     what.add_argument("--compare", type=Path, nargs="+", metavar="LIBRARY")
+    what.add_argument("--calls", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--texts", type=int, default=10_000, help="texts that are tried (10000)")
     parser.add_argument("--seed", type=int, default=1, help="of the texts and the sample (1)")
     parser.add_argument("--sample", type=int, default=300, help="mutants that are tried (300)")
@@ -225,7 +231,10 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         put_files(Path(folder))
         os.chdir(folder)
-        others = [Library(path) for path in others]
+        if asked.calls:
+            return tell_calls()
+        # a library stands in src/c of its build
+        others = [Library(path) if asked.compare else work.Work(path.parents[2]) for path in others]
         kept = load() if KEPT.exists() else []
         if asked.compare:
             return compare(kept, others)
@@ -253,6 +262,13 @@ def compare(kept, others):
                 print(f"{name} differs:\n{item['text']}")
     print(f"{len(kept)} answers of {len(others)} other builds, {different} differences")
     return int(different > 0)
+
+
+def tell_calls():
+    """Print the calls of each of the cases on the standard input; return 0."""
+    mine = work.Work(ROOT / "build/fortran")
+    print(json.dumps([mine.count(text)[2] for text in json.load(sys.stdin)]))
+    return 0
 
 
 def search(counted, kept, count, seed):
@@ -378,23 +394,39 @@ def fewest(found, times):
 def keep(texts, others, before):
     """Write the texts with the answers that all builds have in common, and tell what changed; return 0."""
     old = {item["text"]: item["answer"] for item in before}
-    lines, changed = [], 0
+    old_calls = dict(zip(old, work.load(len(old)), strict=True))
+    lines, changed, calls = [], 0, {}
+    subprocess.run(["ninja", "-C", ROOT / "build/fortran"], check=True, stdout=subprocess.DEVNULL)
+    mine = work.Work(ROOT / "build/fortran")
     texts = [text for text in texts if not text.startswith(STOPPED)]
     for text in (*texts, *(STOPPED + text for text in texts)):
         common = answer(text)
         if text.startswith(STOPPED) and not [*differences(answer(text[len(STOPPED) :]), common)]:
             # done before it was asked to stop
             continue
+        _, _, same = mine.count(text)
         for other in others:
-            seen, _ = other.run(text, 20.0)
+            seen, _, there = other.count(text, 20.0)
             common = merged(common, seen) if common and seen else None
+            same = work.merged(same, there)
         if common is None:
             continue
+        calls[text] = same
         common = json.loads(json.dumps(common))
         lines.append(json.dumps({"text": text, "answer": common}))
         for name in differences(old.get(text, common), common):
             changed += 1
             print(f"{name} changed:\n{text}")
+    asked = subprocess.run(
+        [sys.executable, __file__, "--calls"], input=json.dumps([*calls]), env=os.environ | PLAIN_SINES,
+        stdout=subprocess.PIPE, text=True, check=True,
+    )  # fmt: skip
+    for text, there in zip(calls, json.loads(asked.stdout), strict=True):
+        calls[text] = work.merged(calls[text], there)
+        if more := work.differences(old_calls.get(text, calls[text]), calls[text]):
+            changed += 1
+            print(f"calls of {', '.join(more)} changed:\n{text}")
+    work.store([*calls.values()])
     new = KEPT.with_suffix(".new")
     new.write_text("\n".join([*lines, ""]), encoding="utf-8")
     new.replace(KEPT)

@@ -1,7 +1,7 @@
 """Asks which mutants the kept answers notice, in the libraries that hold nearly all of them (switched.py).
 
 A case is run only for the mutants whose statement it reaches, each mutant in a process of its own. What differs
-from the kept answer, breaks down, or takes much longer, kills the mutant.
+from the kept answer or the kept amount of work (work.py), breaks down, or takes much longer, kills the mutant.
 """
 
 import hashlib
@@ -22,6 +22,8 @@ from statements import Statements  # noqa: E402
 
 LIBRARY = "src/c/libvibroimpact.so"
 
+import work  # noqa: E402
+
 from door import Counted, Library  # noqa: E402
 
 #: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number, and the
@@ -31,16 +33,20 @@ NOTICED, IN_VAIN = 1, 77
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
 
 
+#: A case: text, answer, CPU seconds, calls of procedures.
+Case = tuple[str, dict, float, dict[str, int | None]]
+
+
 class Trial:
-    """What tries mutants on cases: (text, answer, CPU seconds)."""
+    """What tries mutants on cases."""
 
     def __init__(self, folder: Path):
         self.statements = Statements(folder)
         self.folder = folder
-        self.library = Library(folder / "plain" / LIBRARY)
-        self.cases: list[tuple[str, dict, float]] = []
+        self.library = work.Work(folder / "plain")
+        self.cases: list[Case] = []
         #: What the core answers to other texts; None where that takes too long.
-        self.answers: dict[str, tuple[str, dict, float] | None] = {}
+        self.answers: dict[str, Case | None] = {}
         #: By the first number of a statement: the cases that reach it, the shortest first.
         self.reaching: dict[int, list[int]] = defaultdict(list)
 
@@ -92,9 +98,9 @@ class Trial:
         cases = []
         for text in texts:
             if text not in self.answers:
-                found, took = self.library.run(text, longest)
+                found, took, calls = self.library.count(text, longest)
                 good = found is not None and took < longest and len(json.dumps(found)) < 6000
-                self.answers[text] = (text, found, took) if good else None
+                self.answers[text] = (text, found, took, calls) if good else None
             if self.answers[text]:
                 cases.append(self.answers[text])
         place = self.noticed(number, sorted(cases, key=lambda case: case[2]))
@@ -107,15 +113,18 @@ class Trial:
         os.dup2(quiet, 2)
         resource.setrlimit(resource.RLIMIT_AS, (2**33, 2**33))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        if alone:
-            library = Library(alone)
-        else:
-            library = self.library
-            library.choose(number)
-        for place, (text, kept, took) in enumerate(cases):
+        library = Library(alone) if alone else self.library
+        if not alone:
+            self.library.choose(number)
+        for place, (text, kept, took, kept_calls) in enumerate(cases):
             os.write(out, place.to_bytes(4, "little"))
             signal.setitimer(signal.ITIMER_PROF, (100 if alone else 10) * took + 1)
-            found, _ = library.run(text)
+            if alone:
+                found, _ = library.run(text)
+            else:
+                found, _, calls = self.library.count(text)
+                if work.differences(kept_calls, calls):
+                    return True
             if any(True for _ in differences(kept, found)):
                 return True
         return False
@@ -158,10 +167,12 @@ def kept_trial(folder: Path) -> Trial:
     found = [known[item["text"]] for item in kept]
     trial = Trial(folder)
     cases, reached = [], []
-    for item, (took, statements) in zip(kept, found, strict=True):
+    for item, calls, (took, statements) in zip(kept, work.load(len(kept)), found, strict=True):
+        text, answer = item["text"], item["answer"]
         # a case whose answer these libraries do not give would notice whatever it reaches
-        if not [*differences(item["answer"], trial.library.run(item["text"])[0])]:
-            cases.append((item["text"], item["answer"], took))
+        seen, _, here = trial.library.count(text)
+        if not [*differences(answer, seen)]:
+            cases.append((text, answer, took, work.merged(calls, here)))
             reached.append(statements)
     trial.add(cases, reached)
     return trial
