@@ -40,7 +40,8 @@ contains
 
       associate (clearance => block(:, 1), x => block(:, 2), forced => block(:, 3:4))
          z_dot = -2*(x + 0.5_wp*clearance)/duration
-         approaches = z_dot + (plan%x_dot_before(2, 1) - plan%x_dot_before(1, 1))*z_dot < 0
+         ! by (28) the approach speed is 2 (1 + mu)/(1 + R) times that of the free mass
+         approaches = z_dot < 0
          parts(:, 2) = x - forced(:, 2)                                                   ! (6)
          parts(:, 1) = ((plan%x_dot_after(2, 1) - plan%x_dot_after(1, 1))*z_dot &
             + plan%xi*parts(:, 2) - r*forced(:, 1))/plan%frequency                        ! (5)

@@ -144,17 +144,19 @@ def merged(kept, found):
         return both if ROUNDING not in both.values() else None
     if both["case"] == ROUNDING or kept["columns"].keys() != found["columns"].keys():
         return None
-    both["columns"] = dict(kept["columns"])
-    for name, mine in kept["columns"].items():
-        other = found["columns"][name]
-        if close(mine, other):
-            continue
-        if mine[0] != other[0] or (len(mine) == 4 and mine[1] != other[1]):
-            return None
-        both["columns"][name] = (
-            [*mine[:2], ROUNDING, mine[3]] if len(mine) == 4 else [mine[0], ROUNDING]
-        )
-    return both
+    both["columns"] = {
+        name: common(column, found["columns"][name]) for name, column in kept["columns"].items()
+    }
+    return both if None not in both["columns"].values() else None
+
+
+def common(kept, found):
+    """A fingerprint of what two builds have in common; None if they differ in more than rounding."""
+    if close(kept, found):
+        return kept
+    if kept[0] != found[0] or (len(kept) == 4 and kept[1] != found[1]):
+        return None
+    return [*kept[:2], ROUNDING, kept[3]] if len(kept) == 4 else [kept[0], ROUNDING]
 
 
 def put_files(folder):

@@ -39,6 +39,7 @@ import work  # noqa: E402
 from kills import KILLED, kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
 from mutate import core_files, sample  # noqa: E402
+from package import PLAIN_SINES  # noqa: E402
 from shared_answers import (  # noqa: E402
     DECLARED,
     KEPT,
@@ -57,8 +58,6 @@ from door import BLOCKS, Counted, Library  # noqa: E402
 # OpenBLAS has a kernel for each kind of processor, whose last digits decide at an edge: one for all machines
 os.environ["OPENBLAS_CORETYPE"] = "Haswell"
 
-#: Where glibc has several versions of a sine, the one for processors without fused products.
-PLAIN_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"}
 #: CPU seconds that a kept case may take in the counting library.
 LONGEST = 2.0
 #: Bytes of a kept answer.

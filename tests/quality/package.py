@@ -5,6 +5,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: Python reads this file before anything else: the editable package, which would be found first, is hidden.
 HIDE = "import sys; sys.meta_path[:] = [f for f in sys.meta_path if type(f).__name__ != 'MesonpyMetaFinder']\n"
+#: Where glibc has several versions of a sine, the ones for processors without fused products.
+PLAIN_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"}
 
 
 def copy_package(site: Path, build: Path) -> Path:
