@@ -161,10 +161,7 @@ contains
       type(rows_type), intent(inout) :: rows
       integer :: i, j, k, n
 
-      n = 0
-      do j = 1, size(occurs, 1)
-         n = n + filled(count(occurs(j, :)))
-      end do
+      n = sum([(filled(count(occurs(j, :))), j=1, size(occurs, 1))])
       allocate (rows%begins(size(occurs, 1) + 1), rows%fastest(size(occurs, 1)))
       allocate (rows%touched(n), source=1)
       allocate (rows%stiffness(n), rows%drag(n), rows%of_x(n), rows%of_v(n), source=0.0_wp)

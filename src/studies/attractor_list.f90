@@ -224,10 +224,7 @@ contains
       integer, allocatable :: owners(:)
       integer :: i, n
 
-      n = 0
-      do i = 1, list%n
-         n = n + size(list%known(i)%targets)
-      end do
+      n = sum([(size(list%known(i)%targets), i=1, list%n)])
       allocate (targets(n), owners(event_limited:n))
       owners(:) = [event_limited, not_reached, (0, i=0, n)]
       n = 0

@@ -59,7 +59,7 @@ module vi_equispaced_row
 
    !> One motion: its state after the impact on the right wall, and the components of its flight.
    type :: half_type
-      real(wp) :: clearance, x, x_dot, z_dot, x_dot_before
+      real(wp) :: clearance, x, x_dot, z_dot
       !> Coefficients of the four functions at the nodes; the last two are A cos(tau), A sin(tau).
       real(wp) :: parts(4)
       !> Bound on the fourth derivative of x.
@@ -229,14 +229,14 @@ contains
       type(row_type), intent(in) :: row
       !> Clearance D, x_1, and A cos(tau), A sin(tau) (F0/K).
       real(wp), intent(in) :: clearance, x, forced(2)
-      real(wp) :: a, b
+      real(wp) :: a, b, before
 
       associate (osc => row%motion%osc, r => row%motion%r)
          half%clearance = clearance
          half%x = x
          half%z_dot = -2*(x + 0.5_wp*clearance)/row%flight_time
-         call primary_velocities(osc%mu, osc%restitution(1), -half%z_dot, half%z_dot, &
-            half%x_dot_before, half%x_dot)
+         call primary_velocities(osc%mu, osc%restitution(1), -half%z_dot, half%z_dot, before, &
+            half%x_dot)
          b = x - forced(2)                                                                ! (6)
          a = (half%x_dot + osc%xi*b - r*forced(1))/eta(osc%xi)                            ! (5)
          half%parts = [a, b, forced]
@@ -257,7 +257,6 @@ contains
       !> Mirror: positions and velocities change sign, phases do not.
       real(wp), parameter :: mirror(4) = [-1, -1, -1, 1]
       real(wp) :: q(4, 4), unit(4)
-      real(wp) :: clear
       integer :: j, place, status
       logical :: regular, lawful
 
@@ -273,9 +272,9 @@ contains
       do j = 1, 4
          q(:, j) = q(:, j)*mirror*(unit(j)/unit)
       end do
-      clear = abs(half%z_dot + half%x_dot_before)/max(abs(half%z_dot), abs(half%x_dot_before))
+      ! by (28) the approach speed, by which the map divides, exceeds both velocities
       lawful = holds(q, exp(-2*row%motion%osc%xi*row%flight_time)*row%motion%restitution(1)**2, &
-         row%line%rounding/clear)
+         row%line%rounding)
       place = near_circle
       if (.not. with_multipliers) place = locate_spectrum(q)
       if (place /= near_circle .and. lawful .and. row%certain) then
@@ -322,7 +321,8 @@ contains
       y(0) = wall
       y(n) = -wall
       dip = sag(half%bound, row%nodes%step)
-      approaches = half%z_dot + half%x_dot_before < 0
+      ! by (28) the approach speed is 2 (1 + mu)/(1 + R) times that of the free mass
+      approaches = half%z_dot < 0
       inside = stays_within(wall, y(:n), y_rise(:n), dip)
       certain = inside .or. .not. approaches
       if (.not. certain) certain = any(abs(y(1:n - 1)) > wall*(1 + 1.0e-12_wp))

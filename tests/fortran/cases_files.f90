@@ -356,6 +356,9 @@ contains
       call refuse_samples('1 2|3 4|5 6|7 8|x|', 'it has more than 6 numbers')
       call refuse_samples('1 2|3 nan|', 'line 2: must hold 2 finite numbers, as the lines before')
       call refuse_samples('2*1|', 'line 1: must hold finite numbers, at most 2')
+      ! a first line of names is passed over, but these words are meant as numbers
+      call refuse_samples('NaN 1|2 3|', 'line 1: must hold finite numbers, at most 2')
+      call refuse_samples('Infinity 1|2 3|', 'line 1: must hold finite numbers, at most 2')
       call refuse_samples('x y|', 'it holds no numbers')
       call refuse_samples('time|1|2|', 'it has a column of times alone')
    end subroutine test_wrong_samples

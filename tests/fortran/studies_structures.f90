@@ -1,5 +1,6 @@
 !> Periodic motions of structures: the determinant of [P], and motions with rest.
 module studies_structures
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -12,6 +13,7 @@ module studies_structures
       regime_type, structure_type
    use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
    use vi_structure_exact, only: solve_structure_exact
+   use vi_structure_found, only: same_impacts
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
    use vi_structure_record, only: bound_interval, modal_forces, rows_now
    use vi_structure_return, only: settle, settled_type
@@ -34,6 +36,8 @@ contains
       call test_recognised()
       call test_newton_step()
       call test_audit()
+      call test_doubts_of_verdicts()
+      call test_same_impacts()
       call test_long_flight()
       call test_bounds_of_intervals()
       call test_rates_of_rows()
@@ -108,6 +112,124 @@ contains
       call assess_multipliers(0.0_wp, verdicts)
       call check(verdicts%stable == yes, 'the right [P] passes it')
    end subroutine test_audit
+
+   !> The determinant may differ from its law by 1000 times the rounding of the product of the norms
+   !! of the columns. Near the unit circle the leading multiplier, whose condition is the product of
+   !! its unit eigenvectors, has to be away from it by 100 times the rounding of [P].
+   subroutine test_doubts_of_verdicts()
+      real(wp), parameter :: rounding = 1.0e-7_wp
+      real(wp), parameter :: eigenvalues(4) = [0.5_wp, -0.8_wp, 0.3_wp, 0.6_wp]
+      real(wp) :: p(4, 4), allowed, part
+      integer :: i, k
+
+      do k = 1, 4
+         ! columns of other norms; the determinant is that of the diagonal
+         p = 0
+         do i = 1, 4
+            p(i, i) = eigenvalues(i)
+         end do
+         p(1, 2:) = [1.5_wp, -2.0_wp, 3.0_wp]*k
+         p(2, 3:) = [0.7_wp, 4.0_wp]
+         p = cshift(cshift(p, k, dim=1), k, dim=2)
+         allowed = 1.0e3_wp*(rounding + epsilon(1.0_wp))*product(norm2(p, dim=1)) &
+            + 1.0e-9_wp*abs(product(eigenvalues))
+         call check(verdict(p, product(eigenvalues) + 0.99_wp*allowed) == yes .and. &
+            verdict(p, product(eigenvalues) - 0.99_wp*allowed) == yes, &
+            'a determinant within its rounding passes')
+         call check(verdict(p, product(eigenvalues) + 1.01_wp*allowed) == unknown .and. &
+            verdict(p, product(eigenvalues) - 1.01_wp*allowed) == unknown, &
+            'a determinant beyond it does not')
+      end do
+      ! the eigenvectors of 1 - gap are (1, 0) and (1, c/(1 - gap - 0.5))
+      do k = 0, 3
+         p = 0
+         p(3, 3) = 0.1_wp
+         p(4, 4) = -0.2_wp
+         p(2, 2) = 0.5_wp
+         p(1, 2) = real(k, wp)
+         part = 100*(rounding + epsilon(1.0_wp))*hypot(norm2(p), 1.0_wp)*hypot(1.0_wp, 2*p(1, 2))
+         p(1, 1) = 1 - 1.01_wp*part
+         call check(verdict(p, product([(p(i, i), i=1, 4)])) == yes, &
+            'a multiplier away from the circle is stable')
+         p(1, 1) = 1 - 0.99_wp*part
+         call check(verdict(p, product([(p(i, i), i=1, 4)])) == unknown, &
+            'one within rounding of it is not')
+      end do
+      p(1, 1) = ieee_value(1.0_wp, ieee_quiet_nan)
+      call check(verdict(p, 0.0_wp) == unknown, 'nothing is known where [P] is not a number')
+
+   contains
+
+      !> The verdict on [P] with a law of its determinant.
+      pure integer function verdict(p, law)
+         real(wp), intent(in) :: p(4, 4), law
+         type(structure_verdicts_type) :: verdicts
+
+         verdicts%p = p
+         verdicts%law = law
+         call assess_multipliers(rounding, verdicts)
+         verdict = verdicts%stable
+      end function verdict
+   end subroutine test_doubts_of_verdicts
+
+   !> Motions have the same impacts if gaps, phases and speeds agree in some order and after some
+   !! load cycles: phases to 1e-6 rad, speeds to 1e-6 of the largest one.
+   subroutine test_same_impacts()
+      integer, parameter :: gaps(3) = [2, 1, 1], cycles = 3
+      real(wp), parameter :: phases(3) = [0.4_wp, 2.5_wp, 9.1_wp]
+      real(wp), parameter :: speeds(3) = [0.7_wp, 0.1_wp, 2.0_wp]
+      real(wp) :: others(3), small
+      integer :: i, turn
+
+      do turn = -cycles, 2*cycles
+         do i = 0, 2
+            others = phases + 2*pi*turn
+            call check(alike(cshift(gaps, i), cshift(others, i), cshift(speeds, i), cycles), &
+               'impacts in another order and other cycles are the same')
+            call check(.not. alike(cshift(gaps, i), cshift(others, i) + 0.1_wp, cshift(speeds, i), &
+               cycles), 'impacts that are all late are others')
+         end do
+      end do
+      call check(.not. alike(gaps, phases + 2*pi/3, speeds, cycles), 'so by a third of a cycle')
+      do i = 1, 3
+         others = 0
+         others(i) = 0.9e-6_wp
+         call check(alike(gaps, phases + others, speeds, cycles) .and. &
+            alike(gaps, phases, speeds + 2*others, cycles), 'small differences do not count')
+         call check(alike(gaps, phases - others, speeds - 2*others, cycles), 'nor do negative ones')
+         others(i) = 1.1e-6_wp
+         call check(.not. alike(gaps, phases + others, speeds, cycles), 'another phase')
+         call check(.not. alike(gaps, phases - others, speeds, cycles), 'another phase before it')
+         call check(.not. alike(gaps, phases, speeds + 2*others, cycles), 'another speed')
+         call check(.not. alike(gaps, phases, speeds - 2*others, cycles), 'another, lower speed')
+         call check(.not. alike(cshift(gaps, i) + [0, 0, 1], phases, speeds, cycles), 'another gap')
+      end do
+      call check(.not. same_impacts(gaps, phases, speeds, gaps(:2), phases(:2), speeds(:2), &
+         cycles, .false.), 'one impact less')
+      call check(same_impacts(gaps(:0), phases(:0), speeds(:0), gaps(:0), phases(:0), speeds(:0), &
+         cycles, .false.), 'motions without impacts')
+      ! of accumulations the impacts count that have more than 1e-3 of the largest speed
+      do i = 1, 2
+         small = merge(0.999e-3_wp, 1.001e-3_wp, i == 1)*maxval(speeds)
+         call check(same_impacts([gaps, 1], [phases, 9.5_wp], [speeds, small], gaps, phases, &
+            speeds, cycles, .true.) .eqv. i == 1, 'the last impacts of an accumulation')
+         call check(same_impacts(gaps, phases, speeds, [gaps, 1], [phases, 9.5_wp], &
+            [speeds, small], cycles, .true.) .eqv. i == 1, 'the last impacts of the other one')
+      end do
+      call check(.not. same_impacts([gaps, 1], [phases, 9.5_wp], [speeds, 1.0e-9_wp], gaps, &
+         phases, speeds, cycles, .false.), 'without accumulations all impacts count')
+
+   contains
+
+      !> Whether other impacts are the same.
+      pure logical function alike(other_gaps, other_phases, other_speeds, cycles)
+         integer, intent(in) :: other_gaps(:), cycles
+         real(wp), intent(in) :: other_phases(:), other_speeds(:)
+
+         alike = same_impacts(gaps, phases, speeds, other_gaps, other_phases, other_speeds, &
+            cycles, .false.)
+      end function alike
+   end subroutine test_same_impacts
 
    !> The third column of Table 1 of the 1983 paper, by its two masses: the same motion three ways.
    subroutine test_pair()

@@ -351,6 +351,20 @@ def test_a_zone_up_to_a_resonance():
     assert branch.values.min() == pytest.approx(1.0, abs=1e-5)
 
 
+def test_a_zone_ends_exactly_at_its_window():
+    """A zone that is cut by all sides of its window has points exactly there, whatever the bounds."""
+    wall = vi.Structure([1], [0.05], [1], [vi.Gap([1], 1, 0.8)])
+    load = vi.Load(1.4, cosine=[1])
+    motion = vi.exact(wall, load, vi.simulate(wall, load, cycles=500))
+    random = np.random.default_rng(3)
+    for _ in range(8):
+        low, high = random.uniform((1.3, 0.7), (1.35, 0.9)), random.uniform((1.5, 1.6), (1.6, 2.0))
+        zone = vi.zone(motion, x=("frequency", low[0], high[0]), y=("load", low[1], high[1]))
+        (loop,) = zone.loops
+        assert loop.min(0).tolist() == low.tolist()
+        assert loop.max(0).tolist() == high.tolist()
+
+
 def test_words_of_arguments(pair):
     """A structure's motion can be given by its keyword, and a column to draw must be a name."""
     path = vi.branch(motion=pair[0], parameter="opening", bounds=(18, 19))

@@ -87,8 +87,9 @@ class Switched(Compiled):
     #: Seconds of Python tests that are tried, as they took in the build that counts; and of those that take long.
     MOST, MOST_LONG = 80.0, 300.0
 
-    def __init__(self, fortran: Path, package: Path, folder: Path, jobs: int):
+    def __init__(self, fortran: Path, package: Path, folder: Path, jobs: int, long: bool):
         super().__init__(fortran, package)
+        self.try_long = long
         self.folder = folder
         self.checked = Checked(ROOT / "build/checked")
         statements = Statements(folder)
@@ -126,8 +127,9 @@ class Switched(Compiled):
             mutant, lambda library: self.kept_answers(number or 0, library)
         ):
             return "killed by the checks of the debug build"
-        if outcome == "survived" and number and (failing := self.failing(number, long=True)):
-            return f"killed by {failing}"
+        if outcome == "survived" and number and self.try_long:
+            failing = self.failing(number, long=True)
+            outcome = f"killed by {failing}" if failing else outcome
         return outcome
 
     def switched(self, number: int) -> str:
@@ -288,6 +290,11 @@ def arguments() -> argparse.Namespace:
         help="leave the Python tests out; then survivors need no reason",
     )
     parser.add_argument(
+        "--long",
+        action="store_true",
+        help="try survivors on the tests that take long, too: five minutes for each",
+    )
+    parser.add_argument(
         "--least",
         type=percentage,
         default=95,
@@ -320,18 +327,21 @@ def main() -> int:
         trial = Compiled(asked.build, None)
     else:
         prepare(asked.switched)
-        trial = Switched(asked.build, ROOT / "build/editable", asked.switched, asked.jobs)
+        trial = Switched(
+            asked.build, ROOT / "build/editable", asked.switched, asked.jobs, asked.long
+        )
     tests = digest(
         *(ROOT / "tests").glob("*/*.py"),
         *(ROOT / "tests/fortran").glob("*.f90"),
     )
+    what = f"{tests}{asked.fortran_only}{asked.long}"
     store = ROOT / "build/mutation/results.jsonl"
     store.parent.mkdir(parents=True, exist_ok=True)
     kept = {}
     if store.exists():
         for line in store.read_text(encoding="utf-8").splitlines():
             key, outcome, under = json.loads(line)
-            if not outcome.startswith("survived") or under == tests + str(asked.fortran_only):
+            if not outcome.startswith("survived") or under == what:
                 kept[key] = outcome
     known, lock = listed(), threading.Lock()
     prints = {file: digest(ROOT / file) for file in files}
@@ -342,7 +352,7 @@ def main() -> int:
         if outcome is None:
             outcome = trial(mutant)
             with lock, store.open("a", encoding="utf-8") as out:
-                print(json.dumps([key, outcome, tests + str(asked.fortran_only)]), file=out)
+                print(json.dumps([key, outcome, what]), file=out)
             if outcome == "survived":
                 print(f"{mutant}\n", flush=True)
         return mutant, outcome
