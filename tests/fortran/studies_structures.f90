@@ -1,6 +1,6 @@
 !> Periodic motions of structures: the determinant of [P], and motions with rest.
 module studies_structures
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -155,8 +155,8 @@ contains
          call check(verdict(p, product([(p(i, i), i=1, 4)])) == unknown, &
             'one within rounding of it is not')
       end do
-      p(1, 1) = ieee_value(1.0_wp, ieee_quiet_nan)
-      call check(verdict(p, 0.0_wp) == unknown, 'nothing is known where [P] is not a number')
+      p(1, 1) = ieee_value(1.0_wp, ieee_positive_inf)
+      call check(verdict(p, 0.0_wp) == unknown, 'nothing is known where [P] is not finite')
 
    contains
 
