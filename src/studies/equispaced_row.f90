@@ -272,7 +272,7 @@ contains
       do j = 1, 4
          q(:, j) = q(:, j)*mirror*(unit(j)/unit)
       end do
-      ! by (28) the approach speed, by which the map divides, exceeds both velocities
+      ! by (28) the approach speed, by which the map divides, is not below either velocity
       lawful = holds(q, exp(-2*row%motion%osc%xi*row%flight_time)*row%motion%restitution(1)**2, &
          row%line%rounding)
       place = near_circle

@@ -1,4 +1,4 @@
-"""The kept cases take the work that was kept: a fast path that no longer decides changes no answer, but the speed.
+"""The kept cases take the work that was kept: a fast path that no longer decides changes the speed, but no answer.
 
 Where a change is meant, `python tests/quality/find_answers.py --renew` counts again, and shows what changed.
 """
@@ -16,13 +16,13 @@ from shared_answers import load, put_files  # noqa: E402
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"),
-    reason="counters are linked on Linux, in the language of x86-64",
+    reason="the counters are written in the assembly language of x86-64, for Linux",
 )
 
 
 @pytest.mark.usefixtures("installed")
 def test_work(tmp_path, monkeypatch):
-    """Each procedure is called as often as two compilers, two LAPACK and two libraries of sines have in common."""
+    """Each procedure is called as often as was kept, where two compilers and two LAPACK libraries agree."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
     library, kept, changed = work.Work(BUILD), load(), []

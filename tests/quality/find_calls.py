@@ -1,8 +1,8 @@
-"""Keeps calls of the procedures of _core that no case makes: what tests ask, and what is answered.
+"""Keeps calls of the procedures of _core that no case makes: arguments that tests pass, and the answers.
 
 usage: find_calls.py --record TEST...   run tests, and keep calls of them beside those that are kept
        find_calls.py --renew            write the answers again, and print what changed
-       find_calls.py --answers          print the answers to the kept calls; for another build of the package
+       find_calls.py --answers          print the answers to the kept calls; --renew runs this in other builds
 
 An answer is kept as far as this package, with two versions of sines, and the builds in folders of --also agree,
 which hold the module _core.
@@ -87,7 +87,7 @@ def record(tests):
 
 
 def chosen(recorded, kept):
-    """Of recorded calls some that differ in the whole numbers they give: verdicts, states of solutions, counts."""
+    """Some of the recorded calls, most of which differ in the whole numbers of their answers, such as verdicts."""
     seen, count = set(), Counter(call["procedure"] for call in kept)
     random.Random(1).shuffle(recorded)
     for procedure, arguments in recorded:
@@ -113,13 +113,13 @@ def keep(kept, folders):
             answers.append(answers_of(os.environ | variables(Path(site), program)))
     new, changed = [], 0
     for place, call in enumerate(kept):
-        common = answers[0][place]
+        answer = answers[0][place]
         for other in answers[1:]:
-            common = merged(common, other[place])
-        if common is None:
+            answer = merged(answer, other[place])
+        if answer is None:
             continue
-        new.append(call | {"answer": common})
-        if old[place] and calls.differences(old[place], common):
+        new.append(call | {"answer": answer})
+        if old[place] and calls.differences(old[place], answer):
             changed += 1
             print(f"changed: {call['procedure']} of {call['arguments']}")
     write(new)

@@ -17,21 +17,18 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/python")]
 
+import work  # noqa: E402
 from shared_answers import differences, load, put_files  # noqa: E402
 from statements import Statements  # noqa: E402
 
-LIBRARY = "src/c/libvibroimpact.so"
-
-import work  # noqa: E402
-
 from door import Counted, Library  # noqa: E402
 
+LIBRARY = "src/c/libvibroimpact.so"
 #: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number, and the
 #: Fortran runtime with 2 where it meets an error.
 NOTICED, IN_VAIN = 1, 77
 #: What became of a mutant: the kept answers notice it, let it pass, or do not reach its statement.
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
-
 
 #: A case: text, answer, CPU seconds, calls of procedures.
 Case = tuple[str, dict, float, dict[str, int | None]]

@@ -25,9 +25,9 @@ ROOMS = ("numerics", "mechanics", "motions", "studies")
 SYMBOL = re.compile(
     r"__vi_(?P<module>\w+?)_MOD_(?P<procedure>[a-z]\w*)|_QMvi_(?P<of>\w+?)P(?P<name>[a-z]\w*)"
 )
-#: How studies begin and tell of their progress is no work.
+#: Declarations of studies and reports of progress do not count as work.
 OTHER = re.compile(r"(progress|processor|status)\.|.*_study\.declare_")
-#: Files of lanes are compiled for two kinds of registers: which of both works depends on the processor.
+#: Files of lanes are compiled twice, and the processor decides which copy runs: both count as one.
 WIDE = "_wide"
 HEAD = """.section .note.GNU-stack,"",@progbits
 .bss
