@@ -544,8 +544,11 @@ contains
          allocate (q(size(regime%offset)), rate(size(regime%offset)))
          call state_of(regime, phase, state%x, state%v, q, rate)
       end associate
-      call stop_gaps(run, merged(run%regimes(state%regime)%resting, gap), rate, status)
-      if (status /= stat%ok) return
+      ! gaps that rest are not coupled with this one: an impact on it would have been refused
+      associate (structure => run%structure)
+         rate = rate - structure%mobility(:, gap)*structure%effective(gap)* &
+            dot_product(structure%directions(:, gap), rate)
+      end associate
       call enter(run, merged(run%regimes(state%regime)%resting, gap), q, rate, state, status)
       if (status /= stat%ok) return
       state%leaving = leaving_type()
@@ -592,41 +595,6 @@ contains
 
       larger = [pack(set, set < one), one, pack(set, set > one)]
    end function merged
-
-   !> Removes from the velocities the part that closes or opens some gaps, as impulses there would.
-   pure subroutine stop_gaps(run, gaps, rate, status)
-      !> The run.
-      type(run_type), intent(in) :: run
-      !> The gaps.
-      integer, intent(in) :: gaps(:)
-      !> (n) In and out: velocities.
-      real(wp), intent(inout) :: rate(:)
-      !> `stat%ok` or `stat%dependent_rests`.
-      integer, intent(out) :: status
-      real(wp), dimension(size(rate), size(gaps)) :: directions, kicks
-      real(wp) :: gram(size(gaps), size(gaps)), impulses(size(gaps)), ratio
-      integer :: i, k
-
-      ! Gaussian elimination without interchanges: the matrix is positive definite
-      directions = run%structure%directions(:, gaps)
-      kicks = run%structure%mobility(:, gaps)
-      gram = matmul(transpose(directions), kicks)
-      impulses = matmul(rate, directions)
-      status = stat%ok
-      do k = 1, size(gaps)
-         if (.not. gram(k, k) > 0) status = stat%dependent_rests
-         if (status /= stat%ok) return
-         do i = k + 1, size(gaps)
-            ratio = gram(i, k)/gram(k, k)
-            gram(i, k:) = gram(i, k:) - ratio*gram(k, k:)
-            impulses(i) = impulses(i) - ratio*impulses(k)
-         end do
-      end do
-      do k = size(gaps), 1, -1
-         impulses(k) = (impulses(k) - dot_product(gram(k, k + 1:), impulses(k + 1:)))/gram(k, k)
-      end do
-      rate = rate - matmul(kicks, impulses)
-   end subroutine stop_gaps
 
    !> Advances to a release and through it.
    pure subroutine release(run, state, reached, event, status)
