@@ -126,7 +126,7 @@ contains
       integer, intent(out) :: status
       real(wp), dimension(2*size(x), 2*size(x)) :: inverse, factors
       real(wp), dimension(2*size(x)) :: unknowns, residual, step
-      real(wp) :: slopes(2*size(x) + n_parameters, 2*size(x)), c(n_parameters), rows
+      real(wp) :: slopes(2*size(x) + n_parameters, 2*size(x)), c(n_parameters)
       integer :: i, n, pass, failed
 
       n = size(x)
@@ -148,8 +148,7 @@ contains
             call solve(factors, inverse(:, i), failed)
             if (failed /= stat%ok) return
          end do
-         rows = maxval(sum(abs(slopes(:2*n, :)), 1))
-         if (.not. rows*maxval(sum(abs(inverse), 2)) < singular) return
+         if (.not. norm2(slopes(:2*n, :))*norm2(inverse) < singular) return
          status = stat%not_exact
          step = matmul(inverse, residual)
          if (.not. max(maxval(abs(step(:n)))/max(1.0_wp, maxval(abs(unknowns(:n)))), &

@@ -32,6 +32,7 @@ contains
          call test_samples(merge(1500, i, i == 60), draw_integer(random, 1, 4), mod(i, 4))
       end do
       call test_wrong_matrices()
+      call test_wrong_numpy()
       call test_wrong_samples()
       call test_lists_in_parts()
       call test_near_zero()
@@ -219,6 +220,8 @@ contains
       end do
       call write_numpy('<', 'True', '('//whole(n)//',)', bytes, 3)
       call check_matrix(matrix(:, :1), 'a list')
+      call write_numpy('<', 'True', '('//whole(n)//')', bytes, 3)
+      call check_matrix(matrix(:, :1), 'a list without the comma of Python')
    end subroutine test_matrix
 
    !> The eight bytes of a number, the lowest first or last.
@@ -310,6 +313,10 @@ contains
 
    !> The first line that is wrong is named, with what it must hold.
    subroutine test_wrong_matrices()
+      character(*), parameter :: outside(*) = [character(5) :: '3 1', '1 3', '0 1', '1 0', '1.5 1', &
+         '1 1.5']
+      integer :: i
+
       call refuse_matrix('array real general|2 2|1|x|y|4|', &
          'line 4: must hold one number of entry 2 of 4')
       call refuse_matrix('array real general|2 2|1|2|3|', &
@@ -327,8 +334,10 @@ contains
          'line 4: must be another entry of the 2 rows and 2 columns')
       call refuse_matrix('coordinate real symmetric|2 2 2|2 1 3|1 2 4|', &
          'line 4: must be another entry of the 2 rows and 2 columns')
-      call refuse_matrix('coordinate real general|2 2 1|3 1 3|', &
-         'line 3: must be another entry of the 2 rows and 2 columns')
+      do i = 1, size(outside)
+         call refuse_matrix('coordinate real general|2 2 1|'//outside(i)//' 3|', &
+            'line 3: must be another entry of the 2 rows and 2 columns')
+      end do
       call refuse_matrix('coordinate real general|2 2 5|1 1 3|', &
          'line 2: it has more than 4 entries')
       call refuse_matrix('coordinate real general|2 2|1 1 3|', &
@@ -337,16 +346,47 @@ contains
          'line 1: must be matrix, coordinate or array, real, general or symmetric')
    end subroutine test_wrong_matrices
 
+   !> What is wrong with a file in NumPy's format: its header may reach to its end.
+   subroutine test_wrong_numpy()
+      call refuse_numpy('True', '(1,)', 0, 'it has 0 bytes of numbers; must be 8')
+      call refuse_numpy('True', '(2)', 3, 'it has 24 bytes of numbers; must be 16')
+      call refuse_numpy('False', '(2, 2)', 3, 'it has 24 bytes of numbers; must be 32')
+      call refuse_numpy('False', '(2, 3)', 6, 'it has 2 rows and 3 columns; must be square')
+      call refuse_numpy('False', '(0, 0)', 0, 'it has 0 rows and 0 columns; must be 1 to 5')
+      call refuse_numpy('False', '(1, 1, 1)', 1, &
+         'it has the shape (1,1,1); must be a square matrix, or a list')
+      call refuse_numpy('true', '(1, 1)', 1, &
+         'it has the shape (1,1); must be a square matrix, or a list')
+      call write_file(char(147)//'NUMPY'//char(1)//char(0)//char(5)//char(0)//'{   ')
+      call check_refused('its header is damaged, or its version is not 1, 2 or 3')
+   end subroutine test_wrong_numpy
+
+   !> The message about a file in NumPy's format with so many numbers.
+   subroutine refuse_numpy(order, shape_text, n, expected)
+      character(*), intent(in) :: order, shape_text, expected
+      integer, intent(in) :: n
+
+      call write_numpy('<', order, shape_text, repeat(bytes_of(1.0_wp, .true.), n), 1)
+      call check_refused(expected)
+   end subroutine refuse_numpy
+
    !> The message about a Matrix Market file whose lines end with |.
    subroutine refuse_matrix(text, expected)
       character(*), intent(in) :: text, expected
+
+      call write_file(market//join(split(text, '|'), line_feed))
+      call check_refused(expected)
+   end subroutine refuse_matrix
+
+   !> The message about the file.
+   subroutine check_refused(expected)
+      character(*), intent(in) :: expected
       character(:), allocatable :: message
       real(wp), allocatable :: numbers(:)
 
-      call write_file(market//join(split(text, '|'), line_feed))
       call read_matrix(path, 5, numbers, message)
       call check(message == expected, expected//', not '//message)
-   end subroutine refuse_matrix
+   end subroutine check_refused
 
    !> The first fault of a table of samples is named: at most 2 columns and 6 numbers.
    subroutine test_wrong_samples()

@@ -42,6 +42,7 @@ contains
          call check_advance()
          call check_registers()
          if (mod(i, 2) == 0) call check_rows(mod(i/2, 3))
+         if (mod(i, 2) == 0) call check_constants()
       end do
       do i = 1, 300
          call check_search()
@@ -404,10 +405,12 @@ contains
    end subroutine check_driven
 
    !> A chain of two masses with gaps, under some harmonics; the state of its pairs.
-   subroutine draw_chain(harmonics, state, most_damped, regime, x, v, phase)
+   subroutine draw_chain(harmonics, state, most_damped, regime, x, v, phase, resting)
       integer, intent(in) :: harmonics
       !> Size of the state, and the largest damping.
       real(wp), intent(in) :: state, most_damped
+      !> Gaps that rest.
+      integer, intent(in) :: resting(:)
       type(regime_type), intent(out) :: regime
       real(wp), allocatable, intent(out) :: x(:), v(:)
       real(wp), intent(out) :: phase
@@ -435,7 +438,7 @@ contains
       end do
       load = new_load(draw_log(random, 0.3_wp, 3.0_wp), force, [draw(random, -1.0_wp, 1.0_wp), &
          0.0_wp])
-      call new_regime(structure, load, [integer ::], regime, status)
+      call new_regime(structure, load, resting, regime, status)
       call check(status == stat%ok, 'rows: a chain')
       allocate (x(size(regime%modes%stiffness)), v(size(regime%modes%stiffness)))
       do i = 1, size(x)
@@ -457,7 +460,7 @@ contains
       integer :: i, row
 
       call draw_chain(kind, merge(1.0_wp, draw(random, 0.0_wp, 1.0_wp), kind == 0), &
-         merge(1e-5_wp, 0.5_wp, kind < 2), regime, x, v, phase)
+         merge(1e-5_wp, 0.5_wp, kind < 2), regime, x, v, phase, [integer ::])
       ! then the harmonic is all there is
       if (kind == 1) then
          x = regime%modes%force/regime%modes%stiffness
@@ -497,6 +500,26 @@ contains
       end do
    end subroutine check_rows
 
+   !> The size of what a row holds without its pairs, of either sign, while a gap rests.
+   subroutine check_constants()
+      integer, parameter :: samples = 1000
+      type(regime_type) :: regime
+      real(wp), allocatable :: x(:), v(:)
+      real(wp) :: phase, d(0:3), most
+      integer :: i, row
+
+      call draw_chain(1, 0.0_wp, 0.5_wp, regime, x, v, phase, [draw_integer(random, 1, 2)])
+      do row = 1, size(regime%rows%constant_size)
+         most = 0
+         do i = 0, samples
+            call row_derivatives(regime, x, v, i*2*pi/samples, row, d)
+            most = max(most, abs(d(0)))
+         end do
+         call check(most <= regime%rows%constant_size(row)*(1 + 1e-12_wp), 'rows: constants')
+         call check(regime%rows%constant_size(row) <= 1.01_wp*most, 'rows: size of constants')
+      end do
+   end subroutine check_constants
+
    !> A search that is interrupted, and goes on each time, finds the same event with the same bits,
    !! and leaves the same pace for the next flight; each of its parts is short.
    subroutine test_interrupted()
@@ -509,7 +532,7 @@ contains
       real(wp) :: phase, d(0:3), span, greatest
       integer :: i, parts, row, steps
 
-      call draw_chain(draw_integer(random, 0, 2), 1.0_wp, 1e-4_wp, regime, x, v, phase)
+      call draw_chain(draw_integer(random, 0, 2), 1.0_wp, 1e-4_wp, regime, x, v, phase, [integer ::])
       allocate (now_x, now_v, mold=x)
       row = draw_integer(random, 1, size(regime%upper))
       span = 1000*regime%unit
@@ -567,7 +590,7 @@ contains
       integer :: i, k, row
       logical :: rising, top
 
-      call draw_chain(draw_integer(random, 1, 2), 1.0_wp, 0.5_wp, regime, x, v, phase)
+      call draw_chain(draw_integer(random, 1, 2), 1.0_wp, 0.5_wp, regime, x, v, phase, [integer ::])
       allocate (now_x, now_v, mold=x)
       row = draw_integer(random, 1, size(regime%upper))
       span = 30*regime%unit

@@ -31,7 +31,8 @@ contains
       call test_pairs()
       call test_disc()
       call test_metric()
-      call test_parts()
+      call test_parts(0.9_wp, 8)
+      call test_parts(2.0e-6_wp, 2)
    end subroutine test_attractors
 
    !> The metric is a root of the matrix in units of the coordinates; the inverse is its inverse.
@@ -71,17 +72,21 @@ contains
       end do
    end subroutine test_metric
 
-   !> A simulation in parts, without a look for one event more after each part, is that in one.
-   subroutine test_parts()
-      integer, parameter :: room = 400
+   !> A simulation in parts, without a look for one event more after each part, is that in one;
+   !! under a slow load one call takes several spans of time.
+   subroutine test_parts(r, most)
+      !> Frequency ratio, and largest number of load cycles.
+      real(wp), intent(in) :: r
+      integer, intent(in) :: most
+      integer, parameter :: room = 4000
       type(forced_system_type) :: system
       type(state_type) :: state, final, last
       type(event_type) :: whole(room), part(7)
       integer :: cycles, found, i, left, n, status
 
-      system = new_forced_system(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp]), 0.9_wp, &
+      system = new_forced_system(oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp]), r, &
          1.0_wp, 6.0_wp)
-      do cycles = 1, 8
+      do cycles = 1, most
          state = initial_state(system, [0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 0.5_wp])
          left = room
          call simulate_on(system, state, int(cycles, int64), 0.0_wp, whole, n, last, left, status)
@@ -92,6 +97,7 @@ contains
          do
             call simulate_on(system, state, int(cycles, int64), 0.0_wp, part, found, final, left, &
                status, looks_on=.false.)
+            call check(found <= size(part), 'room for events of a part')
             call check(all(part(:found)%cycle == whole(i + 1:i + found)%cycle) .and. &
                .not. any(abs(part(:found)%phase - whole(i + 1:i + found)%phase) > 0), &
                'events of a part')

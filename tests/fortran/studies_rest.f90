@@ -3,10 +3,13 @@ module studies_rest
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
    use vi_forced_system, only: event_type, new_forced_system
+   use vi_found_motion, only: are_same, found_type
    use vi_kinds, only: wp
+   use vi_likeness, only: same
    use vi_frame, only: condition_count, condition_type, edge, frame_type, neimark_sacker
    use vi_motion, only: motion_type, unknown, yes
    use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: new_pattern
    use vi_rest_conditions, only: measure_in_period, rest_condition, rest_conditions
    use vi_rest_family, only: follow_symbols, measure_type, new_rest_family, plane_map, &
       rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
@@ -45,7 +48,43 @@ contains
       end do
       call check(followed > 30, 'rest: periods that could be followed')
       call test_repeated_periods()
+      call test_same_releases()
    end subroutine test_rest
+
+   !> Motions with rest are the same if a release of one is a release of the other, in a later load
+   !! cycle or not: side, phase and velocity, each alone, tell two of them apart.
+   subroutine test_same_releases()
+      real(wp), parameter :: scale = 3.0_wp, off = 2*same, near = 0.5_wp*same
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp), release(3) = [1.0_wp, 0.4_wp, -2.0_wp]
+
+      call compare([0.0_wp, 0.0_wp, 0.0_wp], .true.)
+      call compare([0.0_wp, -3*two_pi + near, 0.0_wp], .true.)
+      call compare([0.0_wp, 0.0_wp, -near*scale], .true.)
+      call compare([-2.0_wp, 0.0_wp, 0.0_wp], .false.)
+      call compare([0.0_wp, off, 0.0_wp], .false.)
+      call compare([0.0_wp, -off, 0.0_wp], .false.)
+      call compare([0.0_wp, 0.5_wp*two_pi, 0.0_wp], .false.)
+      call compare([0.0_wp, 0.0_wp, off*scale], .false.)
+      call compare([0.0_wp, 0.0_wp, -off*scale], .false.)
+
+   contains
+
+      !> A motion with this release, and another one whose second release differs from it.
+      subroutine compare(difference, expected)
+         real(wp), intent(in) :: difference(3)
+         logical, intent(in) :: expected
+         type(found_type) :: one, other
+
+         one%pattern = new_pattern('', 1)
+         other%pattern = one%pattern
+         one%releases = reshape(release, [3, 1])
+         other%releases = reshape([1.0_wp, 2.0_wp, 5.0_wp, release + difference], [3, 2])
+         call check(are_same(one, other, scale) .eqv. expected, 'rest: the same releases')
+         other%pattern%cycles = 2
+         call check(.not. are_same(one, other, scale), 'rest: other periods')
+      end subroutine compare
+
+   end subroutine test_same_releases
 
    !> A motion with rest, and the same motion as one of seven times the period: its multipliers are
    !! the seventh powers, although they come from the derivative of a simulation and not of symbols,

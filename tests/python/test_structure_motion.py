@@ -355,6 +355,14 @@ def test_eliminated_and_full_problem_agree_to_rounding():
     assert max(between_forms(motion) for motion, _ in samples(10, 3)) < 1e-12
 
 
+def test_both_forms_agree_under_constant_forces():
+    """A mass bounces under its weight, which the impulses of a period balance."""
+    structure = vi.Structure([[1.0]], [[0.0]], [[0.0]], [vi.Gap([-1], 0.0, 0.9)])
+    motion = vi.exact(structure, vi.Load(1.0, sine=[0.3], constant=[-1]), ([0.98], [0]))
+    assert between_forms(motion) < 1e-12
+    np.testing.assert_allclose(motion.impulses.sum(), motion.period, rtol=1e-12)
+
+
 @pytest.mark.parametrize("detuning", [1e-1, 1e-3, 1e-5, 1e-7])
 def test_both_forms_agree_near_a_resonance_of_the_period(detuning):
     """To rounding over the least |1 - lambda|, where lambda is what a period leaves of a mode."""
