@@ -128,7 +128,7 @@ contains
       !> (2, keep, m, n) and motions at the point. In and out.
       integer, intent(inout) :: marks(:, :, :, :), n_here
       real(wp) :: guess(size(unknowns, 1))
-      integer :: side, i, jj, kk, n_old
+      integer :: side, i, jj, kk
 
       do side = 1, 4
          jj = j + steps(1, side)
@@ -137,7 +137,6 @@ contains
          do i = before(1, jj, kk) + 1, before(2, jj, kk)
             ! skip a motion that came from this point
             if (marks(2, i, jj, kk) == back(side)) cycle
-            n_old = n_here
             call extrapolate(length_scale(setting%osc, r(kk), clearance(jj)), jj, kk, steps(:, &
                side), unknowns(:, i, jj, kk), before, unknowns, guess)
             call try_guess(at(setting, r(k), clearance(j)), guess, side, symmetry, unknowns(:, :, &
