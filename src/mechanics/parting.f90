@@ -58,7 +58,7 @@ contains
          ! whatever the sign of a, the gap closes again at about 3 a/|j|, before the next term
          ! matters
          answer = in_contact
-      else if (abs(a) <= error(1)) then
+      else if (a <= error(1)) then
          ! the next term opens the gap again after a possible contact
          until = max(1.5_wp*j/fourth, 0.0_wp)
       else

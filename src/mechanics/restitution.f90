@@ -188,8 +188,7 @@ contains
       if (law%kind /= table_law) return
       ! between its points a table is monotone
       call interpolated(law, speed, greatest, slope)
-      greatest = max(greatest, law%values(1))
-      do i = 2, size(law%speeds)
+      do i = 1, size(law%speeds)
          if (law%speeds(i) < speed) greatest = max(greatest, law%values(i))
       end do
    end function greatest_below

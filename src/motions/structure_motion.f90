@@ -371,10 +371,8 @@ contains
       ! how the pairs depend on the unknowns, and in the last column what does not
       allocate (pairs, source=pack(offset_pairs(regime), equations%apart))
       allocate (state(2*m, unknowns + 1), a(2*m + 2*n + size(pairs), unknowns), &
-         right(2*m + 2*n + size(pairs)), columns(unknowns))
-      state = 0
-      a = 0
-      right = 0
+         right(2*m + 2*n + size(pairs)), source=0.0_wp)
+      allocate (columns(unknowns))
       do i = 1, size(pairs)
          a(2*m + 2*n + i, pairs(i)) = 1
       end do

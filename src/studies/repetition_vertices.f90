@@ -32,7 +32,6 @@ contains
       integer :: i, j, twin
       logical :: good
 
-      if (.not. any(loop%conditions(:loop%n)%kind == repetition)) return
       allocate (parents(size(surface%frame%repetitions)))
       do i = 1, size(parents)
          call make_parent(surface, surface%frame%repetitions(i), parents(i))

@@ -89,7 +89,7 @@ contains
          case (rest_vanishes)
             measure = period%rest(i)
          case default
-            measure%value = 0
+            continue
          end select
       end associate
    end function measure_in_period

@@ -31,6 +31,7 @@ contains
          call test_matrix(draw_integer(random, 1, 5), mod(i, 2) == 0)
          call test_samples(merge(1500, i, i == 60), draw_integer(random, 1, 4), mod(i, 4))
       end do
+      call test_open_group()
       call test_wrong_matrices()
       call test_wrong_numpy()
       call test_wrong_samples()
@@ -143,6 +144,16 @@ contains
       end subroutine add_gap
 
    end subroutine test_namelist
+
+   !> A name that the text ends with is named as it stands.
+   subroutine test_open_group()
+      type(group_type), allocatable :: groups(:)
+      character(:), allocatable :: message
+      integer :: line
+
+      call scan_namelist('&g x = 1 /'//line_feed//' &abc', groups, line, message)
+      call check(index(message, '&abc: ') == 1 .and. line == 2, message)
+   end subroutine test_open_group
 
    !> Number of the last line of a text.
    pure integer function line_of(text)
@@ -481,6 +492,11 @@ contains
       call check_name('a b', .false.)
       call check_name(repeat('a', 100), .true.)
       call check_name(repeat('a', 101), .false.)
+      call check_name(char(195)//char(164), .true.)                           ! U+00E4, a letter
+      call check_name(char(227)//char(129)//char(130), .true.)                ! U+3042, a letter
+      call check_name(char(194)//char(160), .false.)                          ! no-break space
+      call check_name(char(227)//char(128)//char(128), .false.)               ! ideographic space
+      call check_name('a'//char(239)//char(187)//char(191), .false.)          ! byte order mark
       do i = 128, 191                                   ! U+2040 to U+207F
          call check_name(wide//char(i), i > 175)
          call check_name(char(226)//char(128)//char(i), .false.)

@@ -6,7 +6,7 @@ module mechanics_structure
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_modes, only: advance, step_functions
-   use vi_restitution, only: new_restitution, power_law, restitution_at, restitution_type, table_law
+   use vi_restitution, only: greatest_below, new_restitution, power_law, restitution_at, restitution_type, table_law
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
       regime_type, state_of, structure_type, to_pairs
@@ -20,6 +20,7 @@ contains
    subroutine test_structure()
       call test_restitution()
       call test_restitution_at_rest()
+      call test_greatest_restitution()
       call test_flight(.false.)
       call test_flight(.true.)
       call test_coinciding()
@@ -49,6 +50,32 @@ contains
          end do
       end do
    end subroutine test_restitution
+
+   !> The greatest R below a speed, of tables that rise and fall, against many samples.
+   subroutine test_greatest_restitution()
+      integer, parameter :: samples = 1200
+      real(wp), parameter :: last = 3.0_wp
+      real(wp) :: values(4), value, slope, greatest
+      type(restitution_type) :: law
+      type(random_type) :: random
+      integer :: i, j
+
+      do i = 1, 40
+         do j = 1, size(values)
+            values(j) = draw(random, 0.0_wp, 1.0_wp)
+         end do
+         ! a table begins at 0 or later; R is constant outside
+         law = new_restitution(real(table_law, wp), [4.0_wp, 0.4_wp*mod(i, 2), 1.0_wp, 1.5_wp, &
+            2.0_wp, values])
+         greatest = 0
+         do j = 0, samples
+            call restitution_at(law, j*last/samples, value, slope)
+            greatest = max(greatest, value)
+            call check_close(greatest_below(law, j*last/samples), greatest, 1.0e-4_wp, &
+               'the greatest R below a speed')
+         end do
+      end do
+   end subroutine test_greatest_restitution
 
    !> The slope at v = 0 is the limit of difference quotients, which may be infinite.
    subroutine test_restitution_at_rest()

@@ -37,6 +37,7 @@ contains
       call test_rest_verdicts()
       call test_sample()
       call test_coupling_at_instants()
+      call test_coupling_by_both()
    end subroutine test_assess
 
    !> A primary mass that hardly moves (high frequency) and a mass that goes to and fro:
@@ -355,5 +356,35 @@ contains
          end do
       end do
    end subroutine test_coupling_at_instants
+
+   !> Of three masses two are coupled by mass, and either of them by damping with the third one:
+   !! that the impacts are coupled by mass is what counts.
+   subroutine test_coupling_by_both()
+      integer, parameter :: orders(3, 6) = reshape([1, 2, 3, 1, 3, 2, 2, 1, 3, 2, 3, 1, 3, 1, 2, &
+         3, 2, 1], [3, 6])
+      type(structure_type) :: structure
+      real(wp) :: matrices(3, 3, 3), directions(3, 3)
+      integer :: i, status
+
+      matrices = 0
+      directions = 0
+      do i = 1, 3
+         matrices(i, i, :) = [1.0_wp, 0.3_wp, 1.0_wp]
+         directions(i, i) = 1
+      end do
+      matrices(1, 2, 1) = 0.2_wp
+      matrices(2, 1, 1) = 0.2_wp
+      matrices(1:2, 3, 2) = -0.1_wp
+      matrices(3, 1:2, 2) = -0.1_wp
+      structure = new_structure(matrices, directions, spread([1.0_wp, 0.5_wp], 2, 3))
+      call check_structure(structure, status)
+      call check(status == stat%ok, 'three masses are accepted')
+      do i = 1, size(orders, 2)
+         call check(coupling_at_instants(structure, orders(:, i), [1, 1, 1]) == by_mass, &
+            'coupled by mass and by damping')
+         call check(coupling_at_instants(structure, orders(:, i), [1, 2, 2]) == merge(by_mass, &
+            by_damping, orders(1, i) == 3), 'the last two of three')
+      end do
+   end subroutine test_coupling_by_both
 
 end module motions_assess

@@ -3,10 +3,11 @@ program test_cases
    use cases_files, only: test_files
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, random_type
+   use vi_buffer, only: add_quoted, buffer_type
    use vi_key, only: a_whole, a_word, describe_key, key_type
    use vi_kinds, only: wp
    use vi_parse, only: parse_numbers, parse_subscript, parse_words
-   use vi_text, only: exact, line_type, number_text
+   use vi_text, only: exact, line_type, lower, number_text
    implicit none (type, external)
 
    type(random_type) :: random
@@ -18,10 +19,29 @@ program test_cases
    call test_words()
    call test_subscripts()
    call test_descriptions()
+   call test_quoted()
    call test_files()
    call finish()
 
 contains
+
+   !> Texts in JSON: quotation marks, backslashes and control characters alone are changed.
+   subroutine test_quoted()
+      type(buffer_type) :: buffer
+      character(4) :: code
+      character(:), allocatable :: expected
+      integer :: i
+
+      do i = 0, 255
+         write (code, '(z4.4)') i
+         expected = char(i)
+         if (i < 32) expected = '\u'//lower(code)
+         if (any(char(i) == ['"', '\'])) expected = '\'//char(i)
+         buffer = buffer_type()
+         call add_quoted(buffer, 'a'//char(i)//'b'//char(i))
+         call check(buffer%text(:buffer%n) == '"a'//expected//'b'//expected//'"', 'a text in JSON')
+      end do
+   end subroutine test_quoted
 
    !> A number as it is printed, with all digits or with the fewest, is the same number when read.
    subroutine test_numbers_read_back()
