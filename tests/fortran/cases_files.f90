@@ -324,8 +324,8 @@ contains
 
    !> The first line that is wrong is named, with what it must hold.
    subroutine test_wrong_matrices()
-      character(*), parameter :: outside(*) = [character(5) :: '3 1', '1 3', '0 1', '1 0', '1.5 1', &
-         '1 1.5']
+      character(*), parameter :: outside(*) = [character(5) :: '3 1', '1 3', '0 1', '1 0', &
+         '1.5 1', '1 1.5']
       integer :: i
 
       call refuse_matrix('array real general|2 2|1|x|y|4|', &

@@ -532,7 +532,8 @@ contains
       real(wp) :: phase, d(0:3), span, greatest
       integer :: i, parts, row, steps
 
-      call draw_chain(draw_integer(random, 0, 2), 1.0_wp, 1e-4_wp, regime, x, v, phase, [integer ::])
+      call draw_chain(draw_integer(random, 0, 2), 1.0_wp, 1e-4_wp, regime, x, v, phase, &
+         [integer ::])
       allocate (now_x, now_v, mold=x)
       row = draw_integer(random, 1, size(regime%upper))
       span = 1000*regime%unit

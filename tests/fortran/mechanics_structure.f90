@@ -6,7 +6,8 @@ module mechanics_structure
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_modes, only: advance, step_functions
-   use vi_restitution, only: greatest_below, new_restitution, power_law, restitution_at, restitution_type, table_law
+   use vi_restitution, only: greatest_below, new_restitution, power_law, restitution_at, &
+      restitution_type, table_law
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
       regime_type, state_of, structure_type, to_pairs
