@@ -5,6 +5,7 @@ module motions_assess
    use random_systems, only: pi, random_motion, scale_of
    use vi_assess, only: assess_flights, assess_linear, assess_rest, paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
+   use vi_doubt, only: modulus_doubt, unknowns_doubt
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
@@ -38,6 +39,7 @@ contains
       call test_sample()
       call test_coupling_at_instants()
       call test_coupling_by_both()
+      call test_doubts_in_other_units()
    end subroutine test_assess
 
    !> A primary mass that hardly moves (high frequency) and a mass that goes to and fro:
@@ -386,5 +388,34 @@ contains
             by_damping, orders(1, i) == 3), 'the last two of three')
       end do
    end subroutine test_coupling_by_both
+
+   !> The estimated errors of a motion do not depend on the unit of length.
+   subroutine test_doubts_in_other_units()
+      real(wp), parameter :: units(2) = [1024.0_wp, 2.0_wp**(-12)]
+      type(motion_type) :: motion, other
+      integer :: i, j
+
+      do i = 1, 100
+         call random_motion(random, draw_integer(random, 2, 4), motion)
+         call assess_linear(motion, paper_acceptance)
+         do j = 1, size(units)
+            other = motion
+            other%x = units(j)*motion%x
+            other%z = units(j)*motion%z
+            other%x_dot_before = units(j)*motion%x_dot_before
+            other%x_dot_after = units(j)*motion%x_dot_after
+            other%z_dot_before = units(j)*motion%z_dot_before
+            other%z_dot_after = units(j)*motion%z_dot_after
+            other%amplitude = units(j)*motion%amplitude
+            other%clearance = units(j)*motion%clearance
+            call check_close(unknowns_doubt(other), unknowns_doubt(motion), &
+               1e-6_wp*unknowns_doubt(motion), 'the doubt in unknowns, in another unit of length')
+            ! a difference of moduli, in which rounding differs
+            call check_close(modulus_doubt(other), modulus_doubt(motion), &
+               0.3_wp*modulus_doubt(motion) + 1e-12_wp, &
+               'the doubt in a modulus, in another unit of length')
+         end do
+      end do
+   end subroutine test_doubts_in_other_units
 
 end module motions_assess
