@@ -21,7 +21,7 @@ contains
    subroutine test_structure()
       call test_restitution()
       call test_restitution_at_rest()
-      call test_greatest_restitution()
+      call test_tables()
       call test_flight(.false.)
       call test_flight(.true.)
       call test_coinciding()
@@ -52,11 +52,12 @@ contains
       end do
    end subroutine test_restitution
 
-   !> The greatest R below a speed, of tables that rise and fall, against many samples.
-   subroutine test_greatest_restitution()
-      integer, parameter :: samples = 1200
-      real(wp), parameter :: last = 3.0_wp
-      real(wp) :: values(4), value, slope, greatest
+   !> Of tables that rise and fall: the greatest R below a speed, against many samples, and the
+   !! slope between the points by differences.
+   subroutine test_tables()
+      integer, parameter :: samples = 1201
+      real(wp), parameter :: last = 3.0_wp, h = 1.0e-6_wp
+      real(wp) :: values(4), speed, value, slope, greatest, above, below, unused
       type(restitution_type) :: law
       type(random_type) :: random
       integer :: i, j
@@ -70,13 +71,18 @@ contains
             2.0_wp, values])
          greatest = 0
          do j = 0, samples
-            call restitution_at(law, j*last/samples, value, slope)
+            speed = j*last/samples
+            call restitution_at(law, speed, value, slope)
             greatest = max(greatest, value)
-            call check_close(greatest_below(law, j*last/samples), greatest, 1.0e-4_wp, &
+            call check_close(greatest_below(law, speed), greatest, 1.0e-4_wp, &
                'the greatest R below a speed')
+            if (j == 0) cycle
+            call restitution_at(law, speed + h, above, unused)
+            call restitution_at(law, speed - h, below, unused)
+            call check_close(slope, (above - below)/(2*h), 1.0e-4_wp, 'slope of R between points')
          end do
       end do
-   end subroutine test_greatest_restitution
+   end subroutine test_tables
 
    !> The slope at v = 0 is the limit of difference quotients, which may be infinite.
    subroutine test_restitution_at_rest()

@@ -66,9 +66,9 @@ class Mutant:
         return f"{self.file}:{self.line}\n- {self.before.strip()}\n+ {self.after.strip()}"
 
 
-def code_of(line: str) -> str:
-    """Return a line with blanks in the place of texts and comments."""
-    out, quote = [], ""
+def code_of(line: str, quote: str = "") -> str:
+    """Return a line with blanks in the place of texts and comments; `quote`: of a text that goes on in it."""
+    out = []
     for place, char in enumerate(line):
         if quote:
             quote = "" if char == quote else quote
@@ -82,6 +82,18 @@ def code_of(line: str) -> str:
         else:
             out.append(char)
     return "".join(out)
+
+
+def open_quote(line: str, quote: str = "") -> str:
+    """Return the quotation mark of a text that goes on in the next line, if there is one."""
+    for char in line:
+        if quote:
+            quote = "" if char == quote else quote
+        elif char in "'\"":
+            quote = char
+        elif char == "!":
+            break
+    return quote
 
 
 def integers(text: str) -> set[str]:
@@ -108,9 +120,9 @@ def mutants_of(root: Path, file: str) -> list[Mutant]:
     whole = integers(text)
     found, seen = [], set()
     skip = continued = False
-    first = 0
+    first, quote = 0, ""
     for number, line in enumerate(text.splitlines(), 1):
-        code = code_of(line)
+        code, quote = code_of(line, quote), open_quote(line, quote)
         bare = code.strip()
         if not bare:
             continue
@@ -122,7 +134,7 @@ def mutants_of(root: Path, file: str) -> list[Mutant]:
                 else 0
             )
             skip = bool(STRUCTURE.match(bare)) or bool(declares and not first)
-        ends = not bare.endswith("&")
+        ends = not quote and not bare.endswith("&")
         if not skip:
             for kind, begin, end, new in places(
                 code, whole, first, alone=not continued and ends and not first
