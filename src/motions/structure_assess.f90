@@ -270,8 +270,8 @@ contains
          verdicts%stable = unknown
       end if
       if (abs(abs(verdicts%multipliers(1)) - 1) > near_circle) return
-      ! |y^H x| of the unit eigenvectors is the inverse of the condition of the multiplier; DGEEV
-      ! gives that of a pair with the positive imaginary part first
+      ! |y^H x| of the unit eigenvectors is the inverse of the condition of the multiplier. DGEEV
+      ! stores a complex pair with the positive imaginary part first; sorting keeps that order
       allocate (x(n), y(n))
       if (abs(im(i)) > 0) then
          x = cmplx(right(:, i), right(:, i + 1), wp)

@@ -544,7 +544,7 @@ contains
          allocate (q(size(regime%offset)), rate(size(regime%offset)))
          call state_of(regime, phase, state%x, state%v, q, rate)
       end associate
-      ! gaps that rest are not coupled with this one: an impact on it would have been refused
+      ! no gap that rests is coupled with this one by mass, or its impact would have been refused
       associate (structure => run%structure)
          rate = rate - structure%mobility(:, gap)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), rate)
