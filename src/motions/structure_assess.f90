@@ -194,14 +194,10 @@ contains
 
       agrees = .false.
       if (reached%row == 0) return
-      associate (gap => equations%gaps(next))
-         agrees = gap == merge(regime%upper_gap(reached%row), regime%lower_gap(reached%row), &
-            reached%wall > 0)
-         ! of impacts at one instant on gaps that are not coupled any may come first
-         if (.not. agrees) agrees = any(equations%gaps == merge(regime%upper_gap(reached%row), &
-            regime%lower_gap(reached%row), reached%wall > 0) .and. are_together(equations, next))
-         agrees = agrees .and. abs(reached%time - flight) <= agreement*equations%period
-      end associate
+      ! of impacts at one instant on gaps that are not coupled any may come first
+      agrees = any(equations%gaps == merge(regime%upper_gap(reached%row), &
+         regime%lower_gap(reached%row), reached%wall > 0) .and. are_together(equations, next)) &
+         .and. abs(reached%time - flight) <= agreement*equations%period
    end function agrees
 
    !> Which impacts are at the instant of a given one.

@@ -67,7 +67,6 @@ contains
       end if
       low = from
       high = to
-      good = .false.
       do i = 1, 60
          near = low%values(which)/(low%values(which) - high%values(which))
          if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp

@@ -243,8 +243,6 @@ contains
 
       m = 0
       y = 0
-      unused = 0
-      even = 0
       do i = 1, -1, -2
          do k = 1, size(displacements, 2)
             part = displacements(:, k) + i*matmul(s, displacements(:, k))

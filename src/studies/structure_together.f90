@@ -186,9 +186,6 @@ contains
       mass = samples(1)%structure%mass
       zero = 0
       m = 0
-      together = 0
-      y = 0
-      unused = 0
       do pass = 1, 2
          do i = 1, size(samples)
             associate (structure => samples(i)%structure)

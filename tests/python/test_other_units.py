@@ -5,6 +5,7 @@ import re
 
 import pytest
 from shared_answers import ROUNDING, STOPPED, answer, load, put_files
+from shared_case_texts import multiplied
 
 #: The new units are powers of 2 of the old ones, so that only the exponent bits of a number change.
 LENGTH, MASS, TIME = 10, -7, 3
@@ -26,11 +27,6 @@ OF_COLUMNS = {
 OTHERS = re.compile(
     r"_file\b|\b(frequencies|shapes|base|axes|weights|sweep|entries|lyapunov|response|bifurcation|zone)\b"
 )
-ITEM = re.compile(
-    r"&(?P<group>\w+)|(?<![\w'])(?P<key>[a-z_0-9]+)(?P<sign>(?:\([^)]*\))?\s*=\s*)(?P<value>[^=/&!']*?)"
-    r"(?=\s*,?\s*[a-z_0-9]+(?:\([^)]*\))?\s*=|\s*/|\s*!|\s*\Z)", re.S
-)  # fmt: skip
-NUMBER = re.compile(r"(\d+\*)?([-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?)")
 
 
 def factor(dimension):
@@ -41,28 +37,15 @@ def factor(dimension):
 def in_other_units(text):
     """The same case, with its numbers in the new units."""
     varied = re.search(r"parameter\s*=\s*'([a-z]+)", text)
-    group = ""
 
-    def changed(item):
-        nonlocal group
-        group = item["group"] or group
-        dimension = DIMENSIONS.get(item["key"])
+    def factor_of(group, key):
+        dimension = DIMENSIONS.get(key)
         if group == "branch":
-            bound = (
-                varied and item["key"] in ("low", "high") and varied[1] in ("frequency", "opening")
-            )
+            bound = varied and key in ("low", "high") and varied[1] in ("frequency", "opening")
             dimension = DIMENSIONS[varied[1]] if bound else None
-        if not dimension:
-            return item[0]
-        new = NUMBER.sub(
-            lambda n: (
-                (n[1] or "") + repr(float(n[2].lower().replace("d", "e")) * factor(dimension))
-            ),
-            item["value"],
-        )
-        return item["key"] + item["sign"] + new
+        return factor(dimension) if dimension else 1
 
-    return ITEM.sub(changed, text)
+    return multiplied(text, factor_of)
 
 
 def cases():

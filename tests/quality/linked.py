@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 from mutants import Mutant
+from package import variables
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The folders that are tried, and the Fortran tests that see a change there: their own first.
@@ -25,8 +26,10 @@ ROOMS = {
 }
 #: The last line of tests that pass.
 FORTRAN_END, PYTHON_END = rb" passed, 0 failed", rb"\d+ passed.* in [\d.]+s( \(.*\))?"
-#: A value that is never set is not 0 by chance.
-OPTIONS = ("-finit-real=nan",)
+#: Cases from all studies, whose answers are kept.
+ANSWERS = "tests/python/test_answers.py"
+#: A value that is never set is not 0 by chance, and not false.
+OPTIONS = ("-finit-real=nan", "-finit-logical=true")
 
 
 class Build:
@@ -120,8 +123,20 @@ def ended(
     with contextlib.suppress(subprocess.TimeoutExpired):
         done = subprocess.run(
             command, cwd=folder, capture_output=True, preexec_fn=limit, timeout=30 * cpu, stdin=subprocess.DEVNULL,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1"} | (more or {}),
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "STOP_AT_FAILURE": "1", "MALLOC_PERTURB_": "1"}
+            | (more or {}),
         )  # fmt: skip
         well = done.returncode == 0 and re.search(end + rb"\s*\Z", done.stdout) is not None
         return well, done.stdout.decode(errors="replace")
     return False, ""
+
+
+def pytest(site: Path, program: Path, *tests: str) -> tuple[list, Path, int, bytes]:
+    """Return the command that runs a file of Python tests with a copy of the package, its folder, CPU seconds."""
+    return (
+        [
+            "env", *(f"{name}={value}" for name, value in variables(site, program).items()),
+            sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+            "-m", "not browser", *tests,
+        ], ROOT, 120 if tests == (ANSWERS,) else 600, PYTHON_END,
+    )  # fmt: skip

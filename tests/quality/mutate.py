@@ -27,16 +27,14 @@ from pathlib import Path
 
 import reaching
 from checked import Checked
-from linked import FORTRAN_END, PYTHON_END, ROOMS, Build, ended, passes
+from linked import ANSWERS, FORTRAN_END, ROOMS, Build, ended, passes, pytest
 from mutants import Mutant, mutants_of
-from package import copy_package, core_of, variables
+from package import copy_package, core_of
 from statements import Statements
 from switched import digest, prepare
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
-#: Cases from all studies, whose answers are kept.
-ANSWERS = "tests/python/test_answers.py"
 
 
 class Compiled:
@@ -205,17 +203,6 @@ class Switched(Compiled):
         with tempfile.TemporaryDirectory(prefix="mutant-") as home:
             program = self.folder / f"plain/tests/fortran/test_{test}"
             return passes([program], Path(home), 150, FORTRAN_END, chosen)
-
-
-def pytest(site: Path, program: Path, *tests: str) -> tuple[list, Path, int, bytes]:
-    """Return the command that runs a file of Python tests with a copy of the package, its folder, CPU seconds."""
-    return (
-        [
-            "env", *(f"{name}={value}" for name, value in variables(site, program).items()),
-            sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
-            "-m", "not browser", *tests,
-        ], ROOT, 120 if tests == (ANSWERS,) else 600, PYTHON_END,
-    )  # fmt: skip
 
 
 def listed() -> dict[tuple[str, str, str], str]:

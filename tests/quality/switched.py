@@ -382,7 +382,7 @@ def write(folder: Path, tree: Path) -> None:
 def build(folder: Path, tree: Path, counted: bool) -> None:
     """Build what computes, in a folder of its own; counted: it counts the blocks that it reaches."""
     made = folder / ("counted" if counted else "plain")
-    args = f"-g1 -w -finit-integer=-77777 -finit-real=-inf {LONG} -fno-frontend-optimize"
+    args = f"-g1 -w -finit-integer=-77777 -finit-real=-inf -finit-logical=true {LONG} -fno-frontend-optimize"
     links = "-Wl,-u,vibroimpact_choose"
     if counted:
         counter = [
