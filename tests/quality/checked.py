@@ -42,11 +42,10 @@ class Checked:
             if not kept_answers(library):
                 return True
             site, core = folder / "site", core_of(self.build.folder)
-            if self.build.link(
-                f"python/{core.name}", objects, copy_package(site, self.build.folder)
-            ):
-                if not passes(*pytest(site, self.build.folder / "src/vibroimpact-batch", CALLS)):
-                    return True
+            program = self.build.folder / "src/vibroimpact-batch"
+            self.build.link(f"python/{core.name}", objects, copy_package(site, self.build.folder))
+            if not passes(*pytest(site, program, CALLS)):
+                return True
             for room in ROOMS[mutant.file.split("/")[1]]:
                 program = folder / f"test_{room}"
                 if self.build.link(f"tests/fortran/{program.name}", objects, program):
