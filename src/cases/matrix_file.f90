@@ -124,8 +124,8 @@ contains
       integer, intent(in) :: most_columns, most
       !> The numbers, row by row.
       real(wp), allocatable, intent(inout) :: numbers(:)
-      !> Number of columns, without that of the times.
-      integer, intent(out) :: columns
+      !> In: 0. Out: number of columns, without that of the times, if nothing is wrong.
+      integer, intent(inout) :: columns
       !> The times, if the first name is time or t; else empty.
       real(wp), allocatable, intent(inout) :: times(:)
       !> Out: what is wrong with it; not changed if nothing is.
@@ -135,7 +135,6 @@ contains
       integer :: at, empty, line, n, rows, width
       logical :: good, timed
 
-      columns = 0
       call unify_line_ends(content, text)
       text = text//line_feed
       at = 1
@@ -265,8 +264,8 @@ contains
       type(limits_type), intent(in) :: limits
       !> The numbers, row by row.
       real(wp), allocatable, intent(inout) :: numbers(:)
-      !> Number of columns.
-      integer, intent(out) :: columns
+      !> In: 0. Out: number of columns, if nothing is wrong.
+      integer, intent(inout) :: columns
       !> Out: what is wrong with it; not changed if nothing is.
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: text
@@ -275,7 +274,6 @@ contains
       logical :: coordinates, symmetric, good, ended
       integer :: at, line, i, j, k, rows, entries
 
-      columns = 0
       call unify_line_ends(content, text)
       text = text//line_feed
       at = index(text, line_feed)
@@ -436,8 +434,8 @@ contains
       type(limits_type), intent(in) :: limits
       !> The numbers, row by row, or those of a list.
       real(wp), allocatable, intent(inout) :: numbers(:)
-      !> Number of columns.
-      integer, intent(out) :: columns
+      !> In: 0. Out: number of columns, if nothing is wrong.
+      integer, intent(inout) :: columns
       !> Out: what is wrong with it; not changed if nothing is.
       character(:), allocatable, intent(inout) :: message
       character(:), allocatable :: head, kind, order, shape
@@ -446,7 +444,6 @@ contains
       integer :: start, length, i, j, rows, place
       logical :: good
 
-      columns = 0
       length = -1
       start = 0
       if (len(content) >= 12) then

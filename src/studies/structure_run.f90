@@ -103,10 +103,6 @@ contains
       !> (n) Coordinates and velocities.
       real(wp), intent(in) :: q(:), rate(:)
 
-      is_far = .false.
-      ! a structure that is refused for its own units has no regimes
-      if (.not. allocated(run%regimes)) return
-      if (size(run%regimes) == 0) return
       is_far = is_extreme(max(maxval(abs(q)), run%regimes(1)%unit*maxval(abs(rate))))
    end function is_far
 

@@ -127,10 +127,12 @@ contains
          allocate (cell%q_min(m), cell%q_max(m), cell%q_rms(m), &
             source=ieee_value(1.0_wp, ieee_quiet_nan))
          call new_run(structure, load, run, cell%status)
-         ! a start that is too far is refused, as in a simulation, not moved into the gaps
-         if (cell%status == stat%ok .and. is_far(run, here(:m), here(m + 1:))) cell%status = &
-            stat%extreme_units
          if (cell%status /= stat%ok) return
+         ! a start that is too far is refused, as in a simulation, not moved into the gaps
+         if (is_far(run, here(:m), here(m + 1:))) then
+            cell%status = stat%extreme_units
+            return
+         end if
          call open_gaps(structure, here(:m))
          call start_at(run, 0.0_wp, here(:m), here(m + 1:), state, cell%status)
          if (cell%status /= stat%ok) return

@@ -274,7 +274,6 @@ contains
       old = active
       active = corner%conditions(which)
       call condition_slope(curve, old, corner%point, unused, along)
-      along = along/norm2(along)
       call begin_walk(curve, [active], corner%point, along, max(1.0e-4_wp, 0.1_wp*corner%step), &
          now, good)
       if (good) now%tangent = uphill(curve, active, old, now)*now%tangent

@@ -410,6 +410,7 @@ contains
       ! a first line of names is passed over, but these words are meant as numbers
       call refuse_samples('NaN 1|2 3|', 'line 1: must hold finite numbers, at most 2')
       call refuse_samples('Infinity 1|2 3|', 'line 1: must hold finite numbers, at most 2')
+      call refuse_samples('"|1 2|', 'line 1: must hold finite numbers, at most 2')
       call refuse_samples('x y|', 'it holds no numbers')
       call refuse_samples('time|1|2|', 'it has a column of times alone')
    end subroutine test_wrong_samples
@@ -424,6 +425,7 @@ contains
       call write_file(join(split(text, '|'), line_feed))
       call read_samples(path, 2, 6, numbers, columns, times, message)
       call check(message == expected, expected//', not '//message)
+      call check(columns == 0, 'a table that is refused has no columns')
    end subroutine refuse_samples
 
    !> A list may be given in parts in any order, without gaps, and each place once.

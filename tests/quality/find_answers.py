@@ -2,7 +2,7 @@
 
 usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY...]
        find_answers.py --mutants FOLDER [--sample N] [--seed N] [--file PATTERN] [--also LIBRARY...]
-       find_answers.py --renew [--also LIBRARY...]
+       find_answers.py --renew [--add TEXTS] [--also LIBRARY...]
        find_answers.py --compare LIBRARY...
 
 --search  COUNTED is a library for C that counts the blocks it reaches (switched.py makes it). The kept
@@ -10,7 +10,8 @@ usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY..
           each block, as often as any of them does, are kept.
 --mutants FOLDER is what switched.py makes. Mutants that the kept answers let pass, of a sample, are tried on
           changed texts that reach the same statement; the fewest that notice what any of them does are added.
---renew   writes the answers to the kept texts again, and prints what changed.
+--renew   writes the answers to the kept texts again, and prints what changed. TEXTS is a JSON file with a list
+          of further texts, such as cases that other tests run.
 --compare prints what other builds answer differently, but for rounding: the exit status is 1 if anything.
 
 An answer is kept as far as the package and all libraries named (another compiler, another LAPACK) agree, and so is
@@ -220,6 +221,7 @@ def main():
     )
     parser.add_argument("-j", "--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--times", type=int, default=3, help="kept cases that reach a block (3)")
+    parser.add_argument("--add", type=Path, metavar="TEXTS")
     parser.add_argument("--also", type=Path, nargs="*", default=[], metavar="LIBRARY")
     asked = parser.parse_args()
     others = [path.resolve() for path in asked.also or asked.compare or ()]
@@ -227,6 +229,7 @@ def main():
         parser.error("--renew needs other libraries, with which answers are compared: --also")
     counted = Searched(asked.search.resolve()) if asked.search else None
     libraries = asked.mutants.resolve() if asked.mutants else None
+    more = json.loads(asked.add.read_text(encoding="utf-8")) if asked.add else []
     with tempfile.TemporaryDirectory() as folder:
         put_files(Path(folder))
         os.chdir(folder)
@@ -241,7 +244,7 @@ def main():
             found = noticing(asked, libraries)
             return keep([*(item["text"] for item in kept), *found], others, kept)
         if asked.renew:
-            return keep(with_small_cases(kept, others[0]), others, kept)
+            return keep([*with_small_cases(kept, others[0]), *more], others, kept)
         found = search(counted, kept, asked.texts, asked.seed)
         # what is written by hand stays
         few = list(dict.fromkeys([*with_small_cases([], counted), *fewest(found, asked.times)]))

@@ -26,7 +26,7 @@ from package import PLAIN_SINES, copy_package, core_of, variables  # noqa: E402
 from shared_answers import common  # noqa: E402
 
 #: Bytes of the arguments of a kept call; calls of a procedure, and how many of them need not be of a new kind.
-LARGEST, MOST, ALIKE = 3000, 40, 12
+LARGEST, MOST, ALIKE = 3000, 100, 30
 #: The plugin of pytest that records.
 RECORDER = """
 import json, os
