@@ -8,6 +8,10 @@ from shared_case_texts import multiplied
 
 #: What a reversal of all coordinates reverses.
 REVERSED = ("direction", "sine", "cosine", "constant", "record", "q", "q_dot")
+#: Columns whose values are not compared: extremes are exchanged, of the coefficients of a path those of the load
+#: are reversed, residuals and small determinants are rounding, and of two longest flights rounding chooses the one
+#: in whose middle [P] begins.
+LEFT_OUT = ("q_min", "q_max", "series", "residual", "determinant", "P")
 #: A text with one of these words is left out: its numbers come from a file, or its starts from a window that is
 #: not reversed or from a seed; rounding decides what a long chaotic run does.
 OTHERS = re.compile(
@@ -25,7 +29,7 @@ def test_answers_of_mirror_images(tmp_path, monkeypatch):
     """The status, integers such as verdicts, and reals but for the sign of those that are reversed agree."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
-    compared = 0
+    compared = reversed_branches = 0
     for item in load():
         text = item["text"]
         if "&structure" not in text or item["answer"]["status"] == 2:
@@ -34,23 +38,22 @@ def test_answers_of_mirror_images(tmp_path, monkeypatch):
             continue
         one, other = answer(text), answer(mirrored(text))
         assert other["status"] == one["status"], mirrored(text)
+        ends = [answer["columns"].get("points.special") for answer in (one, other)]
+        if "branch" in text and ends[0] != ends[1]:
+            # it starts at a fold, where rounding decides in which direction it is followed
+            reversed_branches += 1
+            continue
         for name, kept in one["columns"].items():
             table, column = name.split(".") if "." in name else ("", name)
             # the least value becomes the greatest one
             column = {"q_min": "q_max", "q_max": "q_min"}.get(column, column)
             found = other["columns"][f"{table}.{column}" if table else name]
             assert found[:2] == kept[:2], (name, text)
-            if len(kept) == 4 and column not in (
-                "q_min",
-                "q_max",
-                "series",
-                "value",
-                "residual",
-                "determinant",
-            ):
+            if len(kept) == 4 and column not in LEFT_OUT:
                 compared += 1
-                sign = -1 if column in REVERSED else 1
+                sign = -1 if column in REVERSED or name == "record.value" else 1
                 assert sign * found[2] == pytest.approx(
                     kept[2], rel=0, abs=1e-9 * kept[3] + 1e-11
                 ), (name, text)
     assert compared > 1000
+    assert reversed_branches <= 1
