@@ -408,10 +408,14 @@ def keep(texts, others, before):
             continue
         _, _, same = mine.count(text)
         for other in others:
-            seen, _, there = other.count(text, 20.0)
+            # a build with checks is slow, and so is a machine that does something else
+            seen, _, there = other.count(text, 200.0)
             common = merged(common, seen) if common and seen else None
             same = work.merged(same, there)
         if common is None:
+            if text in old:
+                changed += 1
+                print(f"no longer kept:\n{text}")
             continue
         calls[text] = same
         common = json.loads(json.dumps(common))
