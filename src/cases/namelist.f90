@@ -323,11 +323,7 @@ contains
       integer :: equals, next, start, next_start, i, n
 
       message = ''
-      n = 0
-      do i = first, last
-         if (plain(i:i) == '=') n = n + 1
-      end do
-      allocate (group%items(n))
+      allocate (group%items(count([(plain(i:i) == '=', i=first, last)])))
       n = 0
       equals = next_equals(plain(:last), first)
       start = last + 1

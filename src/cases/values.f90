@@ -152,11 +152,9 @@ contains
       integer :: power, status
 
       power = scan(text, 'eEdD')
-      vanishes = power > 1 .and. power < len_trim(text)
-      if (.not. vanishes) return
       ! a mantissa with a digit that is not 0, and a negative whole number as exponent
       vanishes = verify(text(:power - 1), ' +-.0123456789') == 0 .and. &
-         scan(text(:power - 1), '123456789') > 0 .and. text(power + 1:power + 1) == '-' .and. &
+         scan(text(:power - 1), '123456789') > 0 .and. index(text(power + 1:), '-') == 1 .and. &
          verify(trim(text(power + 2:)), '0123456789') == 0 .and. len_trim(text) < power + 8
       if (.not. vanishes) return
       read (text(power + 1:), *, iostat=status) power

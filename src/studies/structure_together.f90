@@ -181,7 +181,7 @@ contains
          :: y, unused
       real(wp), dimension(size(y, 1)) :: direction, zero
       real(wp) :: mass(size(y, 1), size(y, 1))
-      integer :: i, j, m, pass, together
+      integer :: i, j, m, pass
 
       mass = samples(1)%structure%mass
       zero = 0
@@ -210,10 +210,9 @@ contains
                   unused, m)
             end do
          end do
-         if (pass == 1) together = m
+         if (pass == 1) allocate (part, source=y(:, :m))
       end do
-      allocate (part, source=y(:, :together))
-      allocate (beside, source=y(:, together + 1:m))
+      allocate (beside, source=y(:, size(part, 2) + 1:m))
       call to_echelon(part)
    end subroutine span_motion
 

@@ -19,11 +19,13 @@ program test_studies
    use studies_structures, only: test_structures
    use studies_structure_slopes, only: test_structure_slopes
    use vi_assess, only: paper_acceptance
+   use vi_branch_switching, only: at_grazing, most_switched, switch_branch
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_flags, only: stability_flags
    use vi_kinds, only: wp
    use vi_kinds_single, only: sp => wp
-   use vi_motion, only: motion_type, unknown
+   use vi_motion, only: motion_type, unknown, yes
+   use vi_orbit, only: by_clearance
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: new_pattern, pattern_type
    use vi_periodic, only: linear_system_type
@@ -58,6 +60,7 @@ program test_studies
    call test_limits()
    call test_shared_simulations()
    call test_conditions()
+   call test_switching_away_from_a_graze()
    call test_symbols()
    call test_rest()
    call test_rows()
@@ -70,6 +73,26 @@ program test_studies
    call finish()
 
 contains
+
+   !> Where a flight touches no wall, a motion with one more impact is found at most by chance; if so,
+   !! it is admissible.
+   subroutine test_switching_away_from_a_graze()
+      type(motion_type) :: motion, found(most_switched)
+      integer :: i, n, none
+
+      none = 0
+      do i = 1, 200
+         call random_motion(random, 2, motion)
+         n = 99
+         call switch_branch(motion, at_grazing, 1, 3 - 2*draw_integer(random, 1, 2), by_clearance, &
+            .false., found, n)
+         call check(n >= 0 .and. n <= most_switched, 'switching: as many as were found')
+         if (n == 0) none = none + 1
+         if (n > 0) call check(size(found(1)%x) == 3 .and. found(1)%admissible == yes, &
+            'switching: one more impact')
+      end do
+      call check(none > 100, 'switching: mostly nothing is found')
+   end subroutine test_switching_away_from_a_graze
 
    pure function empty_results(n, m) result(results)
       integer, intent(in) :: n, m

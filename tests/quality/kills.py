@@ -4,6 +4,7 @@ A case is run only for the mutants whose statement it reaches, each mutant in a 
 from the kept answer or the kept amount of work (work.py), breaks down, or takes much longer, kills the mutant.
 """
 
+import fcntl
 import hashlib
 import json
 import os
@@ -150,17 +151,10 @@ def reach(folder: Path, texts: list[str]) -> list[tuple[float, list[int]]]:
 def kept_trial(folder: Path) -> Trial:
     """Return what tries the kept answers; what each of them reaches is noted beside the libraries."""
     kept = load()
-    note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
-    noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
-    # the numbers of statements are those of one build
-    known = noted.get(mark := hashlib.sha256(numbers).hexdigest(), {})
-    new = [item["text"] for item in kept if item["text"] not in known]
-    if new:
-        known |= dict(zip(new, reach(folder, new), strict=True))
-        # processes beside this one may write theirs
-        written = note.with_suffix(f".{os.getpid()}")
-        written.write_text(json.dumps({mark: known}), encoding="utf-8")
-        written.replace(note)
+    with (folder / "reached.lock").open("w") as lock:
+        # of processes that begin together one finds out, and the others read what it noted
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        known = what_they_reach(folder, kept)
     found = [known[item["text"]] for item in kept]
     trial = Trial(folder)
     cases, reached = [], []
@@ -173,6 +167,21 @@ def kept_trial(folder: Path) -> Trial:
             reached.append(statements)
     trial.add(cases, reached)
     return trial
+
+
+def what_they_reach(folder: Path, kept: list[dict]) -> dict[str, tuple[float, list[int]]]:
+    """Return the CPU seconds and the statements of each text, noted in the folder."""
+    note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
+    noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+    # the numbers of statements are those of one build
+    known = noted.get(mark := hashlib.sha256(numbers).hexdigest(), {})
+    new = [item["text"] for item in kept if item["text"] not in known]
+    if new:
+        known |= dict(zip(new, reach(folder, new), strict=True))
+        written = note.with_suffix(".new")
+        written.write_text(json.dumps({mark: known}), encoding="utf-8")
+        written.replace(note)
+    return known
 
 
 def main() -> None:
