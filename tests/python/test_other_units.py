@@ -7,8 +7,8 @@ import pytest
 from shared_answers import ROUNDING, STOPPED, answer, load, put_files
 from shared_case_texts import multiplied
 
-#: The new units are powers of 2 of the old ones, so that only the exponent bits of a number change; those of length
-#: and mass have even exponents, so that this is true of square roots, too.
+#: The new units are powers of 2 of the old ones, so that only the exponent bits of a number change; those of
+#: length and mass are even, so that this is true of square roots, too.
 LENGTH, MASS, TIME = 10, -8, 3
 FORCE = (1, 1, -2)
 #: The dimension of each key: its exponents of length, mass and time.
