@@ -74,8 +74,8 @@ program test_studies
 
 contains
 
-   !> Where a flight touches no wall, a motion with one more impact is found at most by chance; if so,
-   !! it is admissible.
+   !> Where a flight touches no wall, a motion with one more impact is found at most by chance; if
+   !! so, it is admissible.
    subroutine test_switching_away_from_a_graze()
       type(motion_type) :: motion, found(most_switched)
       integer :: i, n, none
