@@ -7,10 +7,10 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor
-from concurrent.futures import wait as wait_for
+from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import version
 from importlib.util import find_spec
+from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -225,6 +225,9 @@ class Threads:
         self.number = number
         self.pool = ThreadPoolExecutor(number)
         self.running: dict[Future[Chunk], NDArray[np.int32]] = {}
+        #: Those that have ended. A queue is in order after Ctrl-C at any instant, unlike the locks of
+        #: `concurrent.futures.wait`, which are written in Python.
+        self.ended: SimpleQueue[Future[Chunk]] = SimpleQueue()
 
     def capacity(self) -> int:
         """How many tasks they should have at a time."""
@@ -235,14 +238,19 @@ class Threads:
         counters = new_counters()
         future = self.pool.submit(compute, study, task.texts, core_digest(), 1, counters)
         self.running[future] = counters
+        future.add_done_callback(self.ended.put)
         return future
 
     def wait(self, futures: list[Any]) -> list[Any]:
         """Those that have ended, after a short time."""
-        done, _ = wait_for(futures, INTERVAL, FIRST_COMPLETED)
-        for future in done:
+        ended = set()
+        with contextlib.suppress(Empty):
+            ended.add(self.ended.get(timeout=INTERVAL))
+            while True:
+                ended.add(self.ended.get_nowait())
+        for future in ended:
             del self.running[future]
-        return [future for future in futures if future in done]
+        return [future for future in futures if future in ended]
 
     def result(self, future: Future[Chunk]) -> Chunk:
         """What a task has given."""
