@@ -24,6 +24,10 @@ OF_COLUMNS = {
     "q_min": (1, 0, 0), "q_max": (1, 0, 0), "phase": (0, 0, 0), "phases": (0, 0, 0), "begin": (0, 0, 0),
     "end": (0, 0, 0), "determinant": (0, 0, 0), "multiplier": (0, 0, 0), "law": (0, 0, 0),
 }  # fmt: skip
+#: Bounds have the dimension of what varies between them; in a response this is the frequency.
+BOUNDS = {
+    "low": "parameter", "high": "parameter", "x_low": "x", "x_high": "x", "y_low": "y", "y_high": "y",
+}  # fmt: skip
 #: A text with one of these words is left out: its numbers have other dimensions or leave the range of doubles, or
 #: rounding decides what a long chaotic run does.
 OTHERS = re.compile(
@@ -41,19 +45,10 @@ def in_other_units(text):
     varied = dict(re.findall(r"\b(parameter|x|y)\s*=\s*'([a-z]+)", text))
 
     def factor_of(group, key):
-        # bounds have the dimension of what is varied between them
-        name = {"low": "parameter", "high": "parameter"}.get(
-            key, (key or "")[:1] if group == "zone" else None
-        )
-        if group == "response" and key in ("low", "high"):
-            return factor(DIMENSIONS["frequency"])
-        if group in ("branch", "bifurcation", "zone") and name in varied:
-            of = varied[name]
+        if key in BOUNDS:
+            of = varied.get(BOUNDS[key], "frequency")
             return factor(DIMENSIONS[of]) if of in ("frequency", "opening") else 1
-        dimension = DIMENSIONS.get(key)
-        return (
-            factor(dimension) if dimension and group not in ("branch", "bifurcation", "zone") else 1
-        )
+        return factor(DIMENSIONS.get(key, (0, 0, 0)))
 
     return multiplied(text, factor_of)
 

@@ -152,7 +152,7 @@ def kept_trial(folder: Path) -> Trial:
     """Return what tries the kept answers; what each of them reaches is noted beside the libraries."""
     kept = load()
     with (folder / "reached.lock").open("w") as lock:
-        # of processes that begin together one finds out, and the others read what it noted
+        # of processes that start together, one computes this and the others read its note
         fcntl.flock(lock, fcntl.LOCK_EX)
         known = what_they_reach(folder, kept)
     found = [known[item["text"]] for item in kept]
