@@ -16,6 +16,7 @@ program test_studies
    use studies_spans, only: test_spans
    use studies_steps, only: test_steps
    use studies_surfaces, only: test_surfaces
+   use studies_switching, only: test_switching
    use studies_structures, only: test_structures
    use studies_structure_conditions, only: test_structure_conditions
    use studies_structure_slopes, only: test_structure_slopes
@@ -62,6 +63,7 @@ program test_studies
    call test_shared_simulations()
    call test_conditions()
    call test_switching_away_from_a_graze()
+   call test_switching()
    call test_symbols()
    call test_rest()
    call test_rows()

@@ -1,0 +1,127 @@
+!> Motions that begin at bifurcations of other motions.
+module studies_switching
+   use checks, only: check, check_close
+   use random_numbers, only: random_type
+   use random_systems, only: random_motion
+   use vi_assess, only: assess_linear, paper_acceptance
+   use vi_branch_switching, only: at_flip, at_grazing, at_pitchfork, most_switched, switch_branch
+   use vi_chain, only: equispaced_chain
+   use vi_kinds, only: wp
+   use vi_motion, only: motion_type, yes
+   use vi_orbit, only: by_clearance, by_r, by_right, by_xi
+   use vi_oscillator, only: oscillator_type
+   use vi_periodic, only: linear_system_type
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: test_switching
+
+   type(random_type) :: random
+
+contains
+
+   subroutine test_switching()
+      call test_two_touches()
+      call test_pitchfork()
+      call test_nothing_begins()
+   end subroutine test_switching
+
+   !> The first equispaced motion of a cycle at a clearance, its own mirror image.
+   subroutine equispaced(xi, restitution, clearance, motion)
+      real(wp), intent(in) :: xi, restitution, clearance
+      type(motion_type), intent(out) :: motion
+      type(linear_system_type) :: system
+      type(motion_type) :: motions(2)
+
+      call equispaced_chain(oscillator_type(xi, 0.1_wp, [restitution, restitution]), 0.8_wp, &
+         clearance, 1, paper_acceptance, .true., system, motions)
+      motion = motions(1)
+      call check(motion%status == stat%ok, 'switching: an equispaced motion')
+   end subroutine equispaced
+
+   !> Where a motion touches a wall and so does its mirror image, a motion with one more impact
+   !! begins for each of these, and one with both, whichever of the two touches is given.
+   subroutine test_two_touches()
+      real(wp), parameter :: critical = 1.7919869460695672_wp, &
+         elastic = 0.98940371755490175_wp
+      type(motion_type) :: motion, found(most_switched), others(most_switched)
+      integer :: n, m
+
+      call equispaced(0.05_wp, 0.6_wp, critical, motion)
+      call switch_branch(motion, at_grazing, 1, 1, by_clearance, .false., found, n)
+      call switch_branch(motion, at_grazing, 2, -1, by_clearance, .false., others, m)
+      call check(n == 2 .and. m == 2, 'switching: one touch, and both')
+      if (n /= 2 .or. m /= 2) return
+      call check(all(found(1)%pattern%sides == [1, 1, -1]) .and. &
+         all(others(1)%pattern%sides == [1, -1, -1]), 'switching: the impact at a touch')
+      call check(all(found(2)%pattern%sides == [1, 1, -1, -1]) .and. &
+         all(others(2)%pattern%sides == [1, 1, -1, -1]), 'switching: the impacts at both touches')
+      call check_close(maxval(abs(found(2)%x - others(2)%x)), 0.0_wp, 1e-12_wp, &
+         'switching: the same motion from either touch')
+      ! the second half mirrors the first
+      call check_close(maxval(abs(found(2)%x(3:) + found(2)%x(:2))), 0.0_wp, 1e-9_wp, &
+         'switching: both touches keep the symmetry')
+      call check(all([found%admissible, others%admissible] == yes), 'switching: it is admissible')
+      ! without losses they begin beside this touch, but not where impacts would add energy
+      call equispaced(0.05_wp, 1.0_wp, elastic, motion)
+      call switch_branch(motion, at_grazing, 1, 1, by_clearance, .true., found, n)
+      call check(n == 2, 'switching: one touch, and both, of elastic impacts')
+      call switch_branch(motion, at_grazing, 1, 1, by_right, .true., found, n)
+      call check(n == 0, 'switching: restitution is at most 1')
+   end subroutine test_two_touches
+
+   !> At a pitchfork, two motions begin that are mirror images of each other, at another value of
+   !! one parameter. There are none at a value that the parameter cannot have: of this pitchfork,
+   !! damping would have to be negative.
+   subroutine test_pitchfork()
+      real(wp), parameter :: critical = 15.408624800244240_wp
+      type(motion_type) :: motion, found(most_switched)
+      integer :: n, p
+
+      call equispaced(0.0_wp, 0.6_wp, critical, motion)
+      do p = by_r, by_right
+         n = 99
+         call switch_branch(motion, at_pitchfork, 0, 0, p, p == by_right, found, n)
+         call check(n == merge(0, 2, p == by_xi), 'switching: two motions at a pitchfork')
+         if (n /= 2) cycle
+         call check(all(found%status == stat%ok), 'switching: motions at a pitchfork')
+         call check_close(maxval(abs(found(2)%x + cshift(found(1)%x, 1))), 0.0_wp, 1e-9_wp, &
+            'switching: mirror images')
+         call check(abs(sum(found(1)%x)) > 1e-3_wp, 'switching: not their own images')
+         associate (f => found(1), m => motion)
+            call check_close(abs(f%r/m%r - 1) + abs(f%clearance/m%clearance - 1) + &
+               abs(f%osc%mu/m%osc%mu - 1) + abs(f%osc%restitution(1)/0.6_wp - 1), 1e-4_wp, &
+               1e-12_wp, 'switching: one parameter changes')
+            call check(abs(f%osc%restitution(1) - f%osc%restitution(2)) <= 0, &
+               'switching: both walls remain alike')
+         end associate
+      end do
+   end subroutine test_pitchfork
+
+   !> Without a critical multiplier, or without multipliers at all, no motion begins.
+   subroutine test_nothing_begins()
+      type(motion_type) :: motion, found(most_switched)
+      integer :: i, n, tried
+
+      tried = 0
+      do i = 1, 200
+         call random_motion(random, 2 + mod(i, 3), motion)
+         if (motion%status /= stat%ok) cycle
+         call assess_linear(motion, paper_acceptance)
+         if (any(abs(abs(motion%multipliers%re) - 1) < 0.05_wp)) cycle
+         call switch_branch(motion, at_pitchfork, 0, 0, by_clearance, .false., found, n)
+         call check(n == 0, 'switching: no pitchfork')
+         call switch_branch(motion, at_flip, 0, 0, by_clearance, .false., found, n)
+         call check(n == 0, 'switching: no flip')
+         tried = tried + 1
+      end do
+      ! no approach speed at the second impact
+      call equispaced(0.05_wp, 0.6_wp, 2.0_wp, motion)
+      motion%z_dot_after(1) = motion%x_dot_before(2)
+      call switch_branch(motion, at_pitchfork, 0, 0, by_clearance, .false., found, n)
+      call check(n == 0, 'switching: an impact without approach speed')
+      call check(tried > 50, 'switching: motions without a critical multiplier')
+   end subroutine test_nothing_begins
+
+end module studies_switching
