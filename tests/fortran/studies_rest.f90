@@ -47,9 +47,86 @@ contains
          call check_period(family, [6.283_wp*u(7), asinh(3*(u(8) - 0.5_wp))], c, followed)
       end do
       call check(followed > 30, 'rest: periods that could be followed')
+      call test_guessed_phases()
+      call test_solved_again()
       call test_repeated_periods()
       call test_same_releases()
    end subroutine test_rest
+
+   !> At guessed phases of the impacts, which need not be those of a motion, a period can be
+   !! followed only if impacts that accumulate begin with an approach, and it ends with a release
+   !! within two periods.
+   subroutine test_guessed_phases()
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+      type(rest_family_type) :: family
+      type(rest_period_type) :: period
+      real(wp) :: u(10), c(6), unknowns(5)
+      integer :: i, m, right, departing
+
+      right = 0
+      departing = 0
+      do i = 1, 3000
+         call fill(random, 0.0_wp, 1.0_wp, u)
+         c = [0.2_wp + 2*u(1), log(0.2_wp + 3*u(2)), 0.3_wp*u(3), u(4), 0.9_wp*u(5), 0.9_wp*u(6)]
+         ! impacts without rebound
+         if (mod(i, 5) == 0) c(5:) = 0
+         select case (mod(i, 3))
+         case (0)
+            family = new_rest_family([1, -2], 1)
+         case (1)
+            family = new_rest_family([1, 2, -2], 1)
+         case default
+            family = new_rest_family([2, -2], 1)
+         end select
+         m = rest_unknowns(family)
+         unknowns(:2) = [two_pi*u(7), asinh(3*(u(8) - 0.5_wp))]
+         unknowns(3) = unknowns(1) + two_pi*u(9)
+         unknowns(4) = unknowns(3) + two_pi*u(10)
+         unknowns(5) = unknowns(4) + 0.5_wp*two_pi*u(1)
+         call rest_period(family, unknowns(:m), c, period)
+         if (period%right) then
+            right = right + 1
+            associate (release => period%equations(1)%value + unknowns(1) + two_pi)
+               call check(release >= unknowns(m) .and. release <= unknowns(1) + 2*two_pi, &
+                  'rest: a release after the last impact, within two periods')
+            end associate
+            call check(all(period%approach%value >= 0 .or. abs(family%symbols) == 1 .or. &
+               c(5) <= 0), 'rest: no accumulation begins with a departure')
+         else
+            departing = departing + 1
+         end if
+      end do
+      call check(right > 100 .and. departing > 100, 'rest: periods of guessed phases')
+   end subroutine test_guessed_phases
+
+   !> A motion with rest that was found is found again from its own release; its last two
+   !! multipliers are 0.
+   subroutine test_solved_again()
+      type(motion_type) :: motion, again
+      type(event_type) :: events(100)
+      real(wp) :: u(8), point(2), other(2)
+      integer :: i, n, m, solved, side
+
+      solved = 0
+      do i = 1, 1500
+         call fill(random, 0.0_wp, 1.0_wp, u)
+         side = 3 - 2*(1 + mod(i, 2))
+         associate (system => new_forced_system(oscillator_type(0.3_wp*u(1), u(2), [0.9_wp*u(3), &
+            merge(0.0_wp, 0.6_wp, mod(i, 4) == 0)]), 0.1_wp + 1.5_wp*u(4), 1.0_wp, 0.1_wp + 4*u(5)))
+            point = [6.283_wp*u(6), 4*(u(7) - 0.5_wp)]
+            call solve_rest_motion(system, side, 1, point, motion, events, n)
+            if (motion%status /= stat%ok) cycle
+            solved = solved + 1
+            other = point
+            call solve_rest_motion(system, side, 1, other, again, events, m)
+            call check(again%status == stat%ok .and. m == n, 'rest: solved again')
+            call check_close(maxval(abs(other - point)), 0.0_wp, 1.0e-9_wp, &
+               'rest: the same release')
+            call check(all(abs(motion%multipliers(3:)) <= 0), 'rest: multipliers')
+         end associate
+      end do
+      call check(solved > 40, 'rest: motions are found')
+   end subroutine test_solved_again
 
    !> Motions with rest are the same if a release of one is a release of the other, in a later load
    !! cycle or not: side, phase and velocity, each alone, tell two of them apart.
