@@ -86,7 +86,7 @@ contains
    pure subroutine find_coordinates(structure, parts, n)
       !> In: as read. Out: with a fault if its lists do not fit together.
       type(values_type), intent(inout) :: structure
-      !> Its gaps and load.
+      !> Its gaps, at least one, and then its load.
       type(values_type), intent(in) :: parts(:)
       !> The number.
       integer, intent(out) :: n
@@ -129,11 +129,9 @@ contains
          end if
       end do
       n = maxval(allowed)
-      if (all(allowed > 0) .and. size(parts) > 0) then
-         if (parts(1)%name == 'gap') then
-            if (any(allowed == size(parts(1)%numbers('direction')))) n = &
-               size(parts(1)%numbers('direction'))
-         end if
+      if (all(allowed > 0)) then
+         if (any(allowed == size(parts(1)%numbers('direction')))) n = &
+            size(parts(1)%numbers('direction'))
       end if
    end subroutine find_coordinates
 
