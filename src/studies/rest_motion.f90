@@ -261,9 +261,9 @@ contains
       end do
       units = 1
       call worst_change(jacobian, rounding, units, change, regular)
-      doubt = merge(0.0_wp, huge(1.0_wp), regular)
+      doubt = 0
       do side = -1, 1, 2
-         if (.not. regular) return
+         if (.not. regular) exit
          call rest_period(family, unknowns + side*change, c, other)
          status = stat%no_convergence
          if (other%right) call plane_multipliers(plane_map(other), pair, status)
