@@ -8,6 +8,7 @@ program test_studies
    use studies_atlas, only: test_atlas, test_limits, test_outcomes, test_rings, &
       test_passing, test_rings_on_edges, test_shared_simulations
    use studies_attractors, only: test_attractors
+   use studies_branches, only: test_branches
    use studies_conditions, only: test_conditions
    use studies_joints, only: test_joints
    use studies_symbols, only: test_symbols
@@ -61,6 +62,7 @@ program test_studies
    call test_outcomes()
    call test_limits()
    call test_shared_simulations()
+   call test_branches()
    call test_conditions()
    call test_switching_away_from_a_graze()
    call test_switching()
