@@ -3,7 +3,7 @@ module studies_rest
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
    use vi_forced_system, only: event_type, new_forced_system
-   use vi_found_motion, only: are_same, found_type
+   use vi_found_motion, only: are_same, described_type, found_type, store_described
    use vi_kinds, only: wp
    use vi_likeness, only: same
    use vi_frame, only: condition_count, condition_type, edge, frame_type, neimark_sacker
@@ -13,7 +13,7 @@ module studies_rest
    use vi_rest_conditions, only: measure_in_period, rest_condition, rest_conditions
    use vi_rest_family, only: follow_symbols, measure_type, new_rest_family, plane_map, &
       rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
-   use vi_rest_motion, only: solve_rest_motion
+   use vi_rest_motion, only: find_rest_motion, solve_rest_motion
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -49,6 +49,7 @@ contains
       call check(followed > 30, 'rest: periods that could be followed')
       call test_guessed_phases()
       call test_solved_again()
+      call test_room()
       call test_repeated_periods()
       call test_same_releases()
    end subroutine test_rest
@@ -127,6 +128,41 @@ contains
       end do
       call check(solved > 40, 'rest: motions are found')
    end subroutine test_solved_again
+
+   !> A motion with rest is stored where there is room for all of its events; if there is not, their
+   !! number is told.
+   subroutine test_room()
+      type(described_type) :: described
+      real(wp), allocatable :: restitution(:), phases(:), impacts(:, :), values(:, :)
+      integer, allocatable :: sides(:), labels(:, :)
+      real(wp) :: scalars(6)
+      complex(wp) :: multipliers(4)
+      integer :: n, cycles, verdicts(3), events, status, needed, room
+
+      associate (system => new_forced_system(oscillator_type(0.00359_wp, 0.05224_wp, [0.6257_wp, &
+         0.371_wp]), 0.986630084605407_wp, 1.0_wp, 10.8_wp))
+         call find_rest_motion(system, -1, 1, [2.663216_wp, 30.01765_wp], 400, described%motion, &
+            described%events)
+      end associate
+      call check(described%motion%status == stat%ok, 'rest: a motion to store')
+      needed = size(described%events)
+      call check(needed > size(described%motion%x), 'rest: more events than symbols')
+      do room = needed - 1, needed + 1
+         allocate (sides(room), restitution(room), phases(room), impacts(room, 6), &
+            values(7, room), labels(2, room))
+         call store_described(described, n, cycles, sides, restitution, phases, impacts, scalars, &
+            multipliers, verdicts, events, values, labels, status)
+         call check(status == merge(stat%ok, stat%more_events, room >= needed), 'rest: room')
+         call check(n == size(described%motion%x) .and. events == needed, 'rest: what is needed')
+         if (status == stat%ok) then
+            call check(cycles == 1 .and. all(sides(:n) == described%motion%pattern%sides), &
+               'rest: stored symbols')
+            call check_close(maxval(abs(phases(:n) - described%motion%phases)), 0.0_wp, 0.0_wp, &
+               'rest: stored phases')
+         end if
+         deallocate (sides, restitution, phases, impacts, values, labels)
+      end do
+   end subroutine test_room
 
    !> Motions with rest are the same if a release of one is a release of the other, in a later load
    !! cycle or not: side, phase and velocity, each alone, tell two of them apart.
