@@ -1,15 +1,18 @@
-!> Open ends of boundaries are joined if they are near, whatever the directions of the arcs.
+!> Open ends of boundaries are joined if they are near, whatever the directions of the arcs; and the
+!! names of the conditions along them.
 module studies_joints
    use checks, only: check
    use vi_borders, only: zone_type
-   use vi_frame, only: condition_type, flip, fold, joint
+   use vi_condition_names, only: condition_detail, condition_name
+   use vi_frame, only: alike, condition_type, edge, flip, fold, grazing, joint, neimark_sacker, &
+      repetition, rest_vanishes, together, zero_approach
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type, reversed
    implicit none (type, external)
    private
 
-   public :: test_joints
+   public :: test_condition_names, test_joints
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -111,5 +114,49 @@ contains
          step = atan2(a(1)*b(2) - a(2)*b(1), dot_product(a, b))
       end associate
    end function step
+
+   !> The name and the detail of each kind of condition.
+   subroutine test_condition_names()
+      integer, parameter :: plain(6) = [neimark_sacker, zero_approach, grazing, edge, &
+         rest_vanishes, joint]
+      character(14), parameter :: names(6) = [character(14) :: 'neimark_sacker', 'zero_approach', &
+         'grazing', 'bound', 'rest_vanishes', 'joint']
+      logical :: symmetric, mirrored
+      integer :: i, k
+
+      do k = 0, 3
+         symmetric = mod(k, 2) == 1
+         mirrored = k > 1
+         do i = 1, size(plain)
+            call named(plain(i), 1, names(i))
+         end do
+         call named(joint + 1, 1, 'unknown')
+         call named(fold, 0, 'fold')
+         call named(fold, together, 'pitchfork')
+         call named(fold, alike, 'branch_point')
+         call named(flip, 0, merge('pitchfork', 'flip     ', symmetric))
+         call named(flip, together, 'flip')
+         call named(repetition, 1, merge('pitchfork', 'flip     ', mirrored))
+         call named(repetition, 2, 'flip')
+      end do
+      call check(condition_detail(grazing, 9, 1) == 'flight 9 touches R', 'a flight')
+      call check(condition_detail(grazing, 10, -1) == 'flight 10 touches L', 'two digits')
+      call check(condition_detail(zero_approach, 24, 0) == 'impact 24', 'an impact')
+      call check(condition_detail(edge, 1, 1) == 'lowest r', 'the lowest bound')
+      call check(condition_detail(edge, 6, -1) == 'highest R2', 'the highest bound')
+      call check(condition_detail(edge, 6, 1) == 'lowest R2', 'another lowest bound')
+      call check(condition_detail(fold, 1, 1) == '', 'no detail')
+
+   contains
+
+      !> Checks the name of a condition.
+      subroutine named(kind, index, name)
+         integer, intent(in) :: kind, index
+         character(*), intent(in) :: name
+
+         call check(condition_name(kind, index, symmetric, mirrored) == name, &
+            'the name of a condition: '//name)
+      end subroutine named
+   end subroutine test_condition_names
 
 end module studies_joints

@@ -10,7 +10,7 @@ program test_studies
    use studies_attractors, only: test_attractors
    use studies_branches, only: test_branches
    use studies_conditions, only: test_conditions
-   use studies_joints, only: test_joints
+   use studies_joints, only: test_condition_names, test_joints
    use studies_symbols, only: test_symbols
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
@@ -58,6 +58,7 @@ program test_studies
    call test_passing()
    call test_rings_on_edges()
    call test_joints()
+   call test_condition_names()
    call test_atlas()
    call test_outcomes()
    call test_limits()
