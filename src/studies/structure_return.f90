@@ -210,7 +210,8 @@ contains
 
       call one_cycle(run, state, found%cycles, elapsed, events, n, status, progress)
       if (status /= stat%ok) return
-      if (any(events(:n)%kind /= impact_event)) then
+      ! a gap may rest through all impacts of others
+      if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1)) then
          call by_return(run, state, elapsed, events, n, found, status)
       else if (n == 0) then
          status = stat%no_impacts
