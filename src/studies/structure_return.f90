@@ -347,6 +347,8 @@ contains
       before = huge(1.0_wp)
       do steps = 0, most_steps
          call start_at(run, elapsed, s(:m), s(m + 1:), state, status)
+         ! a step into a gap
+         if (status == stat%gap_closed) status = stat%no_convergence
          if (status /= stat%ok) return
          begun = state
          call one_cycle(run, state, found%cycles, elapsed, events, n, status)
