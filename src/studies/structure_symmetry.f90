@@ -51,8 +51,10 @@ contains
             + i*(identity(size(s, 1)) - projection)
          where (abs(s - anint(s)) < same_matrix) s = anint(s)
          if (.not. all(abs(s) < huge(1.0_wp))) return
+         ! what the motion reaches would stay as it is: the motion repeats itself
+         if (near(s, identity(size(s, 1)))) return
          call examine(path, s, cycles, exchanged, image, good)
-         if (good .and. .not. near(s, identity(size(s, 1)))) then
+         if (good) then
             allocate (matrix, source=s)
             return
          end if
