@@ -156,10 +156,8 @@ contains
       if (.not. group%is('kind', 'periodic')) return
       do i = 1, gaps
          if (.not. any(nint(group%numbers('gaps')) == i - 1)) cycle
-         if (case%parts(i)%has('law')) then
-            if (.not. case%parts(i)%is('law', 'constant')) call group%refuse('kind', &
-               '''exact'' where the restitution of a gap depends on the speed')
-         end if
+         if (.not. case%parts(i)%is('law', 'constant')) call group%refuse('kind', &
+            '''exact'' where the restitution of a gap depends on the speed')
       end do
    end subroutine check_structure_motion
 

@@ -85,8 +85,8 @@ contains
             call solve_structure_exact(structure, regime, gaps, times, period, motion%speeds, &
                offsets, most_steps, motion%residual, steps, status)
             if (status /= stat%ok) return
+            ! other times, and no other status
             call new_equations(structure, regime, gaps, times, period, equations, status)
-            if (status /= stat%ok) return
          end if
       end if
       call describe_structure_motion(structure, regime, equations, offsets, motion)

@@ -530,7 +530,8 @@ contains
       n = size(found%gaps)
       m = size(found%resting)
       counts = [n, found%cycles, m]
-      if (max(n, m) > size(labels, 2)) status = stat%more_events
+      ! a rest follows an impact on its gap: there are no more rests than impacts
+      if (n > size(labels, 2)) status = stat%more_events
       if (status /= stat%ok) return
       labels(1, :n) = found%gaps
       labels(2, :m) = found%resting

@@ -200,7 +200,6 @@ contains
       allocate (carried(n, 1))
       carried(:, 1) = matmul(structure%damping, structure%mobility(:, gap))
       call solve_columns(structure%mass, carried, status)
-      if (status /= stat%ok) return
       do i = 1, size(p, 2)
          p(n + 1:, i) = p(n + 1:, i) + carried(:, 1)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), p(:n, i))

@@ -334,7 +334,7 @@ contains
       associate (state => change%state, r => change%r)
          do i = 1, change%n
             call carry(flow, state(:, i), r(i), x, x_dot)
-            if (change%with_others) call carry_others(flow, change%others(:, i), x, x_dot)
+            call carry_others(flow, change%others(:, i), x, x_dot)
             longer = (until(i) - state(4, i) - time*r(i))/system%r
             if (resting) then
                y(i) = 0.5_wp*from%side*change%clearance(i)
