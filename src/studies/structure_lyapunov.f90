@@ -189,7 +189,7 @@ contains
          status = merge(stat%ok, ended, ended == stat%more_events)
          left = left - n
          do i = 1, n
-            call follow(run, events(i), growth, status)
+            call follow(run, events(i), growth)
          end do
          if (status == stat%ok .and. left < 0) status = stat%event_limit
          if (is_stopped(progress)) status = stat%not_computed
@@ -201,22 +201,18 @@ contains
    end subroutine one_period
 
    !> Carries the directions through an event.
-   subroutine follow(run, event, growth, status)
+   subroutine follow(run, event, growth)
       !> The run.
       type(run_type), intent(in) :: run
       !> The event.
       type(run_event_type), intent(in) :: event
       !> In and out: the directions.
       type(growth_type), intent(inout) :: growth
-      !> In and out: `stat%singular` if the gaps that rest have no unique motion.
-      integer, intent(inout) :: status
       real(wp) :: restitution, slope, factor
-      integer :: done
+      integer :: status
 
-      call through_event(run, event, growth%tangent, done)
-      if (done == stat%singular) status = done
-      if (status /= stat%ok) return
-      if (event%kind == impact_event .and. done == stat%ok) then
+      call through_event(run, event, growth%tangent, status)
+      if (event%kind == impact_event .and. status == stat%ok) then
          call restitution_of(run%structure, event%gap, event%speed, restitution, slope)
          factor = abs(restitution*(restitution + slope*event%speed))
          if (factor > 0) then

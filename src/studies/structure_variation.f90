@@ -44,7 +44,7 @@ contains
       !> The largest approach speed over the least one of impacts outside accumulations; 1 if there
       !! are none.
       real(wp), intent(out) :: largest
-      !> `stat%ok`, `stat%zero_approach` or `stat%singular`.
+      !> `stat%ok` or `stat%zero_approach`.
       integer, intent(out) :: status
       type(tangent_type) :: tangent
       integer :: i
@@ -107,7 +107,7 @@ contains
       type(run_event_type), intent(in) :: event
       !> In: the changes before it. Out: those just after it.
       type(tangent_type), intent(inout) :: tangent
-      !> `stat%ok`, `stat%zero_approach` or `stat%singular`.
+      !> `stat%ok` or `stat%zero_approach`.
       integer, intent(out) :: status
       real(wp), allocatable :: p(:, :), x_before(:), v_before(:)
       real(wp) :: time
@@ -129,17 +129,14 @@ contains
             call to_coordinates(regime, tangent%d, p)
             ! the accumulation is completed at its last impact, and the rest begins there
             if (event%kind == stick_event) call apply_rest(run%structure, next%resting, &
-               event%gap, p, status)
-            if (status == stat%ok) then
-               deallocate (tangent%d)
-               allocate (tangent%d(2*size(event%x), size(p, 2)))
-               call from_coordinates(next, p, tangent%d)
-               if (event%kind == stick_event) call apply_flight(next, time, tangent%d)
-            end if
+               event%gap, p)
+            deallocate (tangent%d)
+            allocate (tangent%d(2*size(event%x), size(p, 2)))
+            call from_coordinates(next, p, tangent%d)
+            if (event%kind == stick_event) call apply_flight(next, time, tangent%d)
          end if
       end associate
       ! the place is set where an impact without approach speed has no derivative, too
-      if (status == stat%singular) return
       tangent%number = event%regime
       call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
    end subroutine through_event
@@ -184,17 +181,15 @@ contains
    !! velocities that keep the gaps closed,
    !!
    !!     Q = [ Pi, 0 ; Pi M^-1 C M^-1 G m G^T, Pi ]
-   pure subroutine apply_rest(structure, resting, gap, p, status)
+   pure subroutine apply_rest(structure, resting, gap, p)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The gaps that rest from now on, and the one that began to.
       integer, intent(in) :: resting(:), gap
       !> (2n, columns) In and out: derivatives of q, then of q'.
       real(wp), intent(inout) :: p(:, :)
-      !> `stat%ok` or `stat%singular`.
-      integer, intent(out) :: status
       real(wp), allocatable :: carried(:, :)
-      integer :: i, n
+      integer :: i, n, status
 
       n = size(p, 1)/2
       allocate (carried(n, 1))
@@ -204,29 +199,29 @@ contains
          p(n + 1:, i) = p(n + 1:, i) + carried(:, 1)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), p(:n, i))
       end do
-      call project(structure, resting, p(:n, :), status)
-      if (status == stat%ok) call project(structure, resting, p(n + 1:, :), status)
+      call project(structure, resting, p(:n, :))
+      call project(structure, resting, p(n + 1:, :))
    end subroutine apply_rest
 
-   !> Removes from vectors the part that closes or opens some gaps.
-   pure subroutine project(structure, gaps, vectors, status)
+   !> Removes from vectors the part that closes or opens some gaps, which rest together: they have a
+   !! regime, for which the same equations had a solution.
+   pure subroutine project(structure, gaps, vectors)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The gaps.
       integer, intent(in) :: gaps(:)
       !> (n, columns) In and out.
       real(wp), intent(inout) :: vectors(:, :)
-      !> `stat%ok` or `stat%singular`.
-      integer, intent(out) :: status
       real(wp) :: gram(size(gaps), size(gaps)), parts(size(gaps), size(vectors, 2))
       real(wp), dimension(size(vectors, 1), size(gaps)) :: directions, kicks
+      integer :: status
 
       directions = structure%directions(:, gaps)
       kicks = structure%mobility(:, gaps)
       gram = matmul(transpose(directions), kicks)
       parts = matmul(transpose(directions), vectors)
       call solve_columns(gram, parts, status)
-      if (status == stat%ok) vectors = vectors - matmul(kicks, parts)
+      vectors = vectors - matmul(kicks, parts)
    end subroutine project
 
 end module vi_structure_variation
