@@ -128,60 +128,60 @@ class Trial:
         return False
 
 
-def reach(folder: Path, texts: list[str]) -> list[tuple[float, list[int]]]:
-    """Return, for each text, the CPU seconds in the plain library and the statements it reaches."""
-    path = folder / "counted" / LIBRARY
-    counted, plain, statements = (
-        Counted(path),
-        Library(folder / "plain" / LIBRARY),
-        Statements(folder),
-    )
-    known: dict[int, int] = {}
-    found = []
-    for text in texts:
-        _, _, places = counted.reach(text)
-        new = [place for place in places if place not in known]
-        if new:
-            known |= statements.of_places(path, new)
-        _, took = plain.run(text)
-        found.append((took, sorted({known[place] for place in places} - {0})))
-    return found
-
-
 def kept_trial(folder: Path) -> Trial:
-    """Return what tries the kept answers; what each of them reaches is noted beside the libraries."""
+    """Return what tries the kept answers."""
     kept = load()
     with (folder / "reached.lock").open("w") as lock:
-        # of processes that start together, one computes this and the others read its note
+        # of processes that start together, one runs the cases and the others read its note
         fcntl.flock(lock, fcntl.LOCK_EX)
-        known = what_they_reach(folder, kept)
-    found = [known[item["text"]] for item in kept]
+        done = what_they_do(folder, kept)
     trial = Trial(folder)
     cases, reached = [], []
-    for item, calls, (took, statements) in zip(kept, work.load(len(kept)), found, strict=True):
-        text, answer = item["text"], item["answer"]
-        # a case whose answer these libraries do not give would notice whatever it reaches
-        seen, _, here = trial.library.count(text)
-        if not [*differences(answer, seen)]:
-            cases.append((text, answer, took, work.merged(calls, here)))
+    for item, calls, (took, statements, here) in zip(kept, work.load(len(kept)), done, strict=True):
+        if here is not None:
+            cases.append((item["text"], item["answer"], took, work.merged(calls, here)))
             reached.append(statements)
     trial.add(cases, reached)
     return trial
 
 
-def what_they_reach(folder: Path, kept: list[dict]) -> dict[str, tuple[float, list[int]]]:
-    """Return the CPU seconds and the statements of each text, noted in the folder."""
+def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
+    """Return, for each kept case, its CPU seconds, its statements and its calls, noted in the folder.
+
+    The calls are None where these libraries do not give the kept answer.
+    """
     note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
     noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
     # the numbers of statements are those of one build
     known = noted.get(mark := hashlib.sha256(numbers).hexdigest(), {})
-    new = [item["text"] for item in kept if item["text"] not in known]
+    names = [hashlib.sha256(json.dumps(item).encode()).hexdigest() for item in kept]
+    new = {name: item for name, item in zip(names, kept, strict=True) if name not in known}
     if new:
-        known |= dict(zip(new, reach(folder, new), strict=True))
+        known |= zip(new, run_all(folder, new.values()), strict=True)
+        known = {name: known[name] for name in names}
         written = note.with_suffix(".new")
         written.write_text(json.dumps({mark: known}), encoding="utf-8")
         written.replace(note)
-    return known
+    return [known[name] for name in names]
+
+
+def run_all(folder: Path, kept) -> list[tuple[float, list[int], dict[str, int] | None]]:
+    """Return what kept cases do in these libraries."""
+    path = folder / "counted" / LIBRARY
+    counted, plain, statements = Counted(path), work.Work(folder / "plain"), Statements(folder)
+    known: dict[int, int] = {}
+    found = []
+    for item in kept:
+        _, _, places = counted.reach(item["text"])
+        new = [place for place in places if place not in known]
+        if new:
+            known |= statements.of_places(path, new)
+        answer, took, calls = plain.count(item["text"])
+        # a case whose answer these libraries do not give would notice whatever it reaches
+        good = not [*differences(item["answer"], answer)]
+        reached = sorted({known[place] for place in places} - {0})
+        found.append((took, reached, calls if good else None))
+    return found
 
 
 def main() -> None:
