@@ -3,6 +3,7 @@ program test_mechanics
    use checks, only: check, check_close, finish
    use mechanics_bounds, only: test_bounds
    use mechanics_channels, only: test_channels
+   use mechanics_decoupling, only: test_decoupling
    use mechanics_extrema, only: test_extrema
    use mechanics_march, only: test_march
    use mechanics_structure, only: test_structure
@@ -28,6 +29,7 @@ program test_mechanics
    call test_bounds()
    call test_structure()
    call test_channels()
+   call test_decoupling()
    call finish()
 
 contains
