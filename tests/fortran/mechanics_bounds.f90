@@ -447,6 +447,9 @@ contains
             d = derivatives(b%flight, t)
             call check(abs(b%at%z + b%at%z_dot*t - d(0)) < half*(1 + 1e-12_wp), 'idle: no contact')
          end do
+         ! a free mass without velocity comes to no wall
+         b%at%z_dot = 0
+         call check(idle_time(b%m, b%at, half) >= huge(1.0_wp), 'idle: for ever')
       end do
       call check(idle > 200, 'idle: such times were seen')
    end subroutine check_idle

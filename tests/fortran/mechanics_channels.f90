@@ -14,7 +14,7 @@ module mechanics_channels
    use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare, &
       step_functions
    use vi_processor, only: runs_wide
-   use vi_series, only: order, tolerated
+   use vi_series, only: order, step_budget, tolerated
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
       regime_type, structure_type, to_pairs
@@ -50,6 +50,7 @@ contains
       do i = 1, 300
          call test_interrupted()
          call test_tiny_stiffness()
+         call test_budget()
       end do
    end subroutine test_channels
 
@@ -577,6 +578,29 @@ contains
       call check(other_pace%level == pace%level .and. other_pace%hold == pace%hold .and. &
          .not. other_pace%from > 0, 'interrupted: the same pace')
    end subroutine test_interrupted
+
+   !> A search that goes on ends with its budget of steps, without an event.
+   subroutine test_budget()
+      type(regime_type) :: regime
+      type(space_type) :: space
+      type(pace_type) :: pace
+      type(reached_type) :: reached
+      real(wp), allocatable :: x(:), v(:)
+      real(wp) :: phase
+      integer :: left
+
+      call draw_chain(1, 1.0_wp, 0.5_wp, regime, x, v, phase, [integer ::])
+      regime%upper = 1e30_wp
+      regime%lower = -1e30_wp
+      do left = 1, 3
+         pace = pace_type(cells=step_budget - left)
+         ! within the first cell, far from all walls
+         call first_event(regime, x, v, phase, leaving_type(), 0.5_wp*regime%steps%length(8), pace, &
+            reached, space)
+         call check(reached%complete .eqv. left > 1, 'budget: a step is left, or none')
+         call check(reached%row == 0 .and. .not. reached%interrupted, 'budget: no event')
+      end do
+   end subroutine test_budget
 
    !> A row whose limit is a little above, or below, its greatest value: the search from a state
    !! within the limits finds no event, or the first time at which the limit is reached.

@@ -9,7 +9,7 @@ module mechanics_structure
    use vi_restitution, only: greatest_below, new_restitution, power_law, restitution_at, &
       restitution_type, table_law
    use vi_status, only: stat
-   use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
+   use vi_structure, only: check_structure, inputs_of, load_type, new_load, new_regime, new_structure, &
       regime_type, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
@@ -26,6 +26,7 @@ contains
       call test_flight(.true.)
       call test_coinciding()
       call test_responses()
+      call test_refusals()
    end subroutine test_structure
 
    !> Values in [0, 1], and slopes by differences.
@@ -253,6 +254,51 @@ contains
          e = matmul(e, e)
       end do
    end function exponential
+
+   !> A structure whose masses depend on each other, gaps that cannot be closed independently, and
+   !! frequencies that are extreme are refused.
+   subroutine test_refusals()
+      integer, parameter :: n = 2
+      real(wp), parameter :: unit(n, n) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [n, n]), &
+         linked(n, n) = reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [n, n])
+      type(structure_type) :: structure
+      real(wp), allocatable :: forces(:, :), drifts(:, :)
+      integer :: status
+
+      structure = new_structure(reshape([linked, unit, unit], [n, n, 3]), unit, &
+         reshape([1.0_wp, 0.5_wp, 2.0_wp, 0.5_wp], [2, 2]))
+      call check_structure(structure, status)
+      call check(status == stat%mass_not_definite, 'refusals: dependent masses')
+      forces = unit
+      call inputs_of(linked, unit, unit, forces, drifts, status)
+      call check(status == stat%singular, 'refusals: inputs of dependent masses')
+      forces = unit
+      call inputs_of(2*unit, 3*unit, 5*unit, forces, drifts, status)
+      call check(status == stat%ok .and. all(abs(forces - 2.5_wp*unit) <= 0) .and. &
+         all(abs(drifts - 1.5_wp*unit) <= 0), 'inputs: xd and vd times the accelerations')
+      call expect(reshape([1.0_wp, 1.0_wp, 2.0_wp, 2.0_wp], [n, 2]), stat%dependent_rests)
+      call expect(reshape([1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp], [n, 2]), stat%dependent_rests)
+      call expect(reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.001_wp], [n, 2]), stat%ok)
+      call expect(reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [n, 3]), &
+         stat%dependent_rests)
+   contains
+      !> All gaps at rest.
+      subroutine expect(directions, status)
+         real(wp), intent(in) :: directions(:, :)
+         integer, intent(in) :: status
+         type(regime_type) :: regime
+         integer :: found, i
+
+         structure = new_structure(reshape([unit, 0*unit, unit], [n, n, 3]), directions, &
+            spread([1.0_wp, 0.5_wp], 2, size(directions, 2)))
+         call check_structure(structure, found)
+         call new_regime(structure, new_load(0.0_wp, reshape([real(wp) ::], [n, 2, 0]), [0.0_wp, &
+            0.0_wp]), [(i, i=1, size(directions, 2))], regime, found)
+         call check(found == status, 'refusals: gaps at rest')
+         if (found == stat%ok) call check(all(abs(matmul(regime%offset, directions) - 1) < &
+            1e-9_wp), 'gaps at rest are closed')
+      end subroutine expect
+   end subroutine test_refusals
 
    !> Responses of a pair to a unit state, a constant and a growing force, against the exponential
    !! of the matrix: undamped, damped, critical, over-damped, with a small or tiny stiffness beside

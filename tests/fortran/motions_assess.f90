@@ -328,6 +328,12 @@ contains
          call check_close(maxval(abs(values([1, 3, 5, 6], :) - later([1, 3, 5, 6], :))), 0.0_wp, &
             1e-11_wp*scale*(1 + period), 'the time history is periodic')
          call check_close(values(5, 1), values(3, 1) - values(1, 1), 0.0_wp, 'y = z - x')
+         ! a whole period later is the period itself by rounding
+         times = [0.0_wp, -tiny(1.0_wp)]
+         call sample_motion(motion, times, later)
+         call check(all(abs(later(:5, 1) - later(:5, 2)) <= 0), 'just before the first impact')
+         times(1) = draw(random, 0.0_wp, period)
+         call sample_motion(motion, times, values)
          call check_close(values(6, 1), sin(motion%r*times(1) + motion%tau &
             + lag(motion%osc%xi, motion%r)), 1e-12_wp, 'load')
       end do

@@ -250,6 +250,7 @@ contains
             verdicts(:, 1, 2) == unsure)), 'lanes: nothing is accepted but what is exact')
          call check(all(verdicts(:, 2, 2) == verdicts(:, 2, 1) .or. verdicts(:, 2, 1) == unsure), &
             'lanes: stability does not depend on the radius that is wanted')
+         if (n > 2) call check_near_acceptance()
          plan%acceptance = 0.03_wp
          if (runs_wide() == 0) cycle
          call lane_verdicts_wide(plan, n, 2*n, r, phases, .true., system, x, flight, &
@@ -259,6 +260,20 @@ contains
             'lanes: the same bits')
       end do
       call check(decided > 0.75_wp*300*lanes, 'lanes: most are stable or unstable')
+   contains
+      !> Of more than two impacts a residual next to the acceptance limit decides nothing.
+      subroutine check_near_acceptance()
+         real(wp), parameter :: apart(5) = [-1.1e-9_wp, -0.9e-9_wp, 0.0_wp, 0.9e-9_wp, 1.1e-9_wp]
+         integer :: k
+
+         do k = 1, size(apart)
+            plan%acceptance = sqrt(residual(1)) + apart(k)
+            call lane_verdicts(plan, n, 2*n, r, phases, .false., system, x, flight, &
+               verdicts(:, 1, 2), verdicts(:, 2, 2), radius(:, 2))
+            call check(verdicts(1, 1, 2) == merge(unsure, merge(1, 0, k == 5), abs(k - 3) < 2), &
+               'lanes: near the acceptance limit')
+         end do
+      end subroutine check_near_acceptance
    end subroutine test_maps
 
 end module motions_lanes

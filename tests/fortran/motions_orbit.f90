@@ -327,6 +327,15 @@ contains
          weight = draw(random, 0.5_wp, 2.0_wp)
          call add_distance_slope(family, repetition, all_unknowns, weight, slope)
          call check(all(abs(slope(n + 1:) - before(n + 1:)) <= 0), 'behind the unknowns')
+         if (further == 0) then
+            ! an orbit is its own image after no time
+            slope = before
+            call add_distance_slope(family, repetition_type(0, 1.0_wp, 0.0_wp, 0), all_unknowns, &
+               weight, slope)
+            call check(all(abs(slope - before) <= 0), 'no slope where there is no distance')
+            slope = before
+            call add_distance_slope(family, repetition, all_unknowns, weight, slope)
+         end if
          moved = all_unknowns
          do i = 1, n
             moved(i) = all_unknowns(i) + h

@@ -6,6 +6,7 @@ program test_mechanics
    use mechanics_decoupling, only: test_decoupling
    use mechanics_extrema, only: test_extrema
    use mechanics_march, only: test_march
+   use mechanics_rest, only: test_rest
    use mechanics_structure, only: test_structure
    use random_numbers, only: draw, random_type
    use random_systems, only: pi, random_flight, random_frequency, random_oscillator
@@ -27,6 +28,7 @@ program test_mechanics
    call test_extrema()
    call test_march()
    call test_bounds()
+   call test_rest()
    call test_structure()
    call test_channels()
    call test_decoupling()
