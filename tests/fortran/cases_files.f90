@@ -1,15 +1,21 @@
 !> Texts of files: what is written in any of their forms is read back, and faults are named by line.
 module cases_files
+   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_quiet_nan, &
+      ieee_value
    use checks, only: check
    use random_numbers, only: draw, draw_integer, random_type
    use vi_case, only: check_output, output_keys
-   use vi_csv, only: has_rows
+   use vi_csv, only: cell_count, csv_header, csv_rows, has_rows, row_count
+   use vi_dictionary, only: dictionary_type, find_text, include_text
    use vi_key, only: a_whole, key_type
    use vi_kinds, only: wp
-   use vi_matrix_file, only: read_matrix, read_samples
+   use vi_matrix_file, only: beside, read_matrix, read_samples
+   use vi_motion, only: no, unknown, yes
    use vi_namelist, only: group_type, scan_namelist
-   use vi_result, only: column_type, result_type, start_result
-   use vi_text, only: exact, join, line_type, printable, split, whole
+   use vi_read_file, only: is_result, read_text
+   use vi_result, only: column_type, complexes, result_type, start_result, truths, verdicts, &
+      wholes, words
+   use vi_text, only: exact, join, last_part, line_type, printable, split, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -35,6 +41,13 @@ contains
       call test_wrong_matrices()
       call test_wrong_numpy()
       call test_wrong_samples()
+      call test_infinite_numbers()
+      call test_comments_between()
+      call test_paths()
+      call test_texts()
+      call test_dictionary()
+      call test_exact()
+      call test_csv()
       call test_lists_in_parts()
       call test_near_zero()
       call test_printable()
@@ -257,13 +270,21 @@ contains
    subroutine write_numpy(first, order, shape_text, bytes, version)
       character(*), intent(in) :: first, order, shape_text, bytes
       integer, intent(in) :: version
+
+      call write_numpy_of(first//'f8', order, shape_text, bytes, version)
+   end subroutine write_numpy
+
+   !> The same with numbers of any kind.
+   subroutine write_numpy_of(kind, order, shape_text, bytes, version)
+      character(*), intent(in) :: kind, order, shape_text, bytes
+      integer, intent(in) :: version
       character(:), allocatable :: head
 
-      head = '{''descr'': '''//first//'f8'', ''fortran_order'': '//order//', ''shape'': '// &
+      head = '{''descr'': '''//kind//''', ''fortran_order'': '//order//', ''shape'': '// &
          shape_text//', }'//repeat(' ', 300)//line_feed
       call write_file(char(147)//'NUMPY'//char(version)//char(0)//char(modulo(len(head), 256))// &
          char(len(head)/256)//repeat(char(0), merge(0, 2, version == 1))//head//bytes)
-   end subroutine write_numpy
+   end subroutine write_numpy_of
 
    !> The file is read as the rows of a matrix.
    subroutine check_matrix(matrix, what)
@@ -355,6 +376,21 @@ contains
          'line 2: must hold the numbers of rows, columns and entries')
       call refuse_matrix('array complex general|1 1|1|', &
          'line 1: must be matrix, coordinate or array, real, general or symmetric')
+      call refuse_matrix('array real general|2 2|1|2|3,|4|', &
+         'line 5: must hold one number of entry 3 of 4')
+      call refuse_matrix('array real general|2*2|1|2|3|4|', &
+         'line 2: must hold the numbers of rows and columns')
+      call refuse_matrix('array real general|-1 1|1|', &
+         'line 2: must hold the numbers of rows and columns')
+      call refuse_matrix('array real general|0 0|', 'it has 0 rows and 0 columns; must be 1 to 5')
+      call refuse_matrix('array real general|1e99 1|', &
+         'it has 1000000000 rows and 1 columns; must be 1 to 5')
+      call write_file('1 0'//line_feed//'0 1')
+      call check_refused('it starts neither as a Matrix Market file (%%MatrixMarket) nor as a &
+         &NumPy file')
+      call write_file('')
+      call check_refused('it starts neither as a Matrix Market file (%%MatrixMarket) nor as a &
+         &NumPy file')
    end subroutine test_wrong_matrices
 
    !> What is wrong with a file in NumPy's format: its header may reach to its end.
@@ -370,7 +406,40 @@ contains
          'it has the shape (1,1); must be a square matrix, or a list')
       call write_file(char(147)//'NUMPY'//char(1)//char(0)//char(5)//char(0)//'{   ')
       call check_refused('its header is damaged, or its version is not 1, 2 or 3')
+      ! a header of 16 million characters
+      call write_file(char(147)//'NUMPY'//char(2)//repeat(char(0), 4)//char(1)//'{}')
+      call check_refused('its header is damaged, or its version is not 1, 2 or 3')
+      call write_file(char(147)//'NUMPY'//char(4)//repeat(char(0), 5)//'{}')
+      call check_refused('its header is damaged, or its version is not 1, 2 or 3')
+      call write_numpy_of('<f4', 'False', '(1,)', repeat(char(0), 4), 1)
+      call check_refused('it holds ''<f4''; must be float64 (''<f8'')')
    end subroutine test_wrong_numpy
+
+   !> The first number that is not finite is named by its place, from files in either order.
+   subroutine test_infinite_numbers()
+      integer :: order, at, columns
+      character(:), allocatable :: bytes, message, expected
+      real(wp), allocatable :: numbers(:), times(:)
+      real(wp) :: infinite
+
+      infinite = ieee_value(1.0_wp, ieee_negative_inf)
+      do order = 1, 2
+         do at = 1, 4
+            bytes = repeat(bytes_of(1.0_wp, .true.), at - 1)//bytes_of(infinite, .true.)// &
+               repeat(bytes_of(1.0_wp, .true.), 4 - at)
+            call write_numpy('<', trim(merge('True ', 'False', order == 1)), '(2, 2)', bytes, order)
+            ! the files hold the numbers column by column, or row by row
+            expected = 'it holds a number that is not finite, in row '//whole(merge(1 &
+               + mod(at - 1, 2), 1 + (at - 1)/2, order == 1))//', column '//whole(merge(1 &
+               + (at - 1)/2, 1 + mod(at - 1, 2), order == 1))
+            call check_refused(expected)
+            call write_numpy('<', 'False', trim(merge('(4,)  ', '(4, 1)', order == 1)), bytes, 1)
+            call read_samples(path, 2, 6, numbers, columns, times, message)
+            call check(message == 'it holds a number that is not finite, number '//whole(at), &
+               'a list with a number that is not finite: '//message)
+         end do
+      end do
+   end subroutine test_infinite_numbers
 
    !> The message about a file in NumPy's format with so many numbers.
    subroutine refuse_numpy(order, shape_text, n, expected)
@@ -413,7 +482,202 @@ contains
       call refuse_samples('"|1 2|', 'line 1: must hold finite numbers, at most 2')
       call refuse_samples('x y|', 'it holds no numbers')
       call refuse_samples('time|1|2|', 'it has a column of times alone')
+      call refuse_samples('# 1|', 'it holds no numbers')
+      call refuse_samples('# 1', 'it holds no numbers')
+      call refuse_samples('', 'it holds no numbers')
+      call refuse_samples('1|2|3|4|5|6|7|', 'it has more than 6 numbers')
+      call refuse_samples('1 2|# 3 4|% 5 6|3 4|5|', &
+         'line 5: must hold 2 finite numbers, as the lines before')
+      call refuse_samples('1 2 |3*4|', 'line 2: must hold 2 finite numbers, as the lines before')
+      call refuse_samples(market//'array real general|4 2|1|2|3|4|5|6|7|8|', &
+         'it has more than 6 numbers')
+      call refuse_samples(market//'array real general|1 3|1|2|3|', &
+         'it has 1 rows and 3 columns; must be 1 to 6 rows and 1 to 2 columns')
+      call refuse_samples(market//'array real general|7 1|1|2|3|4|5|6|7|', &
+         'it has 7 rows and 1 columns; must be 1 to 6 rows and 1 to 2 columns')
    end subroutine test_wrong_samples
+
+   !> Comments may stand between the samples, and as many numbers as allowed are.
+   subroutine test_comments_between()
+      real(wp), allocatable :: numbers(:), times(:)
+      character(:), allocatable :: message
+      integer :: columns, i
+
+      call write_file(join(split('# x|1 2|# 3 4|%|3,4||# 5||', '|'), line_feed))
+      call read_samples(path, 2, 4, numbers, columns, times, message)
+      call check(message == '' .and. columns == 2 .and. size(numbers) == 4 .and. size(times) == 0, &
+         'comments between samples: '//message)
+      if (size(numbers) == 4) call check(all(abs(numbers - [1, 2, 3, 4]) <= 0), &
+         'samples between comments')
+      call write_file(market//join(split('array real general|3 2|1|3|5|2|4|6|', '|'), line_feed))
+      call read_samples(path, 2, 6, numbers, columns, times, message)
+      call check(message == '' .and. columns == 2 .and. size(numbers) == 6, &
+         'as many numbers as allowed')
+      if (size(numbers) == 6) call check(all(abs(numbers - [(i, i=1, 6)]) <= 0), 'row by row')
+   end subroutine test_comments_between
+
+   !> A path is relative to the folder of the file that names it, unless it is absolute.
+   subroutine test_paths()
+      call check_path('', 'm.mtx', 'm.mtx')
+      call check_path('case.nml', 'm.mtx', 'm.mtx')
+      call check_path('a/case.nml', 'm.mtx', 'a/m.mtx')
+      call check_path('/a/b/case.nml', '../m.mtx', '/a/b/../m.mtx')
+      call check_path('a\case.nml', 'm.mtx', 'a\m.mtx')
+      call check_path('a/case.nml', '/m.mtx', '/m.mtx')
+      call check_path('a/case.nml', '\m.mtx', '\m.mtx')
+      call check_path('a/case.nml', 'c:m.mtx', 'c:m.mtx')
+      call check_path('a/case.nml', 'cc:m.mtx', 'a/cc:m.mtx')
+      call check_path('a/case.nml', 'm', 'a/m')
+      call check_path('a/case.nml', '', 'a/')
+   end subroutine test_paths
+
+   subroutine check_path(file, name, expected)
+      character(*), intent(in) :: file, name, expected
+      character(:), allocatable :: full
+
+      call beside(file, name, full)
+      call check(full == expected .and. len(full) == len(expected), expected//', not '//full)
+   end subroutine check_path
+
+   !> A text file has line feeds at the ends of its lines whatever it had; a folder and a missing
+   !! file are no texts.
+   subroutine test_texts()
+      character(:), allocatable :: text, message
+
+      call write_file('#a'//achar(13)//line_feed//'b'//achar(13)//'c'//line_feed)
+      call read_text(path, text, message)
+      call check(message == '' .and. text == '#a'//line_feed//'b'//line_feed//'c'//line_feed, &
+         'a text')
+      call check(is_result(path), 'a result begins with #')
+      call write_file(' #')
+      call check(.not. is_result(path), 'a blank before it')
+      call write_file(repeat('0123456789', 20000)//'!')
+      call read_text(path, text, message)
+      call check(message == '' .and. len(text) == 200001 .and. index(text, '!') == 200001 .and. &
+         index(text, '90') == 10, 'a long text')
+      call read_text('.', text, message)
+      call check(message == 'Is a directory' .and. len(text) == 0, 'a folder')
+      call check(.not. is_result('.'), 'a folder is no result')
+      call read_text(path//'.missing', text, message)
+      call check(len(message) > 0 .and. len(text) == 0, 'a missing file')
+      call check(.not. is_result(path//'.missing'), 'a missing file is no result')
+   end subroutine test_texts
+
+   !> Texts are found at the places at which they were added, however many there are.
+   subroutine test_dictionary()
+      integer, parameter :: n = 300
+      type(dictionary_type) :: dictionary
+      integer :: i, place
+
+      call find_text(dictionary, 'a1', place)
+      call check(place == 0, 'no text in an empty list')
+      do i = 1, n
+         call find_text(dictionary, 'a'//whole(i), place)
+         call check(place == 0, 'a text that is not there')
+         call include_text(dictionary, 'a'//whole(i), place)
+         call check(place == i .and. dictionary%n == i, 'a new text is the last one')
+         call include_text(dictionary, 'a'//whole((i + 1)/2), place)
+         call check(place == (i + 1)/2 .and. dictionary%n == i, 'a text is kept once')
+      end do
+      do i = 1, n
+         call find_text(dictionary, 'a'//whole(i), place)
+         call check(place == i, 'a text is found')
+         call find_text(dictionary, 'a'//whole(i)//' ', place)
+         call check(place == 0, 'trailing blanks count')
+      end do
+   end subroutine test_dictionary
+
+   !> Numbers with all digits, also those that are not finite, and the end of a message.
+   subroutine test_exact()
+      call check(exact(0.1_wp) == '1.0000000000000001E-001', 'exact: 0.1')
+      call check(exact(-2.0_wp) == '-2.0000000000000000E+000', 'exact: -2')
+      call check(exact(ieee_value(1.0_wp, ieee_quiet_nan)) == 'NaN' .and. &
+         len(exact(ieee_value(1.0_wp, ieee_quiet_nan))) == 3, 'exact: not a number')
+      call check(exact(ieee_value(1.0_wp, ieee_negative_inf)) == '-Infinity' .and. &
+         len(exact(ieee_value(1.0_wp, ieee_negative_inf))) == 9, 'exact: infinite')
+      call check(last_part('Cannot open a: b:  No such file ') == 'No such file' .and. &
+         len(last_part('Cannot open a: b:  No such file ')) == 12, 'the last part of a message')
+      call check(last_part('No such file') == 'No such file', 'a message in one part')
+   end subroutine test_exact
+
+   !> A result with columns of all kinds as CSV: header and rows, of one table and those to which it
+   !! belongs, without columns that are not listed and rows with a value that says so.
+   subroutine test_csv()
+      type(result_type) :: result
+      type(line_type), allocatable :: lines(:)
+      character(*), parameter :: head(6) = [character(80) :: '# &case', '# /', &
+         '# ! cut short: half', '# ! first', '# ! second', 'item,x,y_re,y_im,'// &
+         '|y|_modulus,n,sure,open,kind,of group,q0,q1,m1,m2']
+      character(:), allocatable :: text
+      real(wp), allocatable :: numbers(:)
+      integer, allocatable :: places(:)
+      integer :: i
+
+      call start_result([line_type('# unused')], [column_type('items', 'i', wholes, label='='), &
+         column_type('items', 'x'), column_type('items', 'y', complexes), &
+         column_type('items', 'z', complexes, label='|y|_modulus'), &
+         column_type('items', 'n', wholes, absent=[7, 9]), &
+         column_type('items', 'sure', verdicts), column_type('items', 'open', truths), &
+         column_type('items', 'kind', words, words='one,two'), &
+         column_type('groups', 'g', label='of group'), &
+         column_type('items', 'hidden', listed=.false.), &
+         column_type('run', 'q', wholes, each='coordinate', label='q#'), &
+         column_type('groups', 'm', wholes, each='place', label='m#')], 'items', result)
+      call result%open('run', '', [integer ::])
+      call result%open('groups', 'group', [2])
+      call result%open('items', 'item', [5], 'groups', [1, 1, 1, 2, 2])
+      call result%put('items', 'i', [1, 2, 3, 4, 5])
+      call result%put('items', 'x', [1.5_wp, ieee_value(1.0_wp, ieee_quiet_nan), &
+         ieee_value(1.0_wp, ieee_positive_inf), ieee_value(1.0_wp, ieee_negative_inf), -0.25_wp])
+      call result%put('items', 'y', [((3.0_wp, -4.0_wp), i=1, 5)])
+      call result%put('items', 'z', [((3.0_wp, -4.0_wp), i=1, 5)])
+      call result%put('items', 'n', [-3, 7, 0, 8, 9])
+      call result%put('items', 'sure', [yes, no, no, unknown, yes])
+      call result%put('items', 'open', [1, 0, 0, 1, 1])
+      call result%put('items', 'kind', [2, 1, 0, 1, 2])
+      call result%put('groups', 'g', [10.0_wp, 20.0_wp])
+      call result%put('run', 'q', [5, 6])
+      call result%put('groups', 'm', [1, 2, 3, 4])
+      call result%put('items', 'hidden', [(0.0_wp, i=1, 5)])
+      call result%remark('first')
+      call result%remark('second')
+      result%cut = 'half'
+      call csv_header(result, [line_type('# &case'), line_type('# /')], lines)
+      call check(size(lines) == size(head), 'csv: lines of the header')
+      do i = 1, min(size(lines), size(head))
+         call check(lines(i)%text == head(i) .and. len(lines(i)%text) == len_trim(head(i)), &
+            'csv: '//lines(i)%text)
+      end do
+      call check(row_count(result) == 5 .and. cell_count(result) == 13, 'csv: size')
+      call csv_rows(result, 1, 5, text)
+      call check(text == row('1,1.5000000000000000E+000', '-3,true,true,two', '1.', '1,2')// &
+         row('3,inf', '0,false,false,', '1.', '1,2')// &
+         row('4,-inf', '8,unknown,true,one', '2.', '3,4'), 'csv: rows '//text)
+      result%columns(5)%column%absent = -huge(1)
+      call csv_rows(result, 2, 2, text)
+      call check(text == row('2,nan', '7,false,false,one', '1.', '1,2'), 'csv: a row '//text)
+      call csv_rows(result, 3, 2, text)
+      call check(text == '', 'csv: no rows')
+      result%cut = ''
+      call csv_header(result, [line_type ::], lines)
+      call check(size(lines) == 3, 'csv: a header of a result that is not cut')
+      call result%get_reals('items', 'y', numbers)
+      call check(size(numbers) == 10 .and. all(abs(numbers(1::2) - 3) <= 0) .and. &
+         all(abs(numbers(2::2) + 4) <= 0), 'the parts of complex numbers')
+      call result%get_wholes('groups', 'm', places)
+      call check(size(places) == 4, 'all whole numbers')
+      if (size(places) == 4) call check(all(places == [1, 2, 3, 4]), 'whole numbers')
+   contains
+      !> A row.
+      pure function row(first, middle, group, last) result(line)
+         character(*), intent(in) :: first, middle, group, last
+         character(:), allocatable :: line
+
+         line = first//',3.0000000000000000E+000,-4.0000000000000000E+000,'// &
+            '5.0000000000000000E+000,'//middle//','//group//'0000000000000000E+001,5,6,'// &
+            last//line_feed
+      end function row
+   end subroutine test_csv
 
    !> The message about a table whose lines end with |.
    subroutine refuse_samples(text, expected)

@@ -595,8 +595,8 @@ contains
       do left = 1, 3
          pace = pace_type(cells=step_budget - left)
          ! within the first cell, far from all walls
-         call first_event(regime, x, v, phase, leaving_type(), 0.5_wp*regime%steps%length(8), pace, &
-            reached, space)
+         call first_event(regime, x, v, phase, leaving_type(), 0.5_wp*regime%steps%length(8), &
+            pace, reached, space)
          call check(reached%complete .eqv. left > 1, 'budget: a step is left, or none')
          call check(reached%row == 0 .and. .not. reached%interrupted, 'budget: no event')
       end do

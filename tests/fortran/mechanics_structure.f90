@@ -9,8 +9,8 @@ module mechanics_structure
    use vi_restitution, only: greatest_below, new_restitution, power_law, restitution_at, &
       restitution_type, table_law
    use vi_status, only: stat
-   use vi_structure, only: check_structure, inputs_of, load_type, new_load, new_regime, new_structure, &
-      regime_type, state_of, structure_type, to_pairs
+   use vi_structure, only: check_structure, inputs_of, load_type, new_load, new_regime, &
+      new_structure, regime_type, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
