@@ -153,7 +153,6 @@ contains
          if (.not. omega_squared(i) > 0 .and. coupling(i, i) <= 64*m*epsilon(1.0_wp)*maxval(abs( &
             coupling))) coupling(i, i) = 0
       end do
-      if (any(omega_squared < 0)) status = stat%negative_stiffness
       if (status /= stat%ok) return
       decoupled%body(at) = body
       if (all([((i == j .or. abs(coupling(i, j)) <= no_coupling*max(sqrt(sqrt(omega_squared(i)* &
@@ -451,9 +450,8 @@ contains
          back(i, i) = 1
       end do
       call solve_columns(a, back, status)
-      if (status /= stat%ok) then
-         status = stat%defective
-      else if (.not. condition(a, back, [speeds, spread(1.0_wp, 1, n)]) <= largest_condition) then
+      if (status /= stat%ok .or. .not. condition(a, back, [speeds, spread(1.0_wp, 1, n)]) <= &
+         largest_condition) then
          status = stat%defective
       else
          allocate (sizes, source=abs(matrix))
