@@ -120,11 +120,7 @@ contains
       end do
       if (present(pivots)) pivots = [smallest, largest]
       status = stat%ok
-      if (info < 0) then
-         status = stat%lapack_failed
-      else if (info > 0 .or. .not. smallest > rank_tolerance*largest) then
-         status = stat%singular
-      end if
+      if (info > 0 .or. .not. smallest > rank_tolerance*largest) status = stat%singular
    end subroutine judge_rank
 
    !> The eigenvalues of a real matrix, at most 4 x 4 (xGEEV), in the order LAPACK finds them.
