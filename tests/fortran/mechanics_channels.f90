@@ -17,7 +17,7 @@ module mechanics_channels
    use vi_series, only: order, step_budget, tolerated
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_regime, new_structure, &
-      regime_type, structure_type, to_pairs
+      regime_type, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -51,6 +51,7 @@ contains
          call test_interrupted()
          call test_tiny_stiffness()
          call test_budget()
+         call test_plain_registers()
       end do
    end subroutine test_channels
 
@@ -578,6 +579,37 @@ contains
       call check(other_pace%level == pace%level .and. other_pace%hold == pace%hold .and. &
          .not. other_pace%from > 0, 'interrupted: the same pace')
    end subroutine test_interrupted
+
+   !> A search with plain registers finds the same event with the same bits, with and without rows
+   !! that depend on velocities.
+   subroutine test_plain_registers()
+      type(regime_type) :: regime
+      type(space_type) :: space
+      type(pace_type) :: pace, other_pace
+      type(reached_type) :: reached, other
+      real(wp), allocatable :: x(:), v(:), q(:, :), rate(:, :)
+      real(wp) :: phase
+      integer :: i
+
+      call draw_chain(draw_integer(random, 0, 2), 1.0_wp, 0.5_wp, regime, x, v, phase, &
+         [(i, i=1, draw_integer(random, 0, 1))])
+      regime%upper = min(regime%upper, draw_log(random, 1.0_wp, 10.0_wp))
+      allocate (q(2, 2), rate(2, 2))
+      call first_event(regime, x, v, phase, leaving_type(), 50*regime%unit, pace, reached, space)
+      call state_of(regime, phase, x, v, q(:, 1), rate(:, 1))
+      regime%modes%wide = .false.
+      regime%rows%wide = .false.
+      regime%coordinates%wide = .false.
+      call first_event(regime, x, v, phase, leaving_type(), 50*regime%unit, other_pace, other, &
+         space)
+      call state_of(regime, phase, x, v, q(:, 2), rate(:, 2))
+      call check(reached%row == other%row .and. reached%wall == other%wall .and. reached%steps == &
+         other%steps .and. pace%level == other_pace%level, 'plain registers: the same search')
+      call check(all(transfer([reached%time, reached%speed], [0]) == transfer([other%time, &
+         other%speed], [0])), 'plain registers: the same bits of an event')
+      call check(all(transfer([q(:, 1), rate(:, 1)], [0]) == transfer([q(:, 2), rate(:, 2)], &
+         [0])), 'plain registers: the same bits of a state')
+   end subroutine test_plain_registers
 
    !> A search that goes on ends with its budget of steps, without an event.
    subroutine test_budget()

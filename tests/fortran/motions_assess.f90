@@ -1,11 +1,12 @@
 !> The verdicts, on motions for which they are known, and the time history.
 module motions_assess
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
    use random_systems, only: pi, random_motion, scale_of
    use vi_assess, only: assess_flights, assess_linear, assess_rest, paper_acceptance
    use vi_chain, only: equispaced_chain, periodic_chain
-   use vi_doubt, only: modulus_doubt, unknowns_doubt
+   use vi_doubt, only: greater, modulus_doubt, spread_of_orders, unknowns_doubt, worst_change
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
@@ -14,9 +15,12 @@ module motions_assess
    use vi_pattern, only: new_pattern
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_sample, only: sample_motion
+   use vi_stability, only: multipliers, multipliers_of_half, stability_matrix
    use vi_status, only: stat
-   use vi_structure, only: check_structure, new_structure, structure_type
+   use vi_structure, only: check_structure, new_load, new_regime, new_structure, regime_type, &
+      structure_type
    use vi_structure_assess, only: by_damping, by_mass, coupling_at_instants, none
+   use vi_structure_exact, only: solve_structure_exact
    implicit none (type, external)
    private
 
@@ -40,6 +44,9 @@ contains
       call test_coupling_at_instants()
       call test_coupling_by_both()
       call test_doubts_in_other_units()
+      call test_neutral_motion()
+      call test_worst_change()
+      call test_structure_resonance()
    end subroutine test_assess
 
    !> A primary mass that hardly moves (high frequency) and a mass that goes to and fro:
@@ -63,6 +70,8 @@ contains
          call check_close(motions(i)%x_min, -motions(i)%amplitude, 1e-12_wp, 'mu = 0: x_min is -A')
       end do
       call check(any(motions%status == stat%ok), 'mu = 0 has equispaced motions')
+      call equispaced_chain(osc, 0.5_wp, 1e-2_wp, 1, paper_acceptance, .false., system, motions)
+      call check(all(motions%admissible == unknown), 'equispaced: flights were not examined')
    end subroutine test_ballistic
 
    !> A constructed motion: x = A sin(r t), and a free mass that crosses the slot in a
@@ -394,6 +403,86 @@ contains
             by_damping, orders(1, i) == 3), 'the last two of three')
       end do
    end subroutine test_coupling_by_both
+
+   !> Without damping and free mass a free oscillation that fits into the period changes nothing:
+   !! the equations of the motion are singular, so that nothing about it is certain.
+   subroutine test_neutral_motion()
+      type(motion_type) :: motion
+      real(wp) :: p(4, 4), half
+      complex(wp) :: lambda(4)
+      integer :: i, status
+
+      do i = 1, 2
+         call start_motion(motion, oscillator_type(0.0_wp, 0.0_wp, 1.0_wp), 0.5_wp, &
+            new_pattern('RL', 1), [1.0_wp, 1.0_wp], [0.0_wp, pi])
+         motion%amplitude = 4.0_wp/3
+         motion%tau = 0
+         ! in the second motion the masses meet without approach
+         half = merge(3.0_wp, 0.5_wp*pi*motion%amplitude, i == 1)
+         motion%clearance = 2*half
+         motion%x = 0
+         motion%z = [half, -half]
+         motion%x_dot_after = motion%amplitude*motion%r*[1, -1]
+         motion%x_dot_before = motion%x_dot_after
+         motion%z_dot_after = 2*half*motion%r/pi*[-1, 1]
+         motion%z_dot_before = -motion%z_dot_after
+         call stability_matrix(motion, p, status)
+         call check(status == merge(stat%ok, stat%zero_approach, i == 1), 'neutral: approach')
+         call multipliers(motion, lambda, status)
+         motion%multipliers = lambda
+         call check(unknowns_doubt(motion) > 1e6_wp, 'neutral: no position is certain')
+         call check(modulus_doubt(motion) >= huge(1.0_wp), 'neutral: no multiplier is certain')
+         call check((spread_of_orders(motion, abs(lambda(1))) >= huge(1.0_wp)) .eqv. i == 2, &
+            'neutral: no maps without approach')
+      end do
+      call check(greater(1.0_wp, 2.0_wp) <= 2 .and. greater(2.0_wp, 1.0_wp) >= 2 .and. &
+         greater(-1.0_wp, -2.0_wp) >= -1, 'the greater of two numbers')
+      ! the derivative of half a period may be infinite
+      p = huge(1.0_wp)
+      p(2, 3) = ieee_value(1.0_wp, ieee_positive_inf)
+      call multipliers_of_half(p, lambda, status)
+      call check(status == stat%not_finite .and. all(abs(lambda) <= 0), 'no multipliers of it')
+   end subroutine test_neutral_motion
+
+   !> x + y = a and x - y = b, each with an error: the worst change is that of the unknown that
+   !! changes most in its unit.
+   subroutine test_worst_change()
+      real(wp), parameter :: rounding(2) = [0.5_wp, 0.25_wp], units(2) = [1.0_wp, 3.0_wp], &
+         sums(2, 2) = reshape([1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp], [2, 2])
+      real(wp) :: change(2)
+      logical :: regular
+
+      call worst_change(sums, rounding, units, change, regular)
+      call check(regular .and. all(abs(change - [0.375_wp, 0.125_wp]) < 1e-15_wp), &
+         'the worst change of the first unknown')
+      call worst_change(sums, rounding, units([2, 1]), change, regular)
+      call check(regular .and. all(abs(change - [0.125_wp, 0.375_wp]) < 1e-15_wp), &
+         'the worst change of the second unknown')
+      call worst_change(abs(sums), rounding, units, change, regular)
+      call check(.not. regular .and. all(abs(change) <= 0), 'no change of singular equations')
+   end subroutine test_worst_change
+
+   !> A mass without damping whose own period fits into that of the motion, or does not quite.
+   subroutine test_structure_resonance()
+      type(structure_type) :: structure
+      type(regime_type) :: regime
+      real(wp) :: times(1), speeds(1), offsets(0), residual, period
+      integer :: i, status, steps
+
+      structure = new_structure(reshape([1.0_wp, 0.0_wp, 1.0_wp], [1, 1, 3]), reshape([1.0_wp], &
+         [1, 1]), reshape([1.0_wp, 0.5_wp], [2, 1]))
+      call check_structure(structure, status)
+      call new_regime(structure, new_load(2.0_wp, reshape([1.0_wp, 0.0_wp], [1, 2, 1]), [0.0_wp]), &
+         [integer ::], regime, status)
+      do i = 1, 2
+         period = 2*pi*merge(1.0_wp, 1.25_wp, i == 1)
+         times = 0.3_wp
+         speeds = 1
+         call solve_structure_exact(structure, regime, [1], times, period, speeds, offsets, 50, &
+            residual, steps, status)
+         call check((status == stat%resonance) .eqv. i == 1, 'a period that resonates')
+      end do
+   end subroutine test_structure_resonance
 
    !> The estimated errors of a motion do not depend on the unit of length.
    subroutine test_doubts_in_other_units()

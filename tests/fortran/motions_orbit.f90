@@ -16,6 +16,7 @@ module motions_orbit
    use vi_pattern, only: default_restitution
    use vi_period_slope, only: add_period_slope
    use vi_periodic, only: linear_system_type
+   use vi_spectrum, only: spectrum_type, sums_with_slope
    use vi_stability, only: stability_matrix
    use vi_status, only: stat
    implicit none (type, external)
@@ -33,6 +34,7 @@ contains
       call test_exact_motions()
       call test_half_period()
       call test_distances()
+      call test_no_approach()
    end subroutine test_orbits
 
    !> A family and unknowns that need not be a motion, away from resonance and very short flights.
@@ -301,6 +303,57 @@ contains
          motion%osc%xi, motion%osc%mu, motion%osc%restitution([right, left])]
       call set_orbit(family, [motion%x(:n)/motion%clearance, motion%phases(:n) + motion%tau], c, o)
    end subroutine orbit_of
+
+   !> Where an impact has no approach speed, the maps and what follows from them are not regular:
+   !! no gradient is added.
+   subroutine test_no_approach()
+      type(family_type) :: family
+      type(orbit_type) :: o
+      type(spectrum_type) :: spectrum
+      real(wp), allocatable :: unknowns(:)
+      real(wp) :: c(n_parameters), range(2), slope(60), before(60), value, parts(4, 4, &
+         most_impacts), p(4, 4)
+      integer :: found, i, kind
+      logical :: regular, signs(2)
+
+      found = 0
+      do i = 1, 200
+         call random_member(random, family, unknowns, c)
+         if (size(family%sides) < 2) cycle
+         range = [-9.0_wp, 9.0_wp]
+         signs = [approaches(range(1)), approaches(range(2))]
+         if (signs(1) .eqv. signs(2)) cycle
+         do while (abs(range(2) - range(1)) > 2*spacing(maxval(abs(range))))
+            value = 0.5_wp*sum(range)
+            range(merge(1, 2, approaches(value) .eqv. signs(1))) = value
+         end do
+         regular = approaches(range(1))
+         call period_parts(o, parts, p, regular)
+         ! it may be just above what counts as rounding
+         if (regular) cycle
+         found = found + 1
+         do kind = 1, 3
+            call fill(random, -1.0_wp, 1.0_wp, before)
+            slope = before
+            call sums_with_slope(o, kind, spectrum, value, slope)
+            call check(.not. spectrum%regular .and. abs(value) <= 0 .and. all(abs(slope - before) &
+               <= 0), 'no approach: no sums')
+         end do
+      end do
+      call check(found > 20, 'no approach: found')
+   contains
+      !> Whether the masses approach each other before the second impact, for a position there.
+      logical function approaches(position)
+         real(wp), intent(in) :: position
+         real(wp) :: rest(2*size(family%sides))
+
+         unknowns(2) = position
+         call set_orbit(family, unknowns, c, o)
+         rest = orbit_residual(o)
+         ! the map takes the velocity at the end of the flight
+         approaches = o%speed(1) - o%before(2) - rest(size(rest)/2 + 1) > 0
+      end function approaches
+   end subroutine test_no_approach
 
    !> The gradient of the distance of an orbit from its image, against differences; of structures
    !! with further displacements, too. What is behind the unknowns stays as it is.

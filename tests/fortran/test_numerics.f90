@@ -14,7 +14,7 @@ program test_numerics
    use vi_lapack, only: eigenvalues, eigenvector, least_squares, least_squares_work, solve
    use vi_lapack_single, only: solve_single => solve
    use vi_lapack_routines, only: geev, gels, gesv
-   use vi_processor, only: usable_threads
+   use vi_processor, only: available_threads, has_memory, usable_threads
    use vi_spacing, only: even, spaced
    use vi_status, only: stat, status_text
    use vi_unit_circle, only: all_inside, locate_spectrum, near_circle, some_outside
@@ -28,6 +28,7 @@ program test_numerics
    call test_eliminate()
    call test_eigenvalues()
    call test_known_eigenvalues()
+   call test_triangles()
    call test_eigenvector()
    call test_drivers()
    call test_unit_circle()
@@ -202,6 +203,11 @@ contains
          call check(usable_threads(wanted) <= max(1, wanted), 'threads: no more than wanted')
          call check(usable_threads(wanted) >= usable_threads(wanted - 1), 'threads: as wanted')
       end do
+      call check(available_threads() >= 1 .and. available_threads() == &
+         usable_threads(available_threads()), 'threads: those available can be used')
+      call check(has_memory(1.0e3_wp), 'memory: some')
+      call check(.not. has_memory(1.0e18_wp) .and. .not. has_memory(1.0e300_wp), &
+         'memory: more than there is')
    end subroutine test_numbers_of_threads
 
    !> A matrix whose trace exceeds 4 has an eigenvalue outside the circle, whatever its sign.
@@ -523,6 +529,29 @@ contains
          end do
       end do
    end subroutine test_known_eigenvalues
+
+   !> The eigenvalues of a triangle are its diagonal, exactly, in any order of the unknowns.
+   subroutine test_triangles()
+      integer, parameter :: orders(4, 4) = reshape([1, 2, 3, 4, 4, 3, 2, 1, 2, 4, 1, 3, 3, 1, 4, &
+         2], [4, 4])
+      real(wp) :: a(4, 4)
+      complex(wp) :: lambda(4)
+      integer :: i, j, k, status
+
+      do k = 1, size(orders, 2)
+         do j = 1, 4
+            do i = 1, 4
+               a(orders(i, k), orders(j, k)) = merge(draw(random, 0.5_wp, 2.0_wp), 0.0_wp, i < j)
+            end do
+            a(orders(j, k), orders(j, k)) = j - 2
+         end do
+         call eigenvalues(a, lambda, status)
+         call check(status == stat%ok .and. all(abs(lambda%im) <= 0), 'triangle: real')
+         do j = 1, 4
+            call check(count(abs(lambda%re - (j - 2)) <= 0) == 1, 'triangle: its diagonal')
+         end do
+      end do
+   end subroutine test_triangles
 
    !> Equal differences or ratios, and both ends to the last bit.
    subroutine test_spacing()
