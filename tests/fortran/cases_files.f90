@@ -413,6 +413,8 @@ contains
       call check_refused('its header is damaged, or its version is not 1, 2 or 3')
       call write_numpy_of('<f4', 'False', '(1,)', repeat(char(0), 4), 1)
       call check_refused('it holds ''<f4''; must be float64 (''<f8'')')
+      call write_file(char(147)//'NUMPY'//char(1)//char(0)//char(2)//char(0)//'{}')
+      call check_refused('it holds ; must be float64 (''<f8'')')
    end subroutine test_wrong_numpy
 
    !> The first number that is not finite is named by its place, from files in either order.

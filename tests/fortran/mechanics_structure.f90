@@ -123,7 +123,7 @@ contains
       type(random_type) :: random
       type(structure_type) :: structure
       type(load_type) :: load
-      type(regime_type) :: regime
+      type(regime_type) :: regime, plain
       real(wp) :: matrices(n, n, 3), a(n, n), directions(n, 1), q(n), rate(n), q_back(n), &
          rate_back(n), x(n), v(n), x_half(n), v_half(n), x_all(n), v_all(n), map(2*n, 2*n), &
          state(2*n)
@@ -165,8 +165,17 @@ contains
             'two flights are one')
          call state_of(regime, 0.0_wp, x_half, v_half, q_back, rate_back)
          map(:, i) = [q_back, rate_back]
-         if (.not. damped) call check_close(energy(q_back, rate_back), energy(q, rate), &
-            1.0e-12_wp, 'energy is kept')
+         ! with plain registers, and one coordinate at a time
+         plain = regime
+         plain%coordinates%wide = .false.
+         call state_of(plain, 0.0_wp, x_half, v_half, q, rate)
+         call check(all(transfer([q, rate], [0]) == transfer([q_back, rate_back], [0])), &
+            'a state with plain registers')
+         call check(maxval(abs(q - matmul(regime%qx, x_half) - matmul(regime%qv, v_half))) + &
+            maxval(abs(rate - matmul(regime%dx, x_half) - matmul(regime%dv, v_half))) < 1e-13_wp, &
+            'a state by the products of matrices')
+         if (.not. damped) call check_close(energy(q_back, rate_back), energy(state(:n), &
+            state(n + 1:)), 1.0e-12_wp, 'energy is kept')
       end do
       call check_close(determinant(map), exp(-time*2*sum(regime%modes%damping)), 1.0e-11_wp, &
          'the determinant of a flight')
