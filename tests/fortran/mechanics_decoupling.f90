@@ -256,11 +256,14 @@ contains
          call check_close(minval(parts%stiffness), merge(0.0_wp, 0.5_wp, i == 5), &
             0.2_wp/stiff(i) + 1e-15_wp*stiff(i)*merge(0, 1, i == 5), 'stiff: the slow mode')
       end do
-      ! damping that couples a slow mode and one that is faster by ten orders of magnitude
-      stiffness = reshape([1e20_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
-      call decouple(mass, reshape([1e6_wp, 0.1_wp, 0.1_wp, 0.2_wp], [2, 2]), stiffness, parts, &
-         status)
-      call check(status == stat%too_stiff, 'too stiff for the damping')
+      ! damping that couples a slow mode and one that is faster by eleven orders of magnitude; by
+      ! eight there are digits left
+      do i = 1, 2
+         stiffness = reshape([merge(1e16_wp, 1e22_wp, i == 1), 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+         call decouple(mass, reshape([1e6_wp, 0.1_wp, 0.1_wp, 0.2_wp], [2, 2]), stiffness, parts, &
+            status)
+         call check(status == merge(stat%ok, stat%too_stiff, i == 1), 'too stiff for the damping')
+      end do
    end subroutine test_too_stiff
 
    !> Systems of equations: a diagonal divides exactly, and a singular matrix is refused.
