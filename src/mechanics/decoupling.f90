@@ -48,8 +48,9 @@ contains
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
       !> The pairs.
       type(decoupled_type), intent(out) :: decoupled
-      !> `stat%ok`; `stat%mass_not_definite`; `stat%negative_stiffness` where K or C has a
-      !! negative eigenvalue; `stat%defective` where complex eigenvectors nearly coincide;
+      !> `stat%ok`; `stat%mass_not_definite`; `stat%negative_stiffness` where K has a negative
+      !! eigenvalue, or C alone would make a mode of M and K grow (a C with a negative eigenvalue
+      !! may pass); `stat%defective` where complex eigenvectors nearly coincide;
       !! `stat%too_stiff` where rounding leaves too few digits; `stat%extreme_units`; or
       !! `stat%lapack_failed`.
       integer, intent(out) :: status
