@@ -96,6 +96,9 @@ contains
       call begin(run, state, growth)
       ! the directions settle in the transient and in a batch that does not count
       do i = 1, average%discard + average%cycles
+         ! a rest in the transient may have lost directions that the attractor has
+         if (i == average%discard + 1 .and. growth%rank < average%directions) call begin(run, &
+            state, growth)
          call one_period(run, state, events, left, growth, status, progress)
          if (status /= stat%ok) return
       end do

@@ -111,6 +111,16 @@ def test_a_rest_extinguishes_two_directions():
     assert np.isnan(found.identity_error)
 
 
+def test_a_rest_of_the_transient_extinguishes_no_direction_of_the_attractor():
+    structure = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.0, 0.8)])
+    of_flight, of_rest = (
+        vi.lyapunov(structure, vi.Load(2.0, cosine=[1]), cycles=400, discard=100, state=([q], [0]))
+        for q in (-0.1, 0)
+    )
+    assert np.isfinite(of_flight.exponents).all()
+    np.testing.assert_allclose(of_rest.exponents, of_flight.exponents, atol=1e-6)
+
+
 def test_rest_for_ever_and_a_wall_without_rebound():
     ball = vi.Structure([1], [0], [0], [vi.Gap([-1], 0.0, 0.5)])
     gravity = vi.Load(constant=[-1])
