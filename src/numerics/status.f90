@@ -44,7 +44,7 @@ module vi_status
       integer :: negative_stiffness = 16
       !> Damping makes modes of a structure nearly coincide.
       integer :: defective = 17
-      !> A mode without damping resonates with the load.
+      !> A mode without damping resonates with the load or the period.
       integer :: resonance = 18
       !> Gaps that are coupled close at one instant.
       integer :: coupled_impacts = 19
@@ -106,10 +106,11 @@ contains
       case (stat%ok)
          text = 'done'
       case (stat%singular)
-         text = 'the linear equations have no unique solution for these phases'
+         text = 'the linear equations have no unique solution for these phases, or a body that no &
+            &spring or damper holds may be anywhere'
       case (stat%free_amplitude)
          text = 'two equally spaced impacts with equal restitution leave the load amplitude free: &
-            &give the clearance and ask for the equispaced motions instead'
+            &ask for the equispaced motions of a clearance instead'
       case (stat%no_load)
          text = 'no clearance d > 0 and load F0 > 0 give these phases (the solution needs no load)'
       case (stat%zero_approach)
@@ -143,8 +144,8 @@ contains
          text = 'damping makes two modes of the structure nearly coincide, so that digits are &
             &lost; change a damping coefficient by a millionth of its size'
       case (stat%resonance)
-         text = 'a mode without damping resonates with the load, or so nearly that digits are &
-            &lost'
+         text = 'a mode without damping resonates with the load or the period, or so nearly that &
+            &digits are lost'
       case (stat%coupled_impacts)
          text = 'two coupled gaps close at one instant, and the impact law does not say what &
             &follows'
