@@ -60,6 +60,12 @@ contains
          departure = departure_from(state, 0.5_wp*system%clearance)
          call check(.not. state%resting .and. departure%side == side, 'a flight begins on its wall')
          call check_close(departure%speed, speed, 1e-14_wp*(4 + abs(speed)), 'a departure speed')
+         ! as after a short flight from the wall, or with one that it does not leave
+         state%side = 0
+         state%speed = 0
+         state%z_dot = state%x_dot - side*merge(0.0_wp, abs(speed), mod(i, 3) == 0)
+         departure = departure_from(state, 0.5_wp*system%clearance)
+         call check(departure%side == 0, 'a flight beside a wall, from which the masses part')
       end do
    end subroutine test_departures
 

@@ -18,6 +18,7 @@ program test_studies
    use studies_steps, only: test_steps
    use studies_surfaces, only: test_surfaces
    use studies_switching, only: test_switching
+   use studies_trajectories, only: test_trajectories
    use studies_structures, only: test_structures
    use studies_structure_conditions, only: test_structure_conditions
    use studies_structure_arrays, only: test_structure_arrays
@@ -74,6 +75,7 @@ program test_studies
    call test_spans()
    call test_steps()
    call test_surfaces()
+   call test_trajectories()
    call test_structures()
    call test_structure_arrays()
    call test_structure_slopes()
