@@ -93,8 +93,7 @@ contains
          sum_before = sum_before + exponents(i)
          dimension = dimension + 1
       end do
-      if (i > size(exponents)) return
-      if (exponents(i) < 0) dimension = dimension - sum_before/exponents(i)
+      if (i <= size(exponents)) dimension = dimension - sum_before/exponents(i)
    end function kaplan_yorke
 
    !> A weight that rises smoothly from 0 and falls smoothly back to 0 over [0, 1].
