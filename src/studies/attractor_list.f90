@@ -1,7 +1,8 @@
 !> The attractors at a point (r, D), and the initial states in the basin of each.
 module vi_attractor_list
    use vi_attractor_basin, only: decide, event_limited, not_reached
-   use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, within
+   use vi_attractor_known, only: alike, exact_period, identify, known_type, no_impacts, repeating, &
+      within
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_type
    use vi_attractor_wandering, only: group_type, separate_groups
@@ -275,6 +276,11 @@ contains
                cycle
             end if
             kind = merge(no_impacts, repeating, period(3) == 0)
+            if (kind == repeating) then
+               i = place_of(list, found%ends(:, 1, j), period(1))
+               if (i > 0) labels(members(j)) = i
+               if (i > 0) cycle
+            end if
             do i = 1, list%n
                associate (known => list%known(i))
                   if (known%kind /= kind) cycle
@@ -292,6 +298,24 @@ contains
          end associate
       end do
    end subroutine describe
+
+   !> The number of the known periodic motion on which a state lies, although the simulation has not
+   !! reached its neighbourhood; 0 if there is none.
+   pure integer function place_of(list, end, cycles) result(i)
+      !> The attractors known so far.
+      type(attractor_list_type), intent(in) :: list
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: end(5)
+      !> Load cycles of the period with which the state repeats itself.
+      integer, intent(in) :: cycles
+      type(known_type) :: motion
+      logical :: good
+
+      call exact_period(list%system, end, cycles, motion, good)
+      do i = merge(list%n, 0, good), 1, -1
+         if (alike(motion, list%known(i), list%system%clearance)) return
+      end do
+   end function place_of
 
    !> Adds an attractor that has no neighbourhood, if there is room.
    subroutine add_described(list, new)
