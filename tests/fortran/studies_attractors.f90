@@ -5,6 +5,8 @@ module studies_attractors
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
+   use vi_attractor_known, only: resting
+   use vi_attractor_list, only: attractor_list_type, label_states
    use vi_attractor_neighbourhood, only: factorise
    use vi_attractor_spread, only: random_states
    use vi_attractor_target, only: target_type
@@ -33,7 +35,26 @@ contains
       call test_metric()
       call test_parts(0.9_wp, 8)
       call test_parts(2.0e-6_wp, 2)
+      call test_few_cycles()
    end subroutine test_attractors
+
+   !> States that end on a known motion have its number, however few load cycles decide.
+   subroutine test_few_cycles()
+      integer, parameter :: n = 8
+      type(attractor_list_type) :: list, again
+      real(wp) :: starts(5, n), events
+      integer :: labels(n), cycles
+
+      do cycles = 2, 402, 400
+         list = again
+         list%system = new_forced_system(oscillator_type(0.1_wp, 0.09899_wp, [0.3_wp, 0.3_wp]), &
+            1.132_wp, 1.0_wp, 0.9767_wp)
+         starts = random_states(0.1_wp, 1.132_wp, 1.0_wp, 0.9767_wp, n, 84)
+         call label_states(list, starts, cycles, 1, labels, events)
+         call check(list%n == 1 .and. all(labels == 1), 'all states on one attractor')
+         if (list%n == 1) call check(list%known(1)%kind == resting, 'a confirmed motion with rest')
+      end do
+   end subroutine test_few_cycles
 
    !> The metric is a root of the matrix in units of the coordinates; the inverse is its inverse.
    subroutine test_metric()
