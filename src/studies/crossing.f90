@@ -1,7 +1,7 @@
 !> Zeros of a condition on a step along a curve of motions.
 module vi_crossing
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, edge, grazing, is_inside, rest_vanishes
+   use vi_frame, only: condition_type, grazing, is_inside, rest_vanishes
    use vi_kinds, only: wp
    use vi_steps, only: place_type, survey
    implicit none (type, external)
@@ -135,8 +135,6 @@ contains
          nearest = huge(1.0_wp)
          do j = 1, size(now%values)
             if (.not. low%values(j)*high%values(j) < 0) cycle
-            if (now%conditions(j)%kind == edge .and. &
-               now%conditions(j)%index /= curve%active(1)) cycle
             call locate(curve, none, low, high, j, found, share, good)
             if (.not. good) cycle
             if (.not. inside) share = 1 - share
