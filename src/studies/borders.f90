@@ -66,7 +66,7 @@ contains
       type(curve_type) :: surface
       type(loop_type) :: loop, other
       type(border_type) :: begin
-      integer :: loop_at
+      integer :: i, loop_at
       logical :: good, stopped
 
       call find_border(border, zone, loop_at)
@@ -87,10 +87,11 @@ contains
       if (keep_open .and. .not. loop%closed) then
          call trace(surface, begin, most, -1, other, progress)
          zone%points = zone%points + other%n
-         if (other%closed .or. loop%n == 0) then
+         if (other%closed) then
             loop = other
          else
-            call add_other_way(other, loop)
+            ! one curve in one direction: the first point is on both
+            loop = chained(reversed(picked(other, [(i, i=2, other%n)])), loop)
          end if
       end if
       closed = loop%closed
@@ -108,7 +109,7 @@ contains
       zone%retraced = zone%retraced .or. apart > zone%surface%frame%apart
       zone%n = zone%n + 1
       ! drop the unused room
-      zone%loops(zone%n) = picked(loop, [(loop_at, loop_at=1, loop%n)])
+      zone%loops(zone%n) = picked(loop, [(i, i=1, loop%n)])
       zone%inside(:, zone%n) = border%inside
    end subroutine trace_border
 
@@ -126,7 +127,7 @@ contains
       integer, intent(inout), optional :: progress(3)
 
       call trace_loop(surface, stride_type(longest=0.02_wp, turn=0.15_wp), border%point, &
-         border%condition, most, loop, progress, way)
+         border%condition, most, way, loop, progress)
    end subroutine trace
 
    !> Moves a place at one distance from a motion that repeats itself to another distance.
@@ -151,18 +152,6 @@ contains
       call correct(surface, [border%condition], border%point, iterations, tangent)
       good = iterations > 0
    end subroutine move_apart
-
-   !> Joins a curve with its continuation in the opposite direction from the same first point.
-   pure subroutine add_other_way(other, loop)
-      !> The continuation, in the order in which it was traced.
-      type(loop_type), intent(in) :: other
-      !> In: the curve. Out: both, in one direction.
-      type(loop_type), intent(inout) :: loop
-      integer :: i
-
-      if (other%n < 2) return
-      loop = chained(reversed(picked(other, [(i, i=2, other%n)])), loop)
-   end subroutine add_other_way
 
    !> The loop that a place lies on, whichever distance it was traced with.
    pure subroutine find_border(border, zone, found)

@@ -26,7 +26,7 @@ module vi_trace
 contains
 
    !> Follows the boundary of a zone from a point where one condition is zero.
-   subroutine trace_loop(curve, stride, point, condition, most, loop, progress, way)
+   subroutine trace_loop(curve, stride, point, condition, most, way, loop, progress)
       !> The surface, with two active parameters.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
@@ -37,13 +37,13 @@ contains
       type(condition_type), intent(in) :: condition
       !> Largest number of points.
       integer, intent(in) :: most
+      !> +1: towards larger D at first, or towards larger r where D is constant; -1: in the opposite
+      !! direction.
+      integer, intent(in) :: way
       !> The boundary; its arrays have room for `most` points.
       type(loop_type), intent(out) :: loop
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      !> +1 (the default): towards larger D at first, or towards larger r where D is constant; -1:
-      !! in the opposite direction.
-      integer, intent(in), optional :: way
       type(place_type) :: now, next, corner
       real(wp), allocatable :: before(:)
       type(condition_type) :: active
@@ -55,7 +55,7 @@ contains
       active = condition
       call set_out(curve, active, point, now, good)
       if (.not. good) return
-      if (present(way)) now%tangent = way*now%tangent
+      now%tangent = way*now%tangent
       call append(loop, now, active, 0)
       before = now%values
       do while (loop%n < most)
