@@ -173,7 +173,6 @@ contains
       integer :: i, j, next
 
       turns = 0
-      if (size(ring, 2) == 0) return
       log_d = log(ring(2, :))
       low = minval(ring, 2)
       high = maxval(ring, 2)
