@@ -46,6 +46,7 @@ contains
          call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), points(:, 3), ring)
          call check(all(winding(ring, points) == [-1, -1, 0, 0]), 'a hole goes round the other way')
       end do
+      call check(all(winding(ring(:, :0), points) == 0), 'a ring without vertices encloses nothing')
    end subroutine test_rings
 
    !> What a rectangle passes: each point of its sides, and none that is further away than the sides

@@ -63,6 +63,14 @@ contains
          call join_loose_ends(zone)
          call check(zone%n == 2 .and. count(zone%loops(1)%conditions%kind == joint) == 2 .and. &
             all(zone%loops(2)%conditions%kind == flip), 'the nearest ends are joined first')
+         ! a ring that is complete has no ends, wherever its first and last vertices are
+         do i = 1, 2
+            call two_arcs(gaps, turned, zone)
+            zone%loops(i)%closed = .true.
+            call join_loose_ends(zone)
+            call check(zone%n == 2 .and. .not. any(zone%loops(1)%conditions%kind == joint) .and. &
+               .not. any(zone%loops(2)%conditions%kind == joint), 'a closed loop is not joined')
+         end do
       end do
    end subroutine test_joints
 

@@ -1,5 +1,6 @@
 !> Motions with rest: the gradients of the equations and of all measures of a period.
 module studies_rest
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
    use vi_forced_system, only: event_type, new_forced_system
@@ -285,6 +286,8 @@ contains
       do i = 1, n
          call check_close(lost(i), merge(values(i), -1.0_wp, found(i)%kind == edge), 0.0_wp, &
             'rest: edges alone have a value where no motion is')
+         call check(ieee_is_nan(rest_condition(frame, [unknowns(:2), unknowns(3:) - 100], c, &
+            found(i))), 'rest: one condition where no motion is')
       end do
    end subroutine check_conditions
 

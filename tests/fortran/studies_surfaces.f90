@@ -10,15 +10,18 @@ module studies_surfaces
    use vi_crossing, only: innermost_zero, locate
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_frame, only: condition_count, condition_type, grazing, is_inside, neimark_sacker, &
-      unknown_count
+      repetition, unknown_count
    use vi_kinds, only: wp
+   use vi_loop, only: loop_type
    use vi_lattice, only: density, even_lattice, lattice_type, new_lattice
-   use vi_net, only: cover_from, net_type, new_net
+   use vi_net, only: add_seed, cover_from, net_type, new_net
    use vi_net_line, only: line_of, start_type
    use vi_orbit, only: n_parameters
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: pattern_type
-   use vi_seeds, only: motions_at
+   use vi_repetition_vertices, only: move_to_repetition
+   use vi_search, only: search_pattern
+   use vi_seeds, only: motions_at, release_type, simulate_releases
    use vi_status, only: stat
    use vi_steps, only: begin_walk, place_type, stride_type, take_step
    use vi_zone_request, only: make_surface, zone_request_type
@@ -39,10 +42,16 @@ contains
    subroutine test_surfaces()
       call test_windows()
       call test_lost_vertices()
+      call test_vertices_of_nothing()
       call test_zeros()
       call test_lattices()
       call test_nets()
+      call test_full_nets()
       call test_branches()
+      call test_blind_steps()
+      call test_full_searches()
+      call test_many_impacts()
+      call test_other_repetitions()
    end subroutine test_surfaces
 
    !> Lines of constant r are nowhere farther apart than their density allows. Where they are not
@@ -198,6 +207,32 @@ contains
       c = parameters_of(surface, [(0.0_wp, i=1, unknown_count(surface%frame)), at])
    end function parameters_at
 
+   !> Vertices without a motion: a pattern with more unknowns than there is room for together with
+   !! all parameters, and a place where no motion of the pattern is near.
+   subroutine test_vertices_of_nothing()
+      integer, parameter :: most = 24, fold = 1
+      type(zone_request_type) :: request
+      real(wp) :: normals(2, 1), slopes(6, 1), shifts(1, 1), changes(6, 1), x(most, 1), &
+         theta(most, 1)
+      integer :: outcomes(1, 1), status(1), i, n
+
+      request%osc = oscillator_type(0.01_wp, 0.05_wp, [0.7_wp, 0.6_wp])
+      request%r = [0.8_wp, 1.1_wp]
+      request%clearance = [2.0_wp, 20.0_wp]
+      changes(:, 1) = [1.0_wp, 1.0_wp, 0.01_wp, 0.05_wp, 0.7_wp, 0.6_wp]
+      do n = 2, most, 22
+         request%pattern = pattern_type([(1, i=1, n - 1), -1], 1)
+         x(:, 1) = [(0.1_wp*i, i=1, most)]
+         theta(:, 1) = [(6.0_wp*i/n, i=1, most)]
+         call shift_boundary(request, [fold], [0], reshape([0.9_wp, 6.0_wp], [2, 1]), x(:n, :), &
+            theta(:n, :), changes, 1, normals, slopes, shifts, outcomes, status)
+         call check(status(1) == merge(stat%singular, stat%no_motion, n == 2), &
+            'vertices of nothing: the reason')
+         call check(outcomes(1, 1) == shift_lost .and. ieee_is_nan(shifts(1, 1)) .and. &
+            all(ieee_is_nan(normals)), 'vertices of nothing: no numbers')
+      end do
+   end subroutine test_vertices_of_nothing
+
    !> A pattern of up to four impacts near resonance, and a window about a clearance at which it may
    !! have motions.
    subroutine random_request(i, request)
@@ -246,6 +281,48 @@ contains
       call check(nets > 5, 'nets: motions inside zones')
    end subroutine test_nets
 
+   !> A net without room for another node, border or crossing, or without steps left, says that it is
+   !! full and keeps what it has.
+   subroutine test_full_nets()
+      type(zone_request_type) :: request
+      type(curve_type) :: surface
+      type(net_type), allocatable :: net
+      type(lattice_type) :: lines
+      real(wp), allocatable :: found(:, :)
+      real(wp), parameter :: at(2) = [0.55_wp, 0.45_wp]
+      integer :: kept(3), limit, node, status
+
+      request%osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.75_wp])
+      request%pattern = pattern_type(sides_of('RL'), 1)
+      request%symmetric = .true.
+      request%r = [0.97_wp, 1.03_wp]
+      request%clearance = [40.0_wp, 60.0_wp]
+      call make_surface(request, surface, status)
+      call motions_at(surface%frame, request%pattern, parameters_at(surface, at), 6, 0, found)
+      call check(size(found, 2) > 0, 'full nets: a motion to begin with')
+      do limit = 0, 4
+         if (allocated(net)) deallocate (net)
+         allocate (net)
+         lines = even_lattice(3)
+         ! more lines than there is room for crossings
+         if (limit == 4) lines%axes(1)%at = [(node/300.0_wp, node=0, 300)]
+         call new_net(surface, lines, net)
+         if (limit == 1) net%n = size(net%follower)
+         if (limit == 2) net%n_borders = size(net%borders)
+         if (limit == 3) net%steps = huge(net%steps)
+         kept = [net%n, net%n_borders, net%steps]
+         call cover_from(net, at, found(:, 1))
+         call check(net%full .eqv. limit > 0, 'full nets: they say so')
+         call check((net%n == kept(1)) .eqv. any(limit == [1, 3]), 'full nets: nodes')
+         call check((net%n_borders == kept(2)) .eqv. any(limit == [2, 3]), 'full nets: borders')
+         call check((net%steps == kept(3)) .eqv. limit == 3, 'full nets: steps')
+         call check(net%n_crossings <= size(net%crossings), 'full nets: crossings')
+         if (limit /= 1) cycle
+         call add_seed(net, 1, 1, found(:, 1), node)
+         call check(node == 0 .and. net%n == kept(1), 'full nets: no room for a seed')
+      end do
+   end subroutine test_full_nets
+
    subroutine check_net(surface, at, unknowns)
       type(curve_type), intent(in) :: surface
       real(wp), intent(in) :: at(2), unknowns(:)
@@ -269,6 +346,122 @@ contains
          call check(below .and. above, 'nets: both ways out of a zone')
       end do
    end subroutine check_net
+
+   !> A step without a look at the conditions ends where it ends with one; only with one are there
+   !! their values.
+   subroutine test_blind_steps()
+      type(zone_request_type) :: request
+      type(curve_type) :: surface, line
+      type(place_type) :: now
+      type(place_type), allocatable :: next, seeing, blind
+      type(condition_type) :: none(0)
+      real(wp), allocatable :: found(:, :)
+      logical :: good(3)
+      integer :: i, k, status, steps
+
+      steps = 0
+      do i = 1, 60
+         call random_request(i, request)
+         call make_surface(request, surface, status)
+         call motions_at(surface%frame, request%pattern, parameters_at(surface, middle), 6, 0, &
+            found)
+         do k = 1, size(found, 2)
+            call line_of(surface, start_type(found(:, k), middle), 2, line)
+            call begin_walk(line, none, [found(:, k), middle(2)], [0*found(:, k), 1.0_wp], &
+               0.05_wp, now, good(1))
+            if (.not. good(1)) cycle
+            if (allocated(next)) deallocate (next, seeing, blind)
+            allocate (next, seeing, blind)
+            call take_step(line, none, stride_type(), now, next, good(1))
+            call take_step(line, none, stride_type(), now, seeing, good(2), blind=.false.)
+            call take_step(line, none, stride_type(), now, blind, good(3), blind=.true.)
+            call check(all(good .eqv. good(1)), 'blind steps: all end or none')
+            if (.not. good(1)) cycle
+            steps = steps + 1
+            call check_close(norm2(seeing%point - next%point), 0.0_wp, 0.0_wp, 'seeing steps')
+            call check_close(norm2(blind%point - next%point), 0.0_wp, 0.0_wp, 'blind steps')
+            call check_close(norm2(seeing%values - next%values), 0.0_wp, 0.0_wp, &
+               'seeing steps: the conditions')
+            call check_close(seeing%step, next%step, 0.0_wp, 'seeing steps: the next length')
+            call check_close(blind%step, blind%came, 0.0_wp, 'blind steps: the next length')
+            call check(.not. allocated(blind%values), 'blind steps: no conditions')
+         end do
+      end do
+      call check(steps > 50, 'blind steps: some end')
+   end subroutine test_blind_steps
+
+   !> A search ends when there is no room for another motion; with less room it finds the first of
+   !! the motions that it finds with more.
+   subroutine test_full_searches()
+      type(pattern_type) :: pattern
+      real(wp), parameter :: c(n_parameters) = [0.95_wp, log(30.0_wp), 0.0114_wp, 0.028_wp, &
+         0.75_wp, 0.75_wp]
+      real(wp) :: found(4, 20), fewer(4, 20)
+      integer :: n, m, tried, tried_all, room
+
+      pattern = pattern_type(sides_of('RL'), 1)
+      n = 0
+      call search_pattern(pattern, c, 60, found, n, tried_all, 0)
+      call check(n > 2 .and. n < size(found, 2), 'full searches: several motions')
+      do room = 0, n
+         m = 0
+         fewer = -1
+         call search_pattern(pattern, c, 60, fewer(:, :room), m, tried, 0)
+         call check(m == room, 'full searches: all room is used')
+         call check_close(norm2(fewer(:, :room) - found(:, :room)), 0.0_wp, 0.0_wp, &
+            'full searches: the first motions')
+         call check(tried <= tried_all .and. (tried > 0 .eqv. room > 0), &
+            'full searches: no guess without room')
+      end do
+   end subroutine test_full_searches
+
+   !> A simulation with more impacts than are allowed has no release; one with few has.
+   subroutine test_many_impacts()
+      real(wp), parameter :: few(n_parameters) = [0.9_wp, log(5.0_wp), 0.0114_wp, 0.028_wp, &
+         0.75_wp, 0.61_wp], many(n_parameters) = [0.9_wp, log(1.0e-4_wp), 0.0_wp, 0.028_wp, &
+         0.99_wp, 0.99_wp]
+      type(release_type) :: releases(1)
+
+      call simulate_releases(few, releases, [6, 3])
+      call check(any(releases(1)%there), 'releases: after few impacts')
+      call simulate_releases(many, releases, [6, 3])
+      call check(.not. any(releases(1)%there), 'releases: none after too many impacts')
+      call check(.not. releases(1)%late .and. releases(1)%cycles == 0, 'releases: and no period')
+   end subroutine test_many_impacts
+
+   !> A vertex at a motion that repeats itself after a third of the period is no regular point of
+   !! the motions of half the period. Where it cannot be found from greater distances either, the
+   !! loop stays as it was traced.
+   subroutine test_other_repetitions()
+      type(zone_request_type) :: request
+      type(curve_type) :: surface
+      type(loop_type) :: loop
+      real(wp), allocatable :: points(:, :), tangents(:, :)
+      integer :: i, k, n, status
+
+      request%osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.7_wp])
+      request%pattern = pattern_type(sides_of('RLRLRL'), 3)
+      request%r = [0.9_wp, 1.1_wp]
+      request%clearance = [20.0_wp, 40.0_wp]
+      call make_surface(request, surface, status)
+      n = unknown_count(surface%frame) + 2
+      loop%n = 3
+      allocate (loop%points(n, 3), loop%tangents(n, 3), source=0.0_wp)
+      loop%points(1:6, :) = 0.3_wp
+      loop%tangents(n, :) = 1
+      loop%corner = [0, 0, 0]
+      do i = 1, size(surface%frame%repetitions)
+         loop%points(7:12, :) = spread([0.0_wp, 3.0_wp, 6.2_wp, 9.3_wp, 12.4_wp, 15.5_wp], 2, 3)
+         loop%points(n, :) = [0.1_wp, 0.2_wp, 0.3_wp]
+         loop%conditions = [(condition_type(repetition, i, bound=surface%frame%apart), k=1, 3)]
+         points = loop%points
+         tangents = loop%tangents
+         call move_to_repetition(surface, loop)
+         call check(all(abs(loop%points - points) <= 0) .and. &
+            all(abs(loop%tangents - tangents) <= 0), 'vertices that no motion is near stay')
+      end do
+      call check(any(2*surface%frame%repetitions%shift /= 6), 'repetitions after a third')
+   end subroutine test_other_repetitions
 
    !> Special points that account for the multipliers that cross the unit circle need no short
    !! steps: a pair crosses it at a Neimark-Sacker point, and none crosses it where a gap closes.

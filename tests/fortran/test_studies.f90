@@ -36,7 +36,7 @@ program test_studies
    use vi_periodic, only: linear_system_type
    use vi_plan, only: most_impacts
    use vi_points, only: equispaced_points, periodic_points, recall
-   use vi_precision, only: periodic_in_single
+   use vi_precision, only: equispaced_in_single, periodic_in_single
    use vi_sample, only: sample_motion
    use vi_status, only: stat
    implicit none (type, external)
@@ -263,6 +263,24 @@ contains
          end do
       end do
       call check(missing > 10 .and. missing < 2*m - 10, 'motions that exist, and that do not')
+      many = empty_results(2, 2*m)
+      call equispaced_points(osc, r, clearance, 1, paper_acceptance, .true., .true., &
+         many%impacts, many%scalars, many%multipliers, many%verdicts, many%status)
+      do j = 1, m
+         call equispaced_in_single(osc, r(j), clearance(j), 1, paper_acceptance, .true., motions)
+         do i = 1, 2
+            column = 2*(j - 1) + i
+            call check(many%status(column) == motions(i)%status, 'in single precision: status')
+            if (motions(i)%status == stat%ok) then
+               call check(all(same(many%impacts(:, 1, column), motions(i)%x)), &
+                  'in single precision: x')
+               call check(all(abs(motions(i)%x - narrowed_number(motions(i)%x)) <= 0), &
+                  'in single precision: x has no more than 32 bits')
+            else
+               call check_all_nan(many, column)
+            end if
+         end do
+      end do
    end subroutine test_equispaced_batch
 
    subroutine check_all_nan(results, j)
