@@ -281,8 +281,8 @@ contains
       call check(nets > 5, 'nets: motions inside zones')
    end subroutine test_nets
 
-   !> A net without room for another node, border or crossing, or without steps left, says that it is
-   !! full and keeps what it has.
+   !> A net without room for another node, border or crossing, or without steps left, says that it
+   !! is full and keeps what it has.
    subroutine test_full_nets()
       type(zone_request_type) :: request
       type(curve_type) :: surface
