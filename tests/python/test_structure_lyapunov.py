@@ -118,7 +118,9 @@ def test_a_rest_of_the_transient_extinguishes_no_direction_of_the_attractor():
         for q in (-0.1, 0)
     )
     assert np.isfinite(of_flight.exponents).all()
-    np.testing.assert_allclose(of_rest.exponents, of_flight.exponents, atol=1e-6)
+    np.testing.assert_allclose(sum(of_rest.exponents), sum(of_flight.exponents), rtol=1e-9)
+    # the multipliers are a complex pair, whose directions turn: how far when the average ends differs
+    np.testing.assert_allclose(of_rest.exponents, of_flight.exponents, rtol=1e-3)
 
 
 def test_rest_for_ever_and_a_wall_without_rebound():
