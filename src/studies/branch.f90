@@ -156,11 +156,24 @@ contains
       is_too_far = .false.
       if (can_shorten(next, 1.0e-4_wp)) is_too_far = any(hidden_zero(before%values, now%values, &
          next%values, now%came, next%came, merge(0.2_wp, 0.0_wp, now%conditions%kind <= &
-         neimark_sacker)))
+         neimark_sacker)) .and. .not. stays_on_circle(now, next))
       if (can_shorten(next, 1.0e-5_wp)) is_too_far = is_too_far .or. changes_much(now, next)
       ! values beyond a bound are not used: they may be meaningless
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
+
+   !> (conditions) Whether it is the one of Neimark-Sacker and is zero but for rounding at both ends
+   !! of a step: a pair of multipliers lies on the unit circle, such as that of a host without damping
+   !! that is too heavy to be moved by impacts.
+   pure function stays_on_circle(now, next) result(stays)
+      !> Start and end of the step.
+      type(place_type), intent(in) :: now, next
+      logical :: stays(size(now%values))
+      real(wp), parameter :: rounding = 1.0e-10_wp
+
+      stays = now%conditions%kind == neimark_sacker .and. &
+         max(abs(now%values), abs(next%values)) < rounding
+   end function stays_on_circle
 
    !> Whether the multipliers change so much within a step that some may have crossed the unit
    !! circle and come back.
@@ -188,6 +201,8 @@ contains
 
       explained = .true.
       if (.not. (now%spectrum%regular .and. next%spectrum%regular)) return
+      ! rounding decides on which side of the circle
+      if (any(stays_on_circle(now, next))) return
       most = 4
       if (allocated(now%spectrum%multipliers)) most = size(now%spectrum%multipliers)
       allocate (possible(0:most), reached(0:most))
@@ -274,7 +289,8 @@ contains
       unsure = .false.
       short = .not. can_shorten(next, least_step)
       ! a start on a bound may lie outside by rounding: entering the range is not an event
-      crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= edge)
+      crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= &
+         edge) .and. .not. stays_on_circle(now, next)
       beside = nearly_repeats(now, next)
       if (beside) then
          ! the difference of the parameter from the bifurcation is of second order in the distance

@@ -206,6 +206,16 @@ def test_special_points_do_not_depend_on_the_start():
     assert "pitchfork" in found
 
 
+def test_host_that_nothing_damps_or_moves_has_no_neimark_sacker_point():
+    host = vi.Oscillator(xi=0.0, mu=0.0, restitution=1.0)
+    phases = np.pi * np.array([0, 0.8425, 0.9237, 1.052])
+    motion = vi.exact(host, 1.624, 0.01455, (phases, "LLLR"))
+    branch = vi.branch(motion, "restitution", (0.9, 1), max_points=100)
+    on_circle = np.abs(np.abs(branch.multipliers) - 1) < 1e-7
+    assert np.all(np.sum(on_circle, axis=0) >= 2)
+    assert "neimark_sacker" not in {point.type for point in branch.special_points}
+
+
 def test_branch_goes_round_a_fold():
     """The equispaced pair has 0 motions on one side of each fold and 2 on the other."""
     branch = vi.branch(vi.equispaced(FIGURE6, 0.9, 20.0)[0], "clearance", (5, 200))
