@@ -3,6 +3,7 @@ program test_numerics
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: real32
    use checks, only: check, check_close, finish
+   use numerics_signs, only: test_signs
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
    use random_systems, only: determinant, misfit
    use vi_advance, only: safe_step
@@ -42,6 +43,7 @@ program test_numerics
    call test_spacing()
    call test_status()
    call test_not_finite()
+   call test_signs()
    call finish()
 
 contains
