@@ -24,7 +24,6 @@ contains
 
       status = stat%ok
       n = size(matrix, 1)
-      if (n == 0) return
       do i = 1, n
          if (count(abs(matrix(:, i)) > 0) > 1 .or. .not. abs(matrix(i, i)) > 0) exit
       end do
