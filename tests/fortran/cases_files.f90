@@ -376,6 +376,8 @@ contains
          'line 2: must hold the numbers of rows, columns and entries')
       call refuse_matrix('array complex general|1 1|1|', &
          'line 1: must be matrix, coordinate or array, real, general or symmetric')
+      call refuse_matrix('array complex general|x|', &
+         'line 1: must be matrix, coordinate or array, real, general or symmetric')
       call refuse_matrix('array real general|2 2|1|2|3,|4|', &
          'line 5: must hold one number of entry 3 of 4')
       call refuse_matrix('array real general|2*2|1|2|3|4|', &
@@ -399,6 +401,7 @@ contains
       call refuse_numpy('True', '(2)', 3, 'it has 24 bytes of numbers; must be 16')
       call refuse_numpy('False', '(2, 2)', 3, 'it has 24 bytes of numbers; must be 32')
       call refuse_numpy('False', '(2, 3)', 6, 'it has 2 rows and 3 columns; must be square')
+      call refuse_numpy('False', '(2, 3)', 5, 'it has 2 rows and 3 columns; must be square')
       call refuse_numpy('False', '(0, 0)', 0, 'it has 0 rows and 0 columns; must be 1 to 5')
       call refuse_numpy('False', '(1, 1, 1)', 1, &
          'it has the shape (1,1,1); must be a square matrix, or a list')

@@ -4,14 +4,17 @@ module motions_assess
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
    use random_systems, only: pi, random_motion, scale_of
-   use vi_assess, only: assess_flights, assess_linear, assess_rest, paper_acceptance
+   use vi_assess, only: assess_flights, assess_linear, assess_rest, paper_acceptance, &
+      refuse_rounding
    use vi_chain, only: equispaced_chain, periodic_chain
    use vi_doubt, only: greater, modulus_doubt, spread_of_orders, unknowns_doubt, worst_change
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
+   use vi_law, only: holds, law_of_motion
    use vi_motion, only: complete_motion, flight_of, motion_type, no, start_motion, unknown, yes
    use vi_oscillator, only: lag, oscillator_type
+   use vi_parting, only: leaves_together
    use vi_pattern, only: new_pattern
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_sample, only: sample_motion
@@ -43,6 +46,9 @@ contains
       call test_sample()
       call test_coupling_at_instants()
       call test_coupling_by_both()
+      call test_coupling_in_turned_axes()
+      call test_law()
+      call test_leaving_together()
       call test_doubts_in_other_units()
       call test_neutral_motion()
       call test_worst_change()
@@ -273,6 +279,7 @@ contains
    subroutine test_rest_verdicts()
       type(motion_type) :: motion
       real(wp) :: map(2, 2)
+      integer :: i
 
       map = reshape([0.9_wp, 0.0_wp, 0.3_wp, 0.2_wp], [2, 2])
       motion%residual = 1e-12_wp
@@ -290,6 +297,40 @@ contains
       call check(motion%stable == yes, 'rest: near the circle, but certain')
       call assess_rest(map, 1e-5_wp, motion)
       call check(motion%stable == unknown, 'rest: near the circle, and not certain')
+      ! the same with the other sign, as at a doubling of the period
+      call move_to(-1 + 1e-5_wp)
+      call assess_rest(map, 1e-8_wp, motion)
+      call check(motion%stable == yes, 'rest: near -1, but certain')
+      call assess_rest(map, 1e-5_wp, motion)
+      call check(motion%stable == unknown, 'rest: near -1, and not certain')
+      call move_to(-1.1_wp)
+      call assess_rest(map, 0.0_wp, motion)
+      call check(motion%stable == no, 'rest: beyond -1')
+      ! the conditions lose digits to a large entry of either sign
+      call move_to(0.9_wp)
+      map(2, 1) = 0
+      do i = -1, 1, 2
+         map(1, 2) = i*1e4_wp
+         call assess_rest(map, 0.0_wp, motion)
+         call check(motion%stable == unknown, 'rest: a large entry')
+         map(1, 2) = i*1e3_wp
+         call assess_rest(map, 0.0_wp, motion)
+         call check(motion%stable == yes, 'rest: an entry that is not as large')
+      end do
+      ! far from the circle the doubt does not count, on it to rounding the map does not
+      do i = -1, 1, 2
+         call move_to(0.9_wp*i)
+         call assess_rest(map, 1.0_wp, motion)
+         call check(motion%stable == yes, 'rest: far from the circle')
+         motion%multipliers(1) = i*(1 - 1e-13_wp)
+         call assess_rest(map, 0.0_wp, motion)
+         call check(motion%stable == unknown, 'rest: a multiplier on the circle')
+      end do
+      motion%stable = yes
+      motion%status = stat%no_motion
+      call assess_rest(2*map, 0.0_wp, motion)
+      call check(motion%stable == yes, 'rest: no verdicts on what is no motion')
+      motion%status = stat%ok
       motion%residual = 1e-8_wp
       call assess_rest(map, 0.0_wp, motion)
       call check(motion%consistent == no .and. motion%admissible == unknown, 'rest: not closed')
@@ -404,6 +445,99 @@ contains
       end do
    end subroutine test_coupling_by_both
 
+   !> Two masses that are not coupled, in axes turned by any angle: the terms of their coupling
+   !! cancel but for rounding, which counts as none. A little coupling beside it counts.
+   subroutine test_coupling_in_turned_axes()
+      type(structure_type) :: structure
+      real(wp) :: turn(2, 2), matrices(2, 2, 3), part(2, 2), angle
+      integer :: i, k, kind, status, expected
+
+      do i = 1, 600
+         angle = draw(random, 0.0_wp, 2*pi)
+         turn = reshape([cos(angle), -sin(angle), sin(angle), cos(angle)], [2, 2])
+         kind = mod(i, 3)
+         expected = merge(by_mass, merge(by_damping, none, kind == 2), kind == 1)
+         do k = 1, 3
+            part = reshape([1.0_wp, 0.0_wp, 0.0_wp, merge(1.0_wp, 0.5_wp, k == 1)], [2, 2])
+            if (k == kind) part(1, 2) = 1e-3_wp*(-1)**i
+            part(2, 1) = part(1, 2)
+            matrices(:, :, k) = matmul(transpose(turn), matmul(part, turn))
+            matrices(2, 1, k) = matrices(1, 2, k)
+         end do
+         structure = new_structure(matrices, transpose(turn), spread([1.0_wp, 0.5_wp], 2, 2))
+         call check_structure(structure, status)
+         call check(status == stat%ok, 'turned axes: accepted')
+         call check(coupling_at_instants(structure, [1, 2], [1, 1]) == expected, &
+            'turned axes: coupling')
+      end do
+   end subroutine test_coupling_in_turned_axes
+
+   !> The law allows the error of the motion over its relative approach speed, whatever the signs
+   !! of the speeds and of the entries; nothing is said about huge entries.
+   subroutine test_law()
+      real(wp), parameter :: error = 1e-6_wp, speeds(2, 6) = reshape([1.0_wp, 1e-6_wp, 1.0_wp, &
+         -1e-6_wp, 1e-6_wp, 1.0_wp, -1e-6_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 0.5_wp], [2, 6])
+      type(motion_type) :: motion
+      real(wp) :: p(4, 4), law, clear
+      integer :: i, j, k
+
+      call start_motion(motion, oscillator_type(0.1_wp, 0.2_wp, 0.5_wp), 1.3_wp, &
+         new_pattern('RL', 1), [0.5_wp, 0.5_wp], [0.0_wp, pi])
+      motion%residual = error
+      motion%rounding = 0
+      law = law_of_motion(motion)
+      do i = 1, size(speeds, 2)
+         do k = -1, 1, 2
+            motion%z_dot_before = k*speeds(1, i)
+            motion%x_dot_before = k*speeds(2, i)
+            clear = abs(speeds(1, i) - speeds(2, i))/maxval(abs(speeds(:, i)))
+            do j = -1, 1, 2
+               call set_determinant(law*(1 + 50*j*error/clear))
+               call check(holds(motion, p), 'law: within the error')
+               call set_determinant(law*(1 + 200*j*error/clear))
+               call check(.not. holds(motion, p), 'law: beyond the error')
+            end do
+         end do
+      end do
+      do k = -1, 1, 2
+         p = 0
+         p(1, 2) = k*1e100_wp
+         call check(.not. holds(p, 0.0_wp, 0.0_wp), 'law: a huge entry')
+      end do
+   contains
+      !> A matrix with entries of both signs.
+      subroutine set_determinant(wanted)
+         real(wp), intent(in) :: wanted
+
+         p = 0
+         p(1, 1) = -wanted
+         p(2, 2) = -1
+         p(3, 3) = 1
+         p(4, 4) = 1
+         p(1, 4) = -0.5_wp
+      end subroutine set_determinant
+   end subroutine test_law
+
+   !> Masses leave together if their velocities differ by rounding of the largest velocity, of
+   !! either sign, after the impact or before it.
+   subroutine test_leaving_together()
+      real(wp), parameter :: unit = epsilon(1.0_wp)
+      integer :: j, k
+
+      do k = -1, 1, 2
+         do j = -1, 1, 2
+            call check(leaves_together(k*1.0_wp, k*(1 + 10*j*unit), 0.0_wp) .and. &
+               leaves_together(10*j*unit, 0.0_wp, k*1.0_wp), 'together: to rounding')
+            call check(.not. leaves_together(k*1.0_wp, k*(1 + 20*j*unit), 0.0_wp) .and. &
+               .not. leaves_together(20*j*unit, 0.0_wp, k*1.0_wp), 'together: not quite')
+            ! only one of them moves
+            call check(.not. leaves_together(k*1.0_wp, 0.0_wp, j*1.0_wp) .and. &
+               .not. leaves_together(0.0_wp, k*1.0_wp, j*1.0_wp), 'together: not at all')
+         end do
+         call check(leaves_together(k*1.0_wp, k*1.0_wp, 0.0_wp), 'together: exactly')
+      end do
+   end subroutine test_leaving_together
+
    !> Without damping and free mass a free oscillation that fits into the period changes nothing:
    !! the equations of the motion are singular, so that nothing about it is certain.
    subroutine test_neutral_motion()
@@ -431,6 +565,7 @@ contains
          call multipliers(motion, lambda, status)
          motion%multipliers = lambda
          call check(unknowns_doubt(motion) > 1e6_wp, 'neutral: no position is certain')
+         call check_refusals(motion)
          call check(modulus_doubt(motion) >= huge(1.0_wp), 'neutral: no multiplier is certain')
          call check((spread_of_orders(motion, abs(lambda(1))) >= huge(1.0_wp)) .eqv. i == 2, &
             'neutral: no maps without approach')
@@ -442,6 +577,23 @@ contains
       p(2, 3) = ieee_value(1.0_wp, ieee_positive_inf)
       call multipliers_of_half(p, lambda, status)
       call check(status == stat%not_finite .and. all(abs(lambda) <= 0), 'no multipliers of it')
+   contains
+      !> Too few digits refuse a motion with a verdict, but not next to a fold.
+      subroutine check_refusals(uncertain)
+         type(motion_type), intent(in) :: uncertain
+         type(motion_type) :: other
+         integer :: k
+
+         do k = 1, 4
+            other = uncertain
+            other%status = merge(stat%no_motion, stat%ok, k == 2)
+            other%stable = merge(unknown, yes, k == 3)
+            other%multipliers = [-1.0_wp, 0.5_wp, merge(1.0005_wp, 0.3_wp, k == 4), 0.0_wp]
+            call refuse_rounding(other)
+            call check(other%status == merge(stat%lost_digits, merge(stat%no_motion, stat%ok, &
+               k == 2), k == 1), 'neutral: refused')
+         end do
+      end subroutine check_refusals
    end subroutine test_neutral_motion
 
    !> x + y = a and x - y = b, each with an error: the worst change is that of the unknown that
