@@ -22,6 +22,7 @@ contains
       call test_restitution()
       call test_restitution_at_rest()
       call test_tables()
+      call test_first_slopes()
       call test_flight(.false.)
       call test_flight(.true.)
       call test_coinciding()
@@ -84,6 +85,35 @@ contains
          end do
       end do
    end subroutine test_tables
+
+   !> The slope at speed 0 is that of the parabola through three points, of either sign, but not
+   !! beyond 0, nor beyond three times the first chord; of two points it is that of the line.
+   subroutine test_first_slopes()
+      real(wp), parameter :: seconds(4) = [0.2_wp, 1.0_wp, 3.5_wp, -1.2_wp], &
+         expected(4) = [1.4_wp, 1.0_wp, 0.0_wp, 2.1_wp]
+      type(restitution_type) :: law
+      real(wp) :: chord, value, slope
+      integer :: i, k
+
+      do k = -1, 1, 2
+         chord = 0.1_wp*k
+         do i = 1, size(seconds)
+            law = new_restitution(real(table_law, wp), [3.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 0.5_wp, &
+               0.5_wp + chord, 0.5_wp + chord*(1 + seconds(i))])
+            call restitution_at(law, 0.0_wp, value, slope)
+            call check_close(slope, chord*expected(i), 1e-14_wp, 'tables: the first slope')
+         end do
+         ! a turn soon after the second point makes the parabola steep
+         law = new_restitution(real(table_law, wp), [3.0_wp, 0.0_wp, 1.0_wp, 1.25_wp, 0.5_wp, &
+            0.5_wp + chord, 0.5_wp - 2*chord])
+         call restitution_at(law, 0.0_wp, value, slope)
+         call check_close(slope, 3*chord, 1e-14_wp, 'tables: the first slope is limited')
+         law = new_restitution(real(table_law, wp), [2.0_wp, 0.0_wp, 1.0_wp, 0.5_wp, &
+            0.5_wp + chord])
+         call restitution_at(law, 0.0_wp, value, slope)
+         call check_close(slope, chord, 1e-14_wp, 'tables: the slope of a line')
+      end do
+   end subroutine test_first_slopes
 
    !> The slope at v = 0 is the limit of difference quotients, which may be infinite.
    subroutine test_restitution_at_rest()
