@@ -79,7 +79,7 @@ contains
       type(state_type) :: state, final
       type(target_type) :: target
       complex(wp) :: lambda(4)
-      real(wp) :: p(4, 4)
+      real(wp) :: p(4, 4), phase
       integer, allocatable :: ring(:)
       integer :: n, i, status, turns
       logical :: mirrored
@@ -87,7 +87,8 @@ contains
       allocate (events(capacity))
       state = initial_state(system, within(end, system%clearance))
       state%cycle = 0
-      call simulate(system, state, int(cycles, int64), state%phase, events, n, final, status)
+      phase = state%phase                               ! of the start: `state` changes
+      call simulate(system, state, int(cycles, int64), phase, events, n, final, status)
       good = status == stat%ok .and. n > 0
       if (.not. good) return
       i = n
