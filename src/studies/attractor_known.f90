@@ -89,12 +89,10 @@ contains
       state%cycle = 0
       phase = state%phase                               ! of the start: `state` changes
       call simulate(system, state, int(cycles, int64), phase, events, n, final, status)
-      good = status == stat%ok .and. n > 0
-      if (.not. good) return
       i = n
       if (any(events(:n)%kind /= impact_event)) i = findloc(events(:n)%kind, release_event, 1, &
          back=.true.)
-      good = i > 0
+      good = status == stat%ok .and. i > 0
       if (.not. good) return
       call start_target(events(i), cycles, target)
       call converge(system, target, events, n, p, good)
@@ -102,7 +100,6 @@ contains
       call eigenvalues(p, lambda, status)
       known%largest = maxval(abs(lambda))
       good = status == stat%ok .and. known%largest < 1
-      if (.not. good) return
       known%kind = merge(resting, periodic, target%release)
       known%cycles = cycles
       known%state = within(end, system%clearance)

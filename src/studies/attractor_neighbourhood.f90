@@ -78,7 +78,6 @@ contains
       do i = 1, 160
          call contract(system, target, events, good, progress)
          if (good) exit
-         if (is_stopped(progress)) exit
          target%radius = finer*target%radius
       end do
       target%radius = merge(0.5_wp*target%radius, 0.0_wp, good)

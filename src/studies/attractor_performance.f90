@@ -291,7 +291,7 @@ contains
          starts(5, i) = starts(3, i) + 0.5_wp*events(i)%side*system%clearance   ! z at the wall
          associate (e => events(i), approach => abs(events(i)%z_dot_before - &
             events(i)%x_dot_before))
-            if (e%kind /= impact_event) cycle
+            ! that of a stick or release is 0, and the least speed with rest as well
             found(speed) = max(found(speed), approach)
             found(least_speed) = min(found(least_speed), approach)
          end associate
@@ -348,8 +348,7 @@ contains
       complete = complete .and. whole
       first = derivatives(segment, 0.0_wp)
       last = derivatives(segment, segment%duration)
-      figure = max(figure, abs(first(0)), abs(last(0)))
-      if (highest > -huge(1.0_wp)) figure = max(figure, abs(lowest), abs(highest))
+      figure = max(figure, abs(first(0)), abs(last(0)), -lowest, highest)
    end subroutine raise
 
    !> t, x, x', z, z' of a state.
