@@ -4,7 +4,8 @@ module studies_trajectories
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check, check_close
-   use vi_attractor_performance, only: figures, least_gap, least_speed, perform, rms, speed
+   use vi_attractor_performance, only: acceleration, displacement, figures, force, least_gap, &
+      least_speed, perform, rms, speed
    use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
       new_forced_system, release_event, state_time, state_type, stick_event
    use vi_found_motion, only: described_type
@@ -44,6 +45,10 @@ contains
       call test_limits_of_events(0)
       call test_limits_of_events(8)
       call test_figures_with_rest()
+      call test_figures(6.0_wp, 40, 0.75_wp, 0.6_wp)
+      call test_figures(2.5_wp, 40, 0.75_wp, 0.6_wp)
+      call test_figures(6.0_wp, 40, 0.6_wp, 0.75_wp)
+      call test_touches()
    end subroutine test_trajectories
 
    !> A system that settles on RL/1, or on a motion with rest on both walls.
@@ -347,6 +352,46 @@ contains
       call check(good == 0 .and. .not. any(abs(by_finish) > 0), 'gradient: none of an impact')
    end subroutine test_no_gradient
 
+   !> An impact has no derivatives if its approach speed is within 1e-10 of the velocities, whatever
+   !! their directions, unless impacts accumulate there.
+   subroutine test_touches()
+      real(wp), parameter :: small = 1.0e-10_wp
+      type(forced_system_type) :: system
+      type(state_type) :: start, finish
+      type(event_type) :: events(2)
+      real(wp) :: by_events(varied, 6, 2), by_finish(varied, 5), v, approach
+      integer :: good, side, i, j
+
+      system = new_forced_system(oscillator_type(0.05_wp, 0.3_wp, [0.6_wp, 0.7_wp]), 0.8_wp, &
+         1.0_wp, 3.0_wp)
+      start = initial_state(system, [0.0_wp, 2.0_wp, 0.0_wp, 2.0_wp, 0.0_wp])
+      finish = start
+      finish%cycle = 1
+      do side = -1, 1, 2
+         do i = -1, 1, 2
+            do j = -1, 1, 2
+               v = 0.5_wp*i
+               approach = (1 + 0.1_wp*j)*small
+               events(1) = event_type(impact_event, side, 0_int64, 1.0_wp, 1.0_wp, v, v, v + &
+                  side*approach, v - 0.5_wp*side*approach)
+               call trajectory_gradient(system, start, finish, events(:1), by_events, by_finish, &
+                  good)
+               call check(good == merge(1, 0, j > 0), 'gradient: an impact that only touches')
+               ! on the same wall again, after a departure that is fast or slow
+               events(2) = events(1)
+               events(2)%phase = 1.1_wp
+               events(1)%z_dot_before = v + side
+               events(1)%z_dot_after = v - 0.5_wp*side
+               call trajectory_gradient(system, start, finish, events, by_events, by_finish, good)
+               call check(good == merge(2, 1, j > 0), 'gradient: a touch after a fast departure')
+               events(1)%z_dot_after = v - side*9*small
+               call trajectory_gradient(system, start, finish, events, by_events, by_finish, good)
+               call check(good == 2, 'gradient: impacts that accumulate')
+            end do
+         end do
+      end do
+   end subroutine test_touches
+
    !> The figures of an attractor do not depend on a limit of events that is not reached; with one
    !! that is, there are none.
    subroutine test_limits_of_events(settling)
@@ -405,5 +450,92 @@ contains
       call check(counts(2, 1) == count(events%kind == impact_event), 'figures: impacts')
       call check(.not. any(abs(found([least_speed, least_gap], 1)) > 0), 'figures: boundaries')
    end subroutine test_figures_with_rest
+
+   !> The figures of a periodic motion are those of samples of its time history and of its events:
+   !! greatest values, approach speeds, and the least distance from a wall at a turn.
+   subroutine test_figures(clearance, n, right, left)
+      !> Clearance, number of frequency ratios, and coefficients of restitution.
+      real(wp), intent(in) :: clearance, right, left
+      integer, intent(in) :: n
+      integer, parameter :: samples = 3000
+      real(wp), parameter :: tolerance = 5.0e-5_wp
+      type(forced_system_type) :: system
+      type(state_type) :: moments(4)
+      type(event_type), allocatable :: events(:)
+      real(wp) :: parameters(6, n), places(4, n), found(figures, n), ends(5, n), period
+      real(wp), allocatable :: starts(:, :), x(:), x_dot(:), x_ddot(:), approach(:), v(:, :)
+      integer :: counts(2, n), status(n), i, j, code, periodic, turning
+
+      do j = 1, n
+         parameters(:, j) = [0.6_wp + 0.9_wp*j/n, clearance, 0.05_wp, 0.2_wp, right, left]
+         places(:, j) = [0.4_wp, -0.1_wp, 0.9_wp, 0.8_wp]
+      end do
+      call perform(parameters, places, 200, 1, 100000, 1, found, ends, counts, status)
+      periodic = 0
+      turning = 0
+      do j = 1, n
+         if (status(j) /= stat%ok .or. counts(1, j) == 0) cycle
+         if (.not. found(least_speed, j) > 0) cycle
+         periodic = periodic + 1
+         associate (c => parameters(:, j))
+            system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), 1.0_wp, c(2))
+         end associate
+         call simulate_case(system, ends(:, j), counts(1, j) + 1.0e-6_wp, 0.0_wp, 10000, moments, &
+            events, code)
+         period = 2*pi*counts(1, j)/system%r
+         call check(size(events) == counts(2, j), 'figures: events of a period')
+         allocate (starts(6, 0:size(events)), v(6, samples))
+         starts(:, 0) = [ends(1, j), system%r*ends(1, j), ends(2:, j)]
+         do i = 1, size(events)
+            associate (e => events(i))
+               starts(:, i) = [state_time(e%cycle, e%phase, system%r), e%phase, e%x, &
+                  e%x_dot_after, e%x + 0.5_wp*e%side*clearance, e%z_dot_after]
+            end associate
+         end do
+         call sample_segments(system, starts, [(0, i=0, size(events))], [(ends(1, j) + &
+            (i - 0.5_wp)*period/samples, i=1, samples)], v)
+         x = [v(1, :), events%x, events%x]
+         x_dot = [v(2, :), events%x_dot_before, events%x_dot_after]
+         x_ddot = [v(6, :), sin(events%phase), sin(events%phase)] - 2*system%osc%xi*x_dot - x
+         approach = events%side*(events%z_dot_before - events%x_dot_before)
+         call check_close(found(displacement, j), maxval(abs(x)), tolerance, 'figures: x')
+         call check_close(found(acceleration, j), maxval(abs(x_ddot)), tolerance, &
+            'figures: acceleration')
+         call check_close(found(force, j), maxval(abs(x + 2*system%osc%xi*x_dot)), tolerance, &
+            'figures: force')
+         call check_close(found(rms, j), sqrt(sum(v(1, :)**2)/samples), tolerance, 'figures: rms')
+         call check_close(found(speed, j), maxval(approach), 1.0e-6_wp, 'figures: speed')
+         call check_close(found(least_speed, j), minval(approach), 1.0e-6_wp, &
+            'figures: least speed')
+         associate (gap => least_turn(v(5, :), 0.5_wp*clearance, ends(1, j), period, starts(1, :)))
+            call check((gap < huge(gap)) .eqv. (found(least_gap, j) < huge(gap)), &
+               'figures: turns before a wall')
+            if (gap < huge(gap)) then
+               turning = turning + 1
+               call check_close(found(least_gap, j), gap, tolerance, 'figures: distance of a turn')
+            end if
+         end associate
+         deallocate (starts, v)
+      end do
+      call check(periodic > n/4 .and. turning > 2, 'figures: periods with turns and without')
+   end subroutine test_figures
+
+   !> The least distance from a wall at which samples of the relative position turn; huge without a
+   !! turn.
+   pure real(wp) function least_turn(y, half, begin, period, events) result(gap)
+      !> Samples, half the clearance, the time they cover, and the times of events.
+      real(wp), intent(in) :: y(:), half, begin, period, events(:)
+      integer :: i
+
+      gap = huge(gap)
+      do i = 2, size(y) - 1
+         associate (a => y(i - 1), b => y(i), c => y(i + 1), &
+            time => begin + (i - 0.5_wp)*period/size(y))
+            if (any(abs(events - time) <= period/size(y))) cycle
+            if (b > a .and. b >= c) gap = min(gap, half - b)
+            if (b < a .and. b <= c) gap = min(gap, half + b)
+         end associate
+      end do
+   end function least_turn
 
 end module studies_trajectories

@@ -15,6 +15,7 @@ program test_studies
    use studies_rest, only: test_rest
    use studies_rows, only: test_rows
    use studies_spans, only: test_spans
+   use studies_states, only: test_states
    use studies_steps, only: test_steps
    use studies_surfaces, only: test_surfaces
    use studies_switching, only: test_switching
@@ -73,6 +74,7 @@ program test_studies
    call test_rest()
    call test_rows()
    call test_spans()
+   call test_states()
    call test_steps()
    call test_surfaces()
    call test_trajectories()
