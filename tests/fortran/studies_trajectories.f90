@@ -8,7 +8,7 @@ module studies_trajectories
       least_speed, perform, rms, speed
    use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
       new_forced_system, release_event, state_time, state_type, stick_event
-   use vi_found_motion, only: described_type
+   use vi_found_motion, only: described_type, scale_of
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
    use vi_settled_motion, only: end_arrays
@@ -39,6 +39,8 @@ contains
       call test_motion_at_end(.false.)
       call test_motion_at_end(.true.)
       call test_doubled_period()
+      call test_nearby(.false.)
+      call test_nearby(.true.)
       call test_gradient(.true.)
       call test_gradient(.false.)
       call test_no_gradient()
@@ -251,6 +253,46 @@ contains
       call read_end(system, finish, 2, 2, cycles, symbols, again)
       call check(again%motion%status == stat%no_motion, 'an attractor does not repeat itself')
    end subroutine test_doubled_period
+
+   !> An attractor is near a simulation if their phases differ by less than 0.1, and positions by
+   !! less than a tenth of the unit of length, in either direction.
+   subroutine test_nearby(rests)
+      logical, intent(in) :: rests
+      type(forced_system_type) :: system
+      type(end_type) :: finish, moved
+      type(described_type) :: described
+      integer, allocatable :: symbols(:)
+      real(wp) :: off
+      integer :: cycles, i, row
+
+      system = settling_system(rests, 1.0_wp, 1.0_wp)
+      call settle(system, finish)
+      row = merge(5, 3, rests)                       ! x' after a release, or x of an impact
+      do i = -3, 3
+         ! by a part of 0.1; the cycles examined begin later where phases are later
+         off = 0.049_wp*i
+         moved = finish
+         moved%values(1, :) = finish%values(1, :) + off/system%r
+         moved%values(2, :) = finish%values(2, :) + off
+         moved%of(4) = finish%of(4) + off/system%r
+         call read_end(system, moved, 1, 2, cycles, symbols, described)
+         call check(cycles == 1 .and. (described%motion%status == stat%ok .eqv. abs(i) < 3), &
+            'a motion near in phase')
+         moved = finish
+         off = 0.049_wp*i*scale_of(system)
+         moved%values(row, :) = finish%values(row, :) + off
+         call read_end(system, moved, 1, 2, cycles, symbols, described)
+         call check(cycles == 1 .and. (described%motion%status == stat%ok .eqv. abs(i) < 3), &
+            'a motion near in place')
+      end do
+      moved%values = finish%values(:, :0)
+      moved%labels = finish%labels(:, :0)
+      do i = 0, 2
+         call read_end(system, moved, 1, i, cycles, symbols, described)
+         call check(cycles == 0 .and. size(symbols) == 0 .and. &
+            described%motion%status == stat%no_motion, 'no motion without events')
+      end do
+   end subroutine test_nearby
 
    !> A trajectory that depends on all that is varied.
    subroutine follow(rests, p, events, n, finish, system, start)
