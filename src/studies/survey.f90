@@ -125,7 +125,7 @@ contains
       integer :: status
 
       system = new_forced_system(osc, attractor%r, 1.0_wp, attractor%clearance)
-      size_x = min(abs(system%amplitude), 3*attractor%clearance)
+      size_x = min(system%amplitude, 3*attractor%clearance)
       state%x = size_x*(2*u(1) - 1)
       state%x_dot = size_x*(2*u(2) - 1)
       state%z = state%x + 0.499_wp*attractor%clearance*(2*u(3) - 1)
