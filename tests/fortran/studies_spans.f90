@@ -10,7 +10,8 @@ module studies_spans
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate
    use vi_status, only: stat
-   use vi_variation, only: columns, moment_type, of_load, of_mu, of_xi, through_span, variation_type
+   use vi_variation, only: columns, contact_derivative, moment_type, of_load, of_mu, of_xi, &
+      through_span, variation_type
    implicit none (type, external)
    private
 
@@ -29,6 +30,7 @@ contains
       integer :: compared(3), i, kind
 
       call test_departures()
+      call test_no_approach()
       compared = 0
       do i = 1, 300
          kind = mod(i, 3) + 1
@@ -68,6 +70,30 @@ contains
          call check(departure%side == 0, 'a flight beside a wall, from which the masses part')
       end do
    end subroutine test_departures
+
+   !> An impact has a derivative unless its approach speed is rounding of the velocities of both
+   !! masses, whatever their signs.
+   subroutine test_no_approach()
+      type(forced_system_type) :: system
+      real(wp) :: p(4, 4), velocity
+      logical :: regular
+      integer :: i, roundings, side
+
+      system = new_forced_system(oscillator_type(0.02_wp, 0.1_wp, [0.7_wp, 0.6_wp]), 0.8_wp, &
+         1.0_wp, 3.0_wp)
+      do i = 1, 400
+         side = merge(1, -1, mod(i, 2) == 0)
+         velocity = draw(random, 10.0_wp, 100.0_wp)*merge(1, -1, mod(i, 4) < 2)
+         do roundings = -40, 40
+            ! the limit is at 16 and the velocities have a rounding or two
+            if (abs(roundings) > 12 .and. abs(roundings) < 20) cycle
+            call contact_derivative(system, moment_type(0.1_wp, velocity, velocity*(1 + roundings* &
+               epsilon(velocity)), draw(random, 0.0_wp, 6.0_wp), side), 0.0_wp, side, 0.7_wp, p, &
+               regular)
+            call check(regular .eqv. abs(roundings) > 16, 'spans: an impact without approach')
+         end do
+      end do
+   end subroutine test_no_approach
 
    !> The changes of the state at a load phase, before any event, against differences of
    !! simulations.

@@ -546,7 +546,7 @@ contains
       type(random_type) :: random
       type(modes_type) :: modes
       real(wp), allocatable :: now(:, :), next(:, :), x(:, :), v(:, :)
-      real(wp) :: bounds(4), length, h, largest(4)
+      real(wp) :: bounds(4), length, h, largest(4), sizes(2)
       integer :: i, j, m
 
       do i = 1, 60
@@ -588,6 +588,9 @@ contains
          call check(bounds(3) <= (1 + 1.0e-12_wp)*(norm2(now(:, 1)) + length*norm2(now(:, 2))) &
             .and. bounds(4) <= (1 + 1.0e-12_wp)*(norm2(now(:, 2)) + length*(norm2(now(:, 4)) &
             + norm2(next(:, 4)))), 'records: sizes are not too large')
+         sizes = bounds(3:)
+         call bound_interval(modes, m, length, abs(now), abs(next), bounds)
+         call check(all(abs(sizes - bounds(3:)) <= 0), 'records: sizes do not depend on signs')
          deallocate (modes%stiffness, modes%damping, modes%inverse, now, next, x, v)
       end do
 

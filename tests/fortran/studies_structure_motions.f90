@@ -1,0 +1,765 @@
+!> Lists of motions of structures, the ends of simulations and of accumulations, and what is carried
+!! along them.
+module studies_structure_motions
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use, intrinsic :: iso_fortran_env, only: int64
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, fill, random_type
+   use vi_kinds, only: wp
+   use vi_motion, only: no, unknown, yes
+   use vi_status, only: stat
+   use vi_structure, only: load_type, new_load, new_structure, structure_type
+   use vi_structure_find, only: open_gaps, random_structure_states
+   use vi_structure_found, only: add_motion, found_list_type
+   use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
+   use vi_structure_period, only: exact, periodic_structure, &
+      periodic_structure_arrays, structure_motion_type
+   use vi_structure_return, only: repetition, settle, settle_on, settled_type
+   use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
+      run_state_type, run_type, simulate_structure, start_at, stick_event
+   use vi_structure_trajectory, only: sample_structure_arrays, simulate_structure_arrays, &
+      simulate_structure_case
+   use vi_structure_variation, only: derivative_of_run
+   implicit none (type, external)
+   private
+
+   public :: test_structure_motions
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   subroutine test_structure_motions()
+      call test_shortest_periods()
+      call test_near_motions()
+      call test_limits_of_events()
+      call test_no_periodic_motion()
+      call test_ends()
+      call test_repetition()
+      call test_starts_at_a_gap()
+      call test_far_starts()
+      call test_samples_through_rests()
+      call test_ends_of_accumulations()
+      call test_mirrored_accumulations()
+      call test_gaps_that_close_together()
+      call test_spread_of_speeds()
+      call test_opened_gaps()
+      call test_states_without_motion()
+      call test_mirrored_states()
+      call test_refused_exponents()
+      call test_undefined_cycles()
+      call test_sums_of_exponents()
+   end subroutine test_structure_motions
+
+   !> A motion given several times over is the same one, unless gaps, phases or a rest differ or
+   !! there is no motion of the shorter period.
+   subroutine test_shortest_periods()
+      type(structure_type) :: structure, own
+      type(load_type) :: load
+      type(settled_type) :: one, found
+      type(structure_motion_type) :: motion
+      type(found_list_type) :: list, other
+      real(wp) :: late
+      integer :: i, parts, place, status
+
+      structure = between(0.0_wp, 50.0_wp, 0.7_wp)
+      load = cosine_load(1.9_wp, 1.0_wp)
+      call settle(structure, load, 0.0_wp, [0.0_wp], [0.0_wp], 60, 2, 0, one, status)
+      call check(status == stat%ok .and. size(one%gaps) == 1 .and. one%cycles == 1, &
+         'periods: a motion with one impact')
+      if (status /= stat%ok) return
+      do parts = 1, 5
+         call add_motion(structure, load, times_over(one, parts), list, place)
+         call check(place == 1 .and. list%n == 1, 'periods: several periods are the same motion')
+         call check(list%motions(1)%cycles == 1 .and. size(list%motions(1)%gaps) == 1 .and. &
+            maxval(abs(list%motions(1)%motion%phases - one%motion%phases)) < 1.0e-9_wp, &
+            'periods: of which the shortest period is kept')
+      end do
+      do i = -1, 1, 2
+         do parts = 2, 4
+            late = i*0.5e-7_wp
+            found = times_over(one, parts)
+            found%motion%phases(parts) = found%motion%phases(parts) + late
+            call add_motion(structure, load, found, list, place)
+            call check(place == 1 .and. list%n == 1, 'periods: nearly the same phases')
+            found%motion%phases(parts) = found%motion%phases(parts) + 3*late
+            call check_kept(found, 'periods: other phases')
+         end do
+      end do
+      found = times_over(one, 2)
+      found%gaps = [1, 2]
+      call check_kept(found, 'periods: other gaps')
+      found = times_over(one, 2)
+      found%resting = [1]
+      call check_kept(found, 'periods: a rest')
+      found = times_over(one, 2)
+      found%motion%verdicts%admissible = no
+      call add_motion(structure, load, found, other, place)
+      call check(place == 0 .and. other%n == 0, 'periods: a motion through a wall')
+      ! without damping there is no motion at resonance
+      structure%damping = 0
+      structure%stiffness = 1.9_wp**2
+      own = structure
+      call periodic_structure(own, load, one%gaps, one%motion%phases, 1, exact, motion, status)
+      call check(status /= stat%ok, 'periods: no motion')
+      call check_kept(times_over(one, 2), 'periods: no motion of the shorter period')
+
+   contains
+
+      !> Checks that a motion is kept as it is.
+      subroutine check_kept(found, what)
+         type(settled_type), intent(in) :: found
+         character(*), intent(in) :: what
+         type(found_list_type) :: fresh
+
+         call add_motion(structure, load, found, fresh, place)
+         call check(place == 1 .and. fresh%n == 1, what)
+         call check(fresh%motions(1)%cycles == found%cycles .and. size(fresh%motions(1)%gaps) == &
+            size(found%gaps), what//', as given')
+      end subroutine check_kept
+   end subroutine test_shortest_periods
+
+   !> The same motion over some of its periods.
+   function times_over(one, parts) result(found)
+      !> With one impact and without rest.
+      type(settled_type), intent(in) :: one
+      integer, intent(in) :: parts
+      type(settled_type) :: found
+      integer :: i
+
+      found = one
+      found%cycles = parts*one%cycles
+      found%gaps = [(one%gaps, i=1, parts)]
+      found%motion%phases = [(one%motion%phases + 2*pi*one%cycles*i, i=0, parts - 1)]
+      found%motion%speeds = [(one%motion%speeds, i=1, parts)]
+      found%motion%impulses = [(one%motion%impulses, i=1, parts)]
+      found%motion%states = spread(one%motion%states(:, 1), 2, parts)
+      found%motion%verdicts%consistent = yes
+      found%motion%verdicts%admissible = yes
+   end function times_over
+
+   !> A motion without rest on which a simulation is said to settle is near the simulated cycles:
+   !! phases to 0.05 rad, apart from whole turns, and speeds to 0.05 of the greatest one.
+   subroutine test_near_motions()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(settled_type) :: found
+      real(wp) :: start(2), table(5, 50), end_state(2), end_time, apart, faster, long(5, 500), &
+         settled(2)
+      integer :: accepted, i, labels(2, 50), m, many(2, 500), n, refused, status
+
+      structure = between(0.2_wp, 50.0_wp, 0.7_wp)
+      load = cosine_load(1.9_wp, 1.0_wp)
+      accepted = 0
+      refused = 0
+      call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp], [0.0_wp], 400*pi/1.9_wp, &
+         long, many, n, settled, end_time, status)
+      do i = 1, 400
+         call fill(random, -1.0_wp, 1.0_wp, start)
+         start = settled + start*10.0_wp**draw(random, -3.0_wp, -0.5_wp)
+         call settle(structure, load, 0.0_wp, start(:1), start(2:), 0, 1, 1, found, status)
+         if (status == stat%no_convergence) refused = refused + 1
+         if (status /= stat%ok) cycle
+         if (size(found%resting) > 0) cycle
+         call simulate_structure_arrays(structure, load, 0.0_wp, start(:1), start(2:), &
+            2*pi/1.9_wp, table, labels, n, end_state, end_time, m)
+         call check(m == stat%ok .and. n == size(found%gaps), 'near: the same impacts')
+         if (n /= size(found%gaps)) cycle
+         apart = maxval(abs(modulo(found%motion%phases - 1.9_wp*table(1, :n) + pi, 2*pi) - pi))
+         faster = maxval(abs(found%motion%speeds - table(2, :n)))/maxval(table(2, :n))
+         call check(apart <= 0.05_wp + 1.0e-9_wp .and. faster <= 0.05_wp + 1.0e-9_wp, &
+            'near: a motion that is the simulated one')
+         accepted = accepted + 1
+      end do
+      call check(accepted > 100 .and. refused > 10, 'near: accepted and refused motions')
+   end subroutine test_near_motions
+
+   !> A simulation that is to settle is given up where it has more events than are allowed in the
+   !! cycles before it is examined and in those that are.
+   subroutine test_limits_of_events()
+      integer, parameter :: settling = 7, most_cycles = 2
+      type(run_type) :: run
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(settled_type) :: found
+      real(wp) :: end_state(2), end_time, table(5, 200)
+      integer :: labels(2, 200), most, n, status
+
+      structure = between(0.2_wp, 0.3_wp, 0.7_wp)
+      load = cosine_load(1.9_wp, 1.0_wp)
+      call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp], [0.1_wp], (settling &
+         + 2*most_cycles)*2*pi/1.9_wp, table, labels, n, end_state, end_time, status)
+      call check(status == stat%ok .and. n > 15, 'limits: events of a simulation')
+      do most = 0, n + 3
+         call new_run(structure, load, run, status)
+         call settle_on(structure, run, 0.0_wp, [0.0_wp], [0.1_wp], settling, most_cycles, 0, &
+            .false., most, found, status)
+         call check((status == stat%event_limit) .eqv. most < n, 'limits: more events than allowed')
+      end do
+   end subroutine test_limits_of_events
+
+   !> Where there is no periodic motion the arrays are empty and the status says why; an exact one
+   !! solves its equations.
+   subroutine test_no_periodic_motion()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      real(wp) :: phases(2), matrices(2, 2, 3), force(2, 2, 1)
+      integer :: i, solved, status, wanted
+
+      matrices = 0
+      matrices(:, :, 1) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      matrices(1, 1, 2:) = 1
+      force(:, :, 1) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], [2, 2])
+      do wanted = 0, 2
+         structure = between(0.1_wp, 50.0_wp, 0.7_wp)
+         structure%mass = 0
+         call check_none(structure, cosine_load(2.0_wp, 1.0_wp), [0.3_wp], 1, &
+            stat%mass_not_definite)
+         structure%mass = 1
+         structure%damping = 0
+         structure%stiffness = 4
+         call check_none(structure, cosine_load(2.0_wp, 1.0_wp), [0.3_wp], 1, stat%resonance)
+         ! the load does not resonate, but two of its cycles do
+         structure%stiffness = 1
+         call check_none(structure, cosine_load(2.0_wp, 1.0_wp), [0.3_wp], 2, stat%resonance)
+         ! a force on a mass that no gap and no spring holds
+         call check_none(new_structure(matrices, reshape([1.0_wp, 0.0_wp], [2, 1]), &
+            reshape([0.1_wp, 0.7_wp], [2, 1])), new_load(2.0_wp, force, [0.0_wp, 1.0_wp]), &
+            [0.3_wp], 1, stat%unbalanced)
+      end do
+      structure = between(0.1_wp, 50.0_wp, 0.7_wp)
+      solved = 0
+      wanted = exact
+      do i = 1, 200
+         call fill(random, 0.0_wp, 2*pi, phases)
+         phases = [minval(phases), maxval(phases)]
+         call check_exact(phases, 0.9_wp)
+         call check_exact(phases(:1), 1.9_wp)
+      end do
+      call check(solved > 200, 'arrays: most random phases lead to a motion')
+
+   contains
+
+      !> Checks that there is no motion.
+      subroutine check_none(structure, load, phases, cycles, expected)
+         type(structure_type), intent(in) :: structure
+         type(load_type), intent(in) :: load
+         real(wp), intent(in) :: phases(:)
+         integer, intent(in) :: cycles, expected
+         real(wp), dimension(2*size(structure%mass, 1), 2*size(structure%mass, 1)) :: p
+         real(wp) :: impacts(size(phases), 3), scalars(3), states(size(p, 1), size(phases))
+         complex(wp) :: multipliers(size(p, 1))
+         integer :: j, verdicts(3)
+
+         call periodic_structure_arrays(structure, load, [(1, j=1, size(phases))], phases, cycles, &
+            wanted, impacts, states, p, multipliers, scalars, verdicts, status)
+         call check(status == expected, 'arrays: why there is no motion')
+         call check(all(abs(impacts) <= 0) .and. all(abs(states) <= 0) .and. all(abs(p) <= 0) &
+            .and. all(abs(multipliers) <= 0) .and. all(abs(scalars) <= 0) .and. all(verdicts == &
+            unknown), 'arrays: empty without a motion')
+      end subroutine check_none
+
+      !> Checks that a motion is exact if there is one.
+      subroutine check_exact(phases, frequency)
+         real(wp), intent(in) :: phases(:), frequency
+         type(structure_type) :: own
+         type(structure_motion_type) :: motion
+         integer :: j
+
+         own = structure
+         call periodic_structure(own, cosine_load(frequency, 1.0_wp), [(1, j=1, size(phases))], &
+            phases, 1, exact, motion, status)
+         if (status == stat%ok) then
+            solved = solved + 1
+            call check(motion%residual < 1.0e-9_wp, 'arrays: a motion that is said to be exact is')
+         else
+            call check_none(structure, cosine_load(frequency, 1.0_wp), phases, 1, status)
+         end if
+      end subroutine check_exact
+   end subroutine test_no_periodic_motion
+
+   !> A simulation that reaches its end ends there to the last bit.
+   subroutine test_ends()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp), allocatable :: table(:, :), end_state(:)
+      integer, allocatable :: labels(:, :)
+      real(wp) :: rows(5, 400), at_end(2), end_time, last
+      integer :: i, kinds(2, 400), n, status
+
+      structure = between(0.2_wp, 50.0_wp, 0.7_wp)
+      do i = 1, 100
+         load = cosine_load(draw(random, 0.5_wp, 3.0_wp), 1.0_wp)
+         last = draw(random, 1.0_wp, 60.0_wp)
+         call simulate_structure_case(structure, load, 0.0_wp, [0.0_wp], [0.1_wp], last, 400, &
+            table, labels, n, end_state, end_time, status)
+         call check(status == stat%ok .and. abs(end_time - last) <= 0, 'ends: of a simulation')
+         call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp], [0.1_wp], last, rows, &
+            kinds, n, at_end, end_time, status)
+         call check(status == stat%ok .and. abs(end_time - last) <= 0, 'ends: into arrays')
+         call check(all(abs(at_end - end_state) <= 0), 'ends: in the same state')
+      end do
+   end subroutine test_ends
+
+   !> States that repeat after some cycles do so whatever their signs, up to the difference allowed.
+   subroutine test_repetition()
+      integer, parameter :: most = 4
+      real(wp), parameter :: near = 1.0e-4_wp
+      type(random_type) :: random
+      real(wp) :: strobes(4, 0:2*most), cycle(4, 0:most - 1), largest
+      integer :: found, i, j, k, period
+
+      do i = 1, 400
+         period = draw_integer(random, 1, most)
+         do j = 1, 4
+            call fill(random, 0.5_wp, 2.0_wp, cycle(j, :))
+         end do
+         ! coordinates and velocities of one sign
+         cycle(:2, :) = cycle(:2, :)*merge(1, -1, mod(i, 2) == 0)
+         cycle(3:, :) = cycle(3:, :)*merge(100, -100, mod(i, 4) < 2)
+         strobes = reshape([(cycle(:, modulo(j, period)), j=0, 2*most)], shape(strobes))
+         call repetition(strobes, most, near, found)
+         call check(found == period, 'repetition: after some cycles')
+         k = draw_integer(random, 1, 4)
+         j = draw_integer(random, 0, 2*most)
+         largest = maxval(abs(strobes(merge(1, 3, k < 3):merge(2, 4, k < 3), :)))
+         strobes(k, j) = strobes(k, j) + 0.9_wp*near*largest*merge(1, -1, mod(i, 8) < 4)
+         call repetition(strobes, most, near, found)
+         call check(found == period, 'repetition: up to a small difference')
+         strobes(k, j) = strobes(k, j) + near*largest*merge(1, -1, mod(i, 8) < 4)
+         call repetition(strobes, most, near, found)
+         ! a difference is seen by the periods after which there is another state
+         call check(found == 0 .or. (found > j .and. found > 2*most - j), &
+            'repetition: not beyond it')
+      end do
+   end subroutine test_repetition
+
+   !> A gap that is less than the rounding of its terms is closed, and rests if its speed is the
+   !! rounding of the velocities and the load presses on it, whatever the signs of all of them.
+   subroutine test_starts_at_a_gap()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: state
+      real(wp) :: direction(2), matrices(2, 2, 3), opening, q(2), rate(2), scale
+      integer :: i, status
+
+      matrices = 0
+      do i = 1, 2
+         matrices(i, i, :) = [1.0_wp, 0.1_wp, 1.0_wp]
+      end do
+      do i = 1, 400
+         direction = [draw(random, 0.5_wp, 2.0_wp)*merge(1, -1, mod(i, 2) == 0), &
+            draw(random, 0.5_wp, 2.0_wp)*merge(1, -1, mod(i, 4) < 2)]
+         opening = draw(random, 1.0_wp, 3.0_wp)*merge(1, -1, mod(i, 8) < 4)
+         rate = draw(random, 1.0_wp, 2.0_wp)*merge(1, -1, mod(i, 16) < 8)*[1.0_wp, &
+            -direction(1)/direction(2)]
+         call new_run(new_structure(matrices, reshape(direction, [2, 1]), reshape([opening, &
+            0.5_wp], [2, 1])), new_load(0.0_wp, reshape([real(wp) ::], [2, 2, 0]), &
+            50*direction), run, status)
+         q(1) = draw(random, -2.0_wp, 2.0_wp)
+         q(2) = (opening - direction(1)*q(1))/direction(2)
+         scale = abs(opening) + sum(abs(direction))*maxval(abs(q))
+         call start(0.9e-13_wp, 0)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: a gap closed by rounding')
+         call start(1.1e-13_wp, 0)
+         call check(status == stat%gap_closed, 'starts: a start in a gap')
+         call start(-0.9e-13_wp, 0)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: a gap open by rounding')
+         call start(-1.1e-13_wp, 0)
+         call check(status == stat%ok .and. state%regime == 1, 'starts: an open gap')
+         call start(0.0_wp, 12)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: a speed of rounding')
+         call start(0.0_wp, -12)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: the opposite one')
+         call start(0.0_wp, 20)
+         call check(status == stat%ok .and. state%regime == 1, 'starts: a speed')
+         call start(0.0_wp, -20)
+         call check(status == stat%ok .and. state%regime == 1, 'starts: the opposite speed')
+      end do
+
+   contains
+
+      !> Starts in the gap by a share of its terms, with a number of roundings of a velocity.
+      subroutine start(share, roundings)
+         real(wp), intent(in) :: share
+         integer, intent(in) :: roundings
+
+         call start_at(run, 0.0_wp, [q(1), q(2) + share*scale/direction(2)], [rate(1), rate(2)*(1 &
+            + roundings*epsilon(share))], state, status)
+      end subroutine start
+   end subroutine test_starts_at_a_gap
+
+   !> Coordinates and velocities beyond the units of the numbers are refused, whatever their signs.
+   subroutine test_far_starts()
+      real(wp) :: table(5, 9), end_state(2), end_time
+      integer :: labels(2, 9), n, side, status
+
+      do side = -1, 1, 2
+         call simulate_structure_arrays(between(50.0_wp, 50.0_wp, 0.5_wp), cosine_load(0.9_wp, &
+            1.0_wp), 0.0_wp, [side*1.0e60_wp], [0.0_wp], 1.0_wp, table, labels, n, end_state, &
+            end_time, status)
+         call check(status == stat%extreme_units, 'starts: far away')
+         call simulate_structure_arrays(between(50.0_wp, 50.0_wp, 0.5_wp), cosine_load(0.9_wp, &
+            1.0_wp), 0.0_wp, [0.0_wp], [side*1.0e60_wp], 1.0_wp, table, labels, n, end_state, &
+            end_time, status)
+         call check(status == stat%extreme_units, 'starts: fast')
+      end do
+   end subroutine test_far_starts
+
+   !> Samples of trajectories with rests are the states in which simulations up to these times end.
+   subroutine test_samples_through_rests()
+      integer, parameter :: room = 2000, wanted = 60
+      real(wp), parameter :: last = 40.0_wp
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp) :: matrices(2, 2, 3), cosine(2, 2, 1), table(7, room), end_state(4), end_time, &
+         starts(5, room + 1), times(wanted), values(4, wanted), other(7, room), largest(4)
+      integer :: labels(2, room + 1), again(2, room), i, m, n, status
+
+      matrices(:, :, 1) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.5_wp], [2, 2])
+      matrices(:, :, 2) = reshape([0.2_wp, -0.1_wp, -0.1_wp, 0.1_wp], [2, 2])
+      matrices(:, :, 3) = reshape([2.0_wp, -1.0_wp, -1.0_wp, 1.0_wp], [2, 2])
+      structure = new_structure(matrices, reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), &
+         reshape([0.1_wp, 0.2_wp, 0.15_wp, 0.1_wp], [2, 2]))
+      cosine(:, :, 1) = reshape([1.0_wp, 0.3_wp, 0.0_wp, 0.5_wp], [2, 2])
+      load = new_load(0.7_wp, cosine, [0.2_wp, 0.1_wp])
+      call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp, 0.0_wp], [0.2_wp, 0.0_wp], &
+         last, table, labels(:, 2:), n, end_state, end_time, status)
+      call check(status == stat%ok .and. count(labels(1, 2:n + 1) == release_event .and. &
+         labels(2, 2:n + 1) == 1) > 2 .and. count(labels(1, 2:n + 1) == release_event .and. &
+         labels(2, 2:n + 1) == 2) > 2, 'rests: of both gaps')
+      if (status /= stat%ok) return
+      starts(:, 1) = [0.0_wp, 0.0_wp, 0.0_wp, 0.2_wp, 0.0_wp]
+      labels(:, 1) = 0
+      starts(1, 2:n + 1) = table(1, :n)
+      starts(2:, 2:n + 1) = table(4:, :n)
+      times = last*[((i - 0.37_wp)/wanted, i=1, wanted)]
+      call sample_structure_arrays(structure, load, starts(:, :n + 1), labels(:, :n + 1), times, &
+         values, status)
+      call check(status == stat%ok, 'rests: samples')
+      largest = maxval(abs(values), dim=2)
+      do i = 1, wanted
+         call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp, 0.0_wp], [0.2_wp, &
+            0.0_wp], times(i), other, again, m, end_state, end_time, status)
+         call check(all(abs(values(:, i) - end_state) <= 1.0e-9_wp*largest), &
+            'rests: samples are states of simulations')
+      end do
+   end subroutine test_samples_through_rests
+
+   !> A mass that falls on a wall comes to rest after infinitely many impacts at a known time: a
+   !! simulation that ends before it ends without a rest, however short before it.
+   subroutine test_ends_of_accumulations()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: state
+      type(run_event_type) :: events(200)
+      real(wp) :: at, early, force, restitution
+      integer :: i, n, status
+
+      do i = 1, 200
+         restitution = draw(random, 0.1_wp, 0.6_wp)
+         force = draw(random, 0.5_wp, 2.0_wp)
+         ! it falls from a distance of 1 and returns with R times the speed
+         at = sqrt(2/force)*(1 + 2*restitution/(1 - restitution))
+         early = 10.0_wp**draw(random, -12.0_wp, -3.0_wp)*merge(1, -1, mod(i, 2) == 0)
+         call new_run(new_structure(reshape([1.0_wp, 0.0_wp, 0.0_wp], [1, 1, 3]), &
+            reshape([1.0_wp], [1, 1]), reshape([1.0_wp, restitution], [2, 1])), &
+            new_load(0.0_wp, reshape([real(wp) ::], [1, 2, 0]), [force]), run, status)
+         call start_at(run, 0.0_wp, [0.0_wp], [0.0_wp], state, status)
+         call simulate_structure(run, state, int(at - early, int64), modulo(at - early, 1.0_wp), &
+            events, n, status)
+         call check(status == stat%ok .and. (count(events(:n)%kind == stick_event) == 1) .eqv. &
+            early < 0, 'accumulations: a rest where the end is not before it')
+         call check(all(real(events(:n)%cycle, wp) + events(:n)%elapsed <= at - early &
+            + 1.0e-14_wp), 'accumulations: no event after the end')
+         if (early < 0) call check_close(real(events(n)%cycle, wp) + events(n)%elapsed, at, &
+            1.0e-13_wp, 'accumulations: when a rest begins')
+      end do
+   end subroutine test_ends_of_accumulations
+
+   !> A motion with rests on a wall has its events at the same times on the opposite wall under the
+   !! opposite load.
+   subroutine test_mirrored_accumulations()
+      type(random_type) :: random
+      real(wp) :: table(5, 2000), other(5, 2000), end_state(2), end_time, frequency, constant
+      integer :: i, labels(2, 2000), m, marks(2, 2000), n, rests, status
+
+      rests = 0
+      do i = 1, 40
+         frequency = draw(random, 0.5_wp, 2.0_wp)
+         constant = draw(random, 0.2_wp, 0.6_wp)
+         call simulate_structure_arrays(between(0.1_wp, 50.0_wp, 0.3_wp), loaded(1.0_wp), 0.0_wp, &
+            [0.0_wp], [0.1_wp], 30.0_wp, table, labels, n, end_state, end_time, status)
+         call check(status == stat%ok, 'mirrored: a simulation')
+         call simulate_structure_arrays(between(50.0_wp, 0.1_wp, 0.3_wp), loaded(-1.0_wp), &
+            0.0_wp, [0.0_wp], [-0.1_wp], 30.0_wp, other, marks, m, end_state, end_time, status)
+         call check(status == stat%ok .and. m == n, 'mirrored: as many events')
+         if (m /= n) cycle
+         call check(all(labels(1, :n) == marks(1, :n)) .and. all(labels(2, :n) == 1) .and. &
+            all(marks(2, :n) == 2), 'mirrored: the same events on the other wall')
+         call check(maxval(abs(table(1, :n) - other(1, :n))) <= 1.0e-14_wp*30, &
+            'mirrored: at the same times')
+         rests = rests + count(labels(1, :n) == stick_event)
+      end do
+      call check(rests > 100, 'mirrored: some with rests')
+
+   contains
+
+      !> A load that presses on a wall.
+      type(load_type) function loaded(side)
+         real(wp), intent(in) :: side
+
+         loaded = new_load(frequency, reshape([side, 0.5_wp*side], [1, 2, 1]), [constant*side])
+      end function loaded
+   end subroutine test_mirrored_accumulations
+
+   !> Two gaps of a mass that close at the same place have no defined outcome, wherever the place
+   !! is: openings at q = 0 may be negative.
+   subroutine test_gaps_that_close_together()
+      type(random_type) :: random
+      real(wp) :: direction, opening, table(5, 9), end_state(2), end_time
+      integer :: i, labels(2, 9), n, status
+
+      do i = 1, 400
+         direction = draw(random, 0.5_wp, 2.0_wp)*merge(1, -1, mod(i, 2) == 0)
+         opening = draw(random, 0.5_wp, 3.0_wp)*merge(1, -1, mod(i, 4) < 2)
+         call simulate_structure_arrays(new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, 1, &
+            3]), reshape([direction, direction], [1, 2]), reshape([opening, 0.5_wp, opening, &
+            0.5_wp], [2, 2])), cosine_load(0.9_wp, 0.3_wp), 0.0_wp, [(opening - 1)/direction], &
+            [(6*abs(opening - 1) + 6)/direction], 20.0_wp, table, labels, n, end_state, &
+            end_time, status)
+         call check(status == stat%coupled_impacts .and. n == 0, 'coupled: gaps that close at once')
+      end do
+   end subroutine test_gaps_that_close_together
+
+   !> The greatest approach speed over the least one counts no impacts of accumulations in the
+   !! latter.
+   subroutine test_spread_of_speeds()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: first, last
+      type(run_event_type) :: events(300)
+      real(wp) :: largest, least, p(2, 2), spread
+      integer :: i, j, n, status, with(2)
+
+      with = 0
+      do i = 1, 200
+         call new_run(between(draw(random, 0.0_wp, 1.0_wp), draw(random, 0.0_wp, 1.0_wp), &
+            merge(0.8_wp, 0.1_wp, mod(i, 2) == 0)), cosine_load(draw(random, 0.3_wp, 2.0_wp), &
+            1.0_wp), run, status)
+         call start_at(run, 0.0_wp, [0.0_wp], [0.3_wp], first, status)
+         last = first
+         call simulate_structure(run, last, int(draw_integer(random, 1, 4), int64), 0.0_wp, &
+            events, n, status)
+         if (status /= stat%ok) cycle
+         call derivative_of_run(run, first, events(:n), last, p, spread, status)
+         call check(status == stat%ok, 'spread: a derivative')
+         largest = 0
+         least = huge(1.0_wp)
+         do j = 1, n
+            if (events(j)%kind == impact_event) largest = max(largest, events(j)%speed)
+            if (events(j)%kind == impact_event .and. .not. any(events(j + 1:n)%gap == &
+               events(j)%gap .and. events(j + 1:n)%kind /= impact_event)) least = min(least, &
+               events(j)%speed)
+         end do
+         call check_close(spread, max(1.0_wp, largest/least), 1.0e-14_wp*spread, &
+            'spread: of approach speeds')
+         if (spread > 1.1_wp) with(1) = with(1) + 1
+         if (any(events(:n)%kind == stick_event)) with(2) = with(2) + 1
+      end do
+      call check(all(with > 20), 'spread: different speeds, and rests')
+   end subroutine test_spread_of_speeds
+
+   !> Coordinates at which a gap is closed by rounding of large terms stay; others move back until
+   !! the gap has a twentieth of its opening.
+   subroutine test_opened_gaps()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      real(wp) :: far, opening, q(2), start(2)
+      integer :: i
+
+      do i = 1, 200
+         opening = draw(random, 0.1_wp, 1.0_wp)
+         far = draw(random, 1.0e3_wp, 2.0e3_wp)*merge(1, -1, mod(i, 2) == 0)
+         structure = new_structure(reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2, 3], [1.0_wp, &
+            0.0_wp, 0.0_wp, 1.0_wp]), reshape([1.0_wp, -1.0_wp], [2, 1]), reshape([opening, &
+            0.5_wp], [2, 1]))
+         start = [far + opening + 5.0e-12_wp, far]
+         q = start
+         call open_gaps(structure, q)
+         call check(all(abs(q - start) <= 0), 'opened: rounding of large terms is no closed gap')
+         start(1) = far + opening + 5.0e-9_wp
+         q = start
+         call open_gaps(structure, q)
+         call check(abs(q(1) - q(2) - 0.95_wp*opening) < 1.0e-11_wp, 'opened: a closed gap')
+      end do
+   end subroutine test_opened_gaps
+
+   !> Without a motion from rest, random states have the size of the openings alone.
+   subroutine test_states_without_motion()
+      type(structure_type) :: structure
+      real(wp) :: matrices(2, 2, 3), cosine(2, 2, 1), states(4, 20)
+      integer :: status
+
+      ! with the first mass at rest, the second one resonates with the load
+      matrices = 0
+      matrices(:, :, 1) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      matrices(1, 1, 2) = 0.1_wp
+      matrices(:, :, 3) = reshape([2.0_wp, -1.0_wp, -1.0_wp, 2.0_wp], [2, 2])
+      cosine(:, :, 1) = reshape([1.0_wp, 0.2_wp, 0.0_wp, 0.0_wp], [2, 2])
+      structure = new_structure(matrices, reshape([1.0_wp, 0.0_wp], [2, 1]), reshape([0.0_wp, &
+         0.5_wp], [2, 1]))
+      call random_structure_states(structure, new_load(sqrt(2.0_wp), cosine, [0.0_wp, 0.0_wp]), 1, &
+         states, status)
+      call check(status == stat%ok .and. all(abs(states) <= 0), 'states: a rest without a motion')
+      structure%mass = 0
+      structure%openings = 1
+      call random_structure_states(structure, new_load(sqrt(2.0_wp), cosine, [0.0_wp, 0.0_wp]), 1, &
+         states, status)
+      call check(status == stat%ok .and. all(abs(states(:, 1)) <= 0) .and. all(abs(states(:, 2:)) &
+         > 0) .and. all(abs(states) < 10), 'states: no mass')
+   end subroutine test_states_without_motion
+
+   !> Random states have the sizes of a motion, whatever its signs.
+   subroutine test_mirrored_states()
+      real(wp) :: states(2, 20, 2)
+      integer :: i, k, side, status
+
+      ! with impacts, and without any
+      do k = 1, 2
+         do side = 1, 2
+            associate (to => merge(1.0_wp, -1.0_wp, side == 1), wall => merge(0.1_wp, 50.0_wp, &
+               k == 1))
+               call random_structure_states(new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, &
+                  1, 3]), reshape([to], [1, 1]), reshape([wall, 0.7_wp], [2, 1])), &
+                  new_load(1.9_wp, reshape([to, -0.5_wp*to], [1, 2, 1]), [0.2_wp*to]), 3, &
+                  states(:, :, side), status)
+            end associate
+            call check(status == stat%ok, 'states: of a mirrored motion')
+         end do
+         call check(all([(abs(abs(states(2, i, 1)) - abs(states(2, i, 2))) <= 1.0e-9_wp* &
+            abs(states(2, i, 2)), i=2, size(states, 2))]), 'states: of the same size')
+      end do
+   end subroutine test_mirrored_states
+
+   !> Where a simulation cannot begin, or has too many events before its average begins, there are
+   !! no exponents; of some directions there is neither a dimension nor a sum.
+   subroutine test_refused_exponents()
+      type(structure_type) :: structure
+      type(average_type) :: average
+      type(exponents_type) :: found
+      integer :: status
+
+      average = average_type(discard=5, cycles=7, batches=3, directions=2)
+      structure = between(0.2_wp, 0.3_wp, 0.7_wp)
+      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.3_wp], [0.1_wp], &
+         average, found, status)
+      call check(status == stat%gap_closed .and. .not. allocated(found%exponents), &
+         'exponents: none from a closed gap')
+      average%max_events = 3
+      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
+         average, found, status)
+      call check(status == stat%event_limit .and. .not. allocated(found%exponents), &
+         'exponents: none after a transient with too many events')
+      average%max_events = huge(1)
+      average%directions = 1
+      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
+         average, found, status)
+      call check(status == stat%ok .and. size(found%exponents) == 1, 'exponents: of a direction')
+      call check(ieee_is_nan(found%dimension) .and. ieee_is_nan(found%error), &
+         'exponents: neither a dimension nor a sum')
+      structure%mass = 0
+      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
+         average, found, status)
+      call check(status == stat%mass_not_definite .and. .not. allocated(found%exponents), &
+         'exponents: none without a mass')
+   end subroutine test_refused_exponents
+
+   !> A period in which two gaps close at once belongs to no motion; nor does a structure without
+   !! mass, or a start in a gap.
+   subroutine test_undefined_cycles()
+      type(structure_type) :: structure
+      type(settled_type) :: found
+      integer :: cycles, early, settling, status
+
+      do settling = 0, 3
+         do cycles = 0, 2
+            structure = new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, 1, 3]), &
+               reshape([1.0_wp, 1.0_wp], [1, 2]), reshape([0.5_wp, 0.5_wp, 0.5_wp, 0.5_wp], [2, 2]))
+            do early = 0, 1
+               ! the gaps close within a cycle, or after some
+               call settle(structure, cosine_load(1.0_wp, 1.0_wp - 0.6_wp*early), 0.0_wp, &
+                  [0.4_wp], [3.0_wp - 3*early], settling, 2, cycles, found, status)
+               call check(status == stat%coupled_impacts .or. early == 1, &
+                  'undefined: gaps that close at once')
+               call check(status /= stat%ok, 'undefined: no motion')
+            end do
+            call settle(structure, cosine_load(1.0_wp, 1.0_wp), 0.0_wp, [0.6_wp], [0.0_wp], &
+               settling, 2, cycles, found, status)
+            call check(status == stat%gap_closed, 'undefined: a start in a gap')
+            structure%mass = 0
+            call settle(structure, cosine_load(1.0_wp, 1.0_wp), 0.0_wp, [0.4_wp], [3.0_wp], &
+               settling, 2, cycles, found, status)
+            call check(status == stat%mass_not_definite, 'undefined: no mass')
+         end do
+      end do
+   end subroutine test_undefined_cycles
+
+   !> The sum of the exponents has the value that damping and impacts give it, also where a mass
+   !! leaves a wall the slower, the faster it arrives. A limit of events leaves no exponents.
+   subroutine test_sums_of_exponents()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(average_type) :: average
+      type(exponents_type) :: found, less
+      integer :: i, status
+
+      average = average_type(discard=5, cycles=7, batches=3, directions=2)
+      do i = 1, 30
+         structure = between(draw(random, 0.1_wp, 0.4_wp), draw(random, 0.1_wp, 0.4_wp), 0.8_wp)
+         if (mod(i, 2) == 0) structure = new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, 1, &
+            3]), reshape([1.0_wp, -1.0_wp], [1, 2]), falling())
+         average%max_events = huge(1)
+         call structure_exponents(structure, cosine_load(draw(random, 1.5_wp, 3.0_wp), 1.0_wp), &
+            0.0_wp, [0.0_wp], [0.1_wp], average, found, status)
+         call check(status == stat%ok .or. status == stat%budget, 'exponents: of a mass')
+         if (status /= stat%ok .or. found%rests > 0) cycle
+         call check(found%error >= 0 .and. found%error < 1.0e-10_wp, 'exponents: their sum')
+      end do
+      ! of the last structure: somewhere in the batches the events are used up
+      do i = 1, 5
+         average%max_events = found%impacts - i
+         call structure_exponents(structure, cosine_load(2.0_wp, 1.0_wp), 0.0_wp, [0.0_wp], &
+            [0.1_wp], average, less, status)
+         call check(status == stat%event_limit .and. .not. allocated(less%exponents), &
+            'exponents: none where the events are used up')
+      end do
+   end subroutine test_sums_of_exponents
+
+   !> A mass on a spring between two walls.
+   pure type(structure_type) function between(upper, lower, restitution) result(structure)
+      real(wp), intent(in) :: upper, lower, restitution
+
+      structure = new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, 1, 3]), reshape([1.0_wp, &
+         -1.0_wp], [1, 2]), reshape([upper, restitution, lower, restitution], [2, 2]))
+   end function between
+
+   !> Openings of two walls, and a law by which the speed after an impact falls from some approach
+   !! speed on.
+   pure function falling() result(values)
+      real(wp) :: values(7, 2)
+
+      values(:, 1) = [0.3_wp, 2.0_wp, 2.0_wp, 0.0_wp, 1.0_wp, 0.9_wp, 0.1_wp]
+      values(:, 2) = values(:, 1)
+   end function falling
+
+   !> A load on one mass.
+   pure type(load_type) function cosine_load(frequency, force) result(load)
+      real(wp), intent(in) :: frequency, force
+
+      load = new_load(frequency, reshape([force, 0.0_wp], [1, 2, 1]), [0.0_wp])
+   end function cosine_load
+
+end module studies_structure_motions
