@@ -299,7 +299,7 @@ contains
          where (modes%stiffness > 0) x = x/modes%stiffness
       end associate
       call measure(run, 1, 0.0_wp, run%period, x, v, sizes)
-      largest = max(abs(sizes%low), abs(sizes%high))
+      largest = max(abs(sizes%low), sizes%high)
       rms = sqrt(sizes%squares/sizes%time)
    end subroutine steady_size
 

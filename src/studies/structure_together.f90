@@ -62,10 +62,8 @@ contains
       reduced = found
       call join_ends(found)
       n = size(found%gaps)
-      allocate (impact_of(n))
-      do i = 1, n
-         impact_of(i) = 1
-         if (i == 1) cycle
+      allocate (impact_of(n), source=1)
+      do i = 2, n
          impact_of(i) = impact_of(i - 1)
          if (found%motion%phases(i) - found%motion%phases(i - 1) > instant) impact_of(i) &
             = impact_of(i) + 1
@@ -468,8 +466,7 @@ contains
       allocate (map(2*l, 2*l))
       map(:l, :) = q
       map(l + 1:, :) = rate
-      good = .true.
-      if (.not. all_finite(map)) good = .false.
+      good = all_finite(map)
       if (.not. good) return
       call geev('N', 'N', 2*l, map, 2*l, re, im, unused, 1, unused, 1, work, size(work), info)
       good = info == 0
