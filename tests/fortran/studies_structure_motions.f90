@@ -286,13 +286,16 @@ contains
       type(load_type) :: load
       real(wp), allocatable :: table(:, :), end_state(:)
       integer, allocatable :: labels(:, :)
-      real(wp) :: rows(5, 400), at_end(2), end_time, last
+      real(wp) :: rows(5, 400), at_end(2), end_time, frequency, last
       integer :: i, kinds(2, 400), n, status
 
       structure = between(0.2_wp, 50.0_wp, 0.7_wp)
       do i = 1, 100
-         load = cosine_load(draw(random, 0.5_wp, 3.0_wp), 1.0_wp)
+         frequency = draw(random, 0.5_wp, 3.0_wp)
+         load = cosine_load(frequency, 1.0_wp)
          last = draw(random, 1.0_wp, 60.0_wp)
+         ! the last number below some periods: their number may be rounded up
+         if (mod(i, 2) == 0) last = nearest(draw_integer(random, 1, 9)*(2*pi/frequency), -1.0_wp)
          call simulate_structure_case(structure, load, 0.0_wp, [0.0_wp], [0.1_wp], last, 400, &
             table, labels, n, end_state, end_time, status)
          call check(status == stat%ok .and. abs(end_time - last) <= 0, 'ends: of a simulation')
@@ -624,18 +627,19 @@ contains
 
    !> Random states have the sizes of a motion, whatever its signs.
    subroutine test_mirrored_states()
-      real(wp) :: states(2, 20, 2)
+      real(wp) :: phase, states(2, 20, 2)
       integer :: i, k, side, status
 
       ! with impacts, and without any
-      do k = 1, 2
+      do k = 1, 20
+         phase = 0.1_wp*pi*k
          do side = 1, 2
             associate (to => merge(1.0_wp, -1.0_wp, side == 1), wall => merge(0.1_wp, 50.0_wp, &
-               k == 1))
+               mod(k, 2) == 0))
                call random_structure_states(new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, &
                   1, 3]), reshape([to], [1, 1]), reshape([wall, 0.7_wp], [2, 1])), &
-                  new_load(1.9_wp, reshape([to, -0.5_wp*to], [1, 2, 1]), [0.2_wp*to]), 3, &
-                  states(:, :, side), status)
+                  new_load(1.9_wp, to*reshape([cos(phase), sin(phase)], [1, 2, 1]), [0.2_wp*to]), &
+                  3, states(:, :, side), status)
             end associate
             call check(status == stat%ok, 'states: of a mirrored motion')
          end do
@@ -650,7 +654,7 @@ contains
       type(structure_type) :: structure
       type(average_type) :: average
       type(exponents_type) :: found
-      integer :: status
+      integer :: progress(3), status
 
       average = average_type(discard=5, cycles=7, batches=3, directions=2)
       structure = between(0.2_wp, 0.3_wp, 0.7_wp)
@@ -659,10 +663,11 @@ contains
       call check(status == stat%gap_closed .and. .not. allocated(found%exponents), &
          'exponents: none from a closed gap')
       average%max_events = 3
+      progress = 0
       call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
-         average, found, status)
-      call check(status == stat%event_limit .and. .not. allocated(found%exponents), &
-         'exponents: none after a transient with too many events')
+         average, found, status, progress)
+      call check(status == stat%event_limit .and. .not. allocated(found%exponents) .and. &
+         progress(1) == 0, 'exponents: none after a transient with too many events')
       average%max_events = huge(1)
       average%directions = 1
       call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
