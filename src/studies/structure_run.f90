@@ -137,7 +137,7 @@ contains
             speed = dot_product(direction, rate)
             scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
             if (gap < -rounding*scale) status = stat%gap_closed
-            if (abs(gap) > rounding*scale) cycle
+            if (gap > rounding*scale) cycle
             ! a state at the end of a simulation that rests has a speed of rounding
             if (abs(speed) <= 8*epsilon(1.0_wp)*dot_product(abs(direction), abs(rate))) then
                closed = [closed, j]
