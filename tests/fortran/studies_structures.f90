@@ -14,6 +14,7 @@ module studies_structures
    use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
    use vi_structure_exact, only: solve_structure_exact
    use vi_structure_found, only: same_impacts
+   use vi_structure_pair, only: pair_type, recognise
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
    use vi_structure_record, only: bound_interval, modal_forces, rows_now
    use vi_structure_return, only: settle, settled_type
@@ -34,6 +35,7 @@ contains
       call test_coupled_damping()
       call test_rest()
       call test_recognised()
+      call test_not_recognised()
       call test_newton_step()
       call test_audit()
       call test_doubts_of_verdicts()
@@ -413,6 +415,59 @@ contains
             maxval(abs(one%x - other%x))/scale(1), maxval(abs(one%v - other%v))/scale(2))
       end function difference
    end subroutine test_recognised
+
+   !> Whatever else acts on the particle or between it and the host, in either direction, makes a
+   !! structure another one.
+   subroutine test_not_recognised()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(pair_type) :: pair
+      real(wp) :: start(2, 2), part
+      integer :: i, kind, p
+
+      do i = 1, 40
+         call random_pair(random, run, start)
+         p = run%pair%particle
+         part = draw_log(random, 1.0e-6_wp, 0.1_wp)*merge(1, -1, mod(i, 2) == 0)
+         do kind = 0, 13
+            structure = run%structure
+            load = run%load
+            select case (kind)
+            case (1)
+               structure%mass(1, 2) = part
+            case (2)
+               structure%mass(2, 1) = part
+            case (3)
+               structure%damping(1, 2) = part
+            case (4)
+               structure%damping(2, 1) = part
+            case (5)
+               structure%damping(p, p) = part
+            case (6)
+               structure%stiffness(1, 2) = part
+            case (7)
+               structure%stiffness(2, 1) = part
+            case (8)
+               ! a spring of the particle, if the host is the first coordinate
+               structure%stiffness(p, p) = merge(part, -abs(part), p == 2)
+            case (9)
+               structure%directions(1, 1) = structure%directions(1, 1)*(1 + part)
+            case (10)
+               structure%openings(1) = structure%openings(1)*(1 + part)
+            case (11)
+               load%constant(3 - p) = part
+            case (12)
+               load%cosine(p, 1) = part
+            case (13)
+               load%sine(p, 1) = part
+            end select
+            call recognise(structure, load, pair)
+            call check(pair%known .eqv. kind == 0, 'another structure is not the pair')
+         end do
+      end do
+   end subroutine test_not_recognised
 
    !> A random host with a free particle, in random units, and a state between the walls.
    subroutine random_pair(random, run, start)
