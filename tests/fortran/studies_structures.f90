@@ -15,6 +15,7 @@ module studies_structures
    use vi_structure_exact, only: solve_structure_exact
    use vi_structure_found, only: same_impacts
    use vi_structure_pair, only: pair_type, recognise
+   use vi_structure_path, only: is_odd, same_law, structure_path_type
    use vi_structure_period, only: eliminated, exact, full, periodic_structure, structure_motion_type
    use vi_structure_record, only: bound_interval, modal_forces, rows_now
    use vi_structure_return, only: settle, settled_type
@@ -36,6 +37,7 @@ contains
       call test_rest()
       call test_recognised()
       call test_not_recognised()
+      call test_not_odd()
       call test_newton_step()
       call test_audit()
       call test_doubts_of_verdicts()
@@ -468,6 +470,60 @@ contains
          end do
       end do
    end subroutine test_not_recognised
+
+   !> Motions have mirror images between opposite gaps with one opening and one law, under a load
+   !! with odd harmonics alone, and not where any of these differs, by whatever sign.
+   subroutine test_not_odd()
+      type(random_type) :: random
+      type(structure_path_type) :: path
+      real(wp) :: gaps(7, 2), matrices(2, 2, 3), harmonics(2, 2, 3), part
+      integer :: i, j, kind
+
+      matrices = 0
+      do i = 1, 2
+         matrices(i, i, :) = [1.0_wp, 0.1_wp, 1.0_wp]
+      end do
+      allocate (path%changes(0))
+      do i = 1, 80
+         harmonics = 0
+         call fill(random, -1.0_wp, 1.0_wp, harmonics(:, 1, 1))
+         call fill(random, -1.0_wp, 1.0_wp, harmonics(:, 2, 3))
+         part = draw_log(random, 1.0e-6_wp, 0.1_wp)*merge(1, -1, mod(i, 2) == 0)
+         j = draw_integer(random, 1, 2)
+         ! a table of the restitution at two speeds, or a constant one
+         gaps = spread([0.5_wp, 2.0_wp, 2.0_wp, 0.0_wp, 1.0_wp, 0.8_wp, 0.5_wp], 2, 2)
+         if (mod(i, 4) < 2) gaps(2:, :) = spread([0.0_wp, 0.8_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
+            0.0_wp], 2, 2)
+         do kind = 0, 8
+            path%structure = new_structure(matrices, reshape([1.0_wp, -0.5_wp, -1.0_wp, 0.5_wp], &
+               [2, 2]), gaps)
+            path%load = new_load(1.3_wp, harmonics, [0.0_wp, 0.0_wp])
+            select case (kind)
+            case (1)
+               path%load%constant(j) = part
+            case (2)
+               path%load%cosine(j, 2) = part
+            case (3)
+               path%load%sine(j, 2) = part
+            case (4)
+               path%structure%directions(j, 1) = path%structure%directions(j, 1) + part
+            case (5)
+               path%structure%openings(j) = path%structure%openings(j) + part
+            case (6)
+               path%structure%laws(j)%numbers(1) = path%structure%laws(j)%numbers(1) + part
+            case (7)
+               if (mod(i, 4) < 2) cycle
+               path%structure%laws(j)%speeds(2) = path%structure%laws(j)%speeds(2) + part
+            case (8)
+               if (mod(i, 4) < 2) cycle
+               path%structure%laws(j)%values(2) = path%structure%laws(j)%values(2) + part
+            end select
+            call check(is_odd(path) .eqv. kind == 0, 'mirror images of motions')
+            call check((same_law(path%structure, 1, 2) .eqv. kind < 6) .and. &
+               (same_law(path%structure, 2, 1) .eqv. kind < 6), 'laws of gaps')
+         end do
+      end do
+   end subroutine test_not_odd
 
    !> A random host with a free particle, in random units, and a state between the walls.
    subroutine random_pair(random, run, start)
