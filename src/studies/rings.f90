@@ -10,7 +10,7 @@ module vi_rings
 
    !> Largest distance of a polygon from its curve, with the window as the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
-   !> A vertex this near to an edge of the window lies on it.
+   !> A vertex this near to an edge of the window, or beyond it, lies on it.
    real(wp), parameter :: on_edge = 1.0e-10_wp
 
 contains
@@ -105,10 +105,10 @@ contains
       do i = 1, size(vertices, 2)
          a = place(vertices(:2, i))
          b = place(vertices(:2, merge(1, i + 1, i == size(vertices, 2))))
-         if (all(abs([a(1), b(1)]) < on_edge)) left = left + a(2) - b(2)
-         if (all(abs([a(1), b(1)] - 1) < on_edge)) left = left + b(2) - a(2)
-         if (all(abs([a(2), b(2)]) < on_edge)) left = left + b(1) - a(1)
-         if (all(abs([a(2), b(2)] - 1) < on_edge)) left = left + a(1) - b(1)
+         if (all([a(1), b(1)] < on_edge)) left = left + a(2) - b(2)
+         if (all([a(1), b(1)] > 1 - on_edge)) left = left + b(2) - a(2)
+         if (all([a(2), b(2)] < on_edge)) left = left + b(1) - a(1)
+         if (all([a(2), b(2)] > 1 - on_edge)) left = left + a(1) - b(1)
       end do
    contains
       !> A vertex in the unit square.
