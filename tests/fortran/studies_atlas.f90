@@ -14,7 +14,7 @@ module studies_atlas
    private
 
    public :: test_atlas, test_limits, test_outcomes, test_passing, test_rings, &
-      test_rings_on_edges, test_shared_simulations
+      test_bent_sides, test_rings_on_edges, test_shared_simulations
 
 contains
 
@@ -49,6 +49,54 @@ contains
       call check(all(winding(ring(:, :0), points) == 0), 'a ring without vertices encloses nothing')
    end subroutine test_rings
 
+   !> A rectangle with one side that leaves or reaches a corner at an angle: the ring passes all
+   !! points of its cubic, wherever it bends to.
+   subroutine test_bent_sides()
+      real(wp), parameter :: r(2) = [0.5_wp, 1.5_wp], clearance(2) = [10.0_wp, 20.0_wp]
+      real(wp), parameter :: corners(2, 4) = reshape([0.2_wp, 0.2_wp, 0.8_wp, 0.2_wp, 0.8_wp, &
+         0.8_wp, 0.2_wp, 0.8_wp], [2, 4])
+      real(wp) :: vertices(5, 8), chord(2), turned(2), place(2), scale(2), low(2), t
+      real(wp), allocatable :: ring(:, :)
+      integer :: side, axis, way, at_end, bent, k
+
+      low = [r(1), log(clearance(1))]
+      scale = [r(2), log(clearance(2))] - low
+      do bent = 0, 31
+         side = mod(bent, 4) + 1
+         axis = 1 + mod(bent/4, 2)
+         way = 1 - 2*mod(bent/8, 2)
+         at_end = bent/16
+         do k = 1, 4
+            associate (next => modulo(k, 4) + 1)
+               chord = corners(:, next) - corners(:, k)
+               ! each corner as the start of a side and as the end of the previous one
+               vertices(:, 2*k - 1) = [corners(:, k), chord/norm2(chord), norm2(chord)]
+               vertices(:, 2*k) = [corners(:, next), chord/norm2(chord), 0.0_wp]
+            end associate
+         end do
+         associate (tangent => vertices(2 + axis, 2*side - 1 + at_end))
+            tangent = tangent + 0.3_wp*way
+         end associate
+         associate (first => vertices(:, 2*side - 1), last => vertices(:, 2*side))
+            chord = last(:2) - first(:2)
+            turned = first(5)*(first(3:4) + last(3:4)) - 2*chord
+            do k = 1, 8
+               vertices(:4, k) = [low + scale*vertices(:2, k), scale*vertices(3:4, k)]
+               vertices(2, k) = exp(vertices(2, k))
+            end do
+            call dense_ring(vertices, r, clearance, [1.0_wp, 14.0_wp], ring)
+            do k = 0, 70
+               t = k/70.0_wp
+               ! the deviation from the straight side, at its start or at its end
+               place = t*chord + merge(t**2*(t - 1), t*(1 - t)**2, at_end == 1)*turned
+               place = [first(1), log(first(2))] + scale*place
+               call check(passes(ring, [place(1), exp(place(2))], r, clearance), &
+                  'a ring follows its cubics')
+            end do
+         end associate
+      end do
+   end subroutine test_bent_sides
+
    !> What a rectangle passes: each point of its sides, and none that is further away than the sides
    !! are accurate.
    subroutine test_passing()
@@ -79,7 +127,7 @@ contains
    !! where the point that is said to lie in it does not.
    subroutine test_rings_on_edges()
       real(wp), parameter :: r(2) = [0.8_wp, 1.3_wp], clearance(2) = [5.0_wp, 40.0_wp]
-      real(wp), parameter :: outside(2) = [1.04_wp, 6.0_wp], middle(2) = [1.05_wp, sqrt(200.0_wp)]
+      real(wp), parameter :: outside(2) = [0.85_wp, 6.0_wp], middle(2) = [1.05_wp, sqrt(200.0_wp)]
       real(wp) :: vertices(5, 3)
       real(wp), allocatable :: ring(:, :)
       integer :: axis, edge, way

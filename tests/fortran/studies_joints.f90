@@ -8,11 +8,11 @@ module studies_joints
       repetition, rest_vanishes, together, zero_approach
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
-   use vi_loop, only: begins, ends, loop_type, reversed
+   use vi_loop, only: begins, ends, loop_type, picked, reversed
    implicit none (type, external)
    private
 
-   public :: test_condition_names, test_joints
+   public :: test_condition_names, test_corners_at_joints, test_joints, test_short_curves
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -73,6 +73,70 @@ contains
          end do
       end do
    end subroutine test_joints
+
+   !> A curve is joined with itself if it goes farther from its start than ten times the distance of
+   !! ends that are joined, in whichever direction.
+   subroutine test_short_curves()
+      type(zone_type) :: zone
+      real(wp) :: angle, size_of
+      integer :: i, k
+
+      do i = 1, 16
+         do k = 1, 2
+            ! out and back, beside the first half
+            angle = 0.25_wp*pi*i/2
+            size_of = merge(0.9e-3_wp, 1.6e-3_wp, k == 1)
+            call two_arcs([1.0_wp, 1.0_wp], 0, zone)
+            zone%n = 1
+            associate (loop => zone%loops(1))
+               loop = picked(loop, [1, 2, 3])
+               loop%points(3:, 1) = [0.5_wp, 0.5_wp]
+               loop%points(3:, 2) = 0.5_wp + size_of*[cos(angle), sin(angle)]
+               loop%points(3:, 3) = 0.5_wp + 5.0e-5_wp*[-sin(angle), cos(angle)]
+            end associate
+            call join_loose_ends(zone)
+            call check(zone%loops(1)%closed .eqv. k == 2, &
+               'a curve is closed if it is larger than a gap, whatever its direction')
+         end do
+      end do
+   end subroutine test_short_curves
+
+   !> Where a corner could not be turned, one vertex stands for both pieces, at either end and
+   !! whatever the directions of the arcs; a joint without length has no direction.
+   subroutine test_corners_at_joints()
+      type(zone_type) :: zone
+      integer :: turned, first, last, i
+
+      do turned = 0, 3
+         do first = 1, 2
+            do last = 1, 2
+               call two_arcs([5.0e-5_wp, 8.0e-5_wp], turned, zone)
+               do i = 1, 2
+                  zone%loops(i)%corner(1) = merge(ends, 0, first == 1)
+                  zone%loops(i)%corner(zone%loops(i)%n) = merge(begins, 0, last == 1)
+               end do
+               call join_loose_ends(zone)
+               associate (loop => zone%loops(1))
+                  call check(zone%n == 1 .and. loop%closed .and. count(loop%conditions%kind &
+                     == joint) == 4, 'corners at joints: one ring')
+                  call check(count(loop%conditions%kind /= joint) == 82 - 2*count([first, last] &
+                     == 1), 'corners at joints: one vertex stands for two pieces')
+                  call check(count(loop%corner == begins) == 4 .and. count(loop%corner == ends) &
+                     == 4, 'corners at joints: four pieces')
+               end associate
+            end do
+         end do
+         ! the second arc begins where the first one ends
+         call two_arcs([5.0e-5_wp, 8.0e-5_wp], turned, zone)
+         zone%loops(2)%points(:, merge(41, 1, btest(turned, 1))) = &
+            zone%loops(1)%points(:, merge(1, 41, btest(turned, 0)))
+         call join_loose_ends(zone)
+         associate (length => norm2(zone%loops(1)%tangents, 1))
+            call check(count(length <= 0) == 2 .and. count(abs(length - 1) < 1.0e-12_wp) == 84, &
+               'a joint without length has no direction')
+         end associate
+      end do
+   end subroutine test_corners_at_joints
 
    !> Two arcs of the unit circle, of a fold and of a flip.
    subroutine two_arcs(gaps, turned, zone)

@@ -6,14 +6,16 @@ program test_studies
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides
    use studies_atlas, only: test_atlas, test_limits, test_outcomes, test_rings, &
-      test_passing, test_rings_on_edges, test_shared_simulations
+      test_bent_sides, test_passing, test_rings_on_edges, test_shared_simulations
    use studies_attractors, only: test_attractors
+   use studies_boundaries, only: test_boundaries
    use studies_branches, only: test_branches
    use studies_conditions, only: test_conditions
-   use studies_joints, only: test_condition_names, test_joints
+   use studies_joints, only: test_condition_names, test_corners_at_joints, test_joints, &
+      test_short_curves
    use studies_symbols, only: test_symbols
    use studies_rest, only: test_rest
-   use studies_rows, only: test_rows
+   use studies_rows, only: test_largest, test_rows
    use studies_spans, only: test_spans
    use studies_states, only: test_states
    use studies_steps, only: test_steps
@@ -59,14 +61,18 @@ program test_studies
    call test_flags()
    call test_single()
    call test_rings()
+   call test_bent_sides()
    call test_passing()
    call test_rings_on_edges()
    call test_joints()
+   call test_short_curves()
+   call test_corners_at_joints()
    call test_condition_names()
    call test_atlas()
    call test_outcomes()
    call test_limits()
    call test_shared_simulations()
+   call test_boundaries()
    call test_branches()
    call test_conditions()
    call test_switching_away_from_a_graze()
@@ -74,6 +80,7 @@ program test_studies
    call test_symbols()
    call test_rest()
    call test_rows()
+   call test_largest()
    call test_spans()
    call test_states()
    call test_steps()
