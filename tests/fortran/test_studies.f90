@@ -11,6 +11,7 @@ program test_studies
    use studies_boundaries, only: test_boundaries
    use studies_branches, only: test_branches
    use studies_conditions, only: test_conditions
+   use studies_found, only: test_found
    use studies_joints, only: test_condition_names, test_corners_at_joints, test_joints, &
       test_short_curves
    use studies_symbols, only: test_symbols
@@ -75,6 +76,7 @@ program test_studies
    call test_boundaries()
    call test_branches()
    call test_conditions()
+   call test_found()
    call test_switching_away_from_a_graze()
    call test_switching()
    call test_symbols()
