@@ -155,7 +155,6 @@ contains
                study%set(trim(state_keys(i)%name), &
                [0.0_wp])
          end do
-         if (len(study%fault) > 0) return
          allocate (clearance, source=clearance_values(case, n))
          if (study%is('sweep', 'up')) clearance = clearance(1)
          if (study%is('sweep', 'down')) clearance = clearance(n)

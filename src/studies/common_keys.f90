@@ -261,7 +261,6 @@ contains
       !> The limit in words.
       character(*), intent(in) :: words
 
-      if (len(study%fault) > 0) return
       if (product(real(factors, wp)) > most_numbers) call study%refuse(key, words)
    end subroutine check_product
 

@@ -157,7 +157,6 @@ contains
       taken = 0
       do round = 1, rounds
          n = sum(lines%n_births - taken)
-         if (n == 0) return
          allocate (births(n), owners(n))
          n = 0
          do i = 1, size(lines)
