@@ -406,8 +406,6 @@ contains
       integer :: last
 
       last = from - 1 + len_trim(text(from:))
-      start = last + 1
-      if (last < from) return
       if (text(last:last) == ')') then
          last = from - 1 + len_trim(text(from:from - 2 + index(text(from:last), '(', back=.true.)))
       end if
