@@ -205,7 +205,8 @@ contains
       if (form == 2) wanted = mirrored(found)
       if (form > 0) wanted = in_standard_form(wanted, scale)
       changed = form == 2 .or. wanted%pattern%cycles /= found%pattern%cycles
-      if (.not. changed) changed = any(abs(wanted%unknowns - found%unknowns) > 0)
+      ! the same positions in another order: if any is less, another is greater
+      if (.not. changed) changed = any(wanted%unknowns > found%unknowns)
       wanted%releases = cshift(wanted%releases, -1, dim=2)
       call describe_motion(system, wanted, described)
    end subroutine find_in_form

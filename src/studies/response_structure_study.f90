@@ -127,8 +127,8 @@ contains
          call run_sweep(s, path, 0, cells, result, progress)
          call put_cells(result, path, s, cells)
       end associate
-      call result%put('cells', 'largest', [(max(abs(cells(i)%q_min), cells(i)%q_max), &
-         i=1, size(cells))], n)
+      call result%put('cells', 'largest', [(max(abs(cells(i)%q_min), cells(i)%q_max), i=1, &
+         size(cells))], n)
       call result%put('cells', 'rms', [(cells(i)%q_rms, i=1, size(cells))], n)
       call result%put('cells', 'steady_largest', [largest(:, cells%value)], n)
       call result%put('cells', 'steady_rms', [rms(:, cells%value)], n)

@@ -232,14 +232,13 @@ contains
 
    !> Whether all numbers outside the diagonal are 0.
    pure logical function is_diagonal(matrix)
-      !> (n, n)
+      !> (n, n) A symmetric matrix.
       real(wp), intent(in) :: matrix(:, :)
       integer :: i
 
       is_diagonal = .true.
       do i = 1, size(matrix, 1)
-         is_diagonal = is_diagonal .and. all(abs(matrix(:i - 1, i)) <= 0) .and. &
-            all(abs(matrix(i + 1:, i)) <= 0)
+         is_diagonal = is_diagonal .and. all(abs(matrix(:i - 1, i)) <= 0)
       end do
    end function is_diagonal
 
