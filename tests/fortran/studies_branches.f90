@@ -1,4 +1,5 @@
-!> Branches that have no family or no motion at their start, and those along which both walls change.
+!> Branches that have no family or no motion at their start, and those along which both walls
+!! change.
 module studies_branches
    use checks, only: check, check_close
    use vi_assess, only: paper_acceptance

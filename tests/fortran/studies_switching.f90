@@ -3,13 +3,15 @@ module studies_switching
    use checks, only: check, check_close
    use random_numbers, only: random_type
    use random_systems, only: random_motion
-   use vi_assess, only: assess_linear, paper_acceptance
+   use vi_assess, only: assess_exact, assess_linear, paper_acceptance
    use vi_branch_switching, only: at_flip, at_grazing, at_pitchfork, most_switched, switch_branch
    use vi_chain, only: equispaced_chain
+   use vi_exact, only: setting_type, solve_exact
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, yes
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi
    use vi_oscillator, only: oscillator_type
+   use vi_pattern, only: new_pattern, pattern_type
    use vi_periodic, only: linear_system_type
    use vi_status, only: stat
    implicit none (type, external)
@@ -24,6 +26,7 @@ contains
    subroutine test_switching()
       call test_two_touches()
       call test_pitchfork()
+      call test_flip()
       call test_nothing_begins()
    end subroutine test_switching
 
@@ -98,6 +101,62 @@ contains
          end associate
       end do
    end subroutine test_pitchfork
+
+   !> At a flip a motion of twice the period begins, also if the motion at the flip is given over
+   !! two periods. Where the periods of such a motion differ, it is at no flip.
+   subroutine test_flip()
+      real(wp), parameter :: critical = 7.7233155664012489_wp, x(3) = [3.2523283181522382_wp, &
+         3.8648459233151695e-2_wp, -2.6337093125603341_wp], phases(3) = [0.0_wp, &
+         1.7277799484434833_wp, 3.8882027285236607_wp], tau = 1.6069162791150013_wp
+      real(wp), parameter :: turn = 2*acos(-1.0_wp)
+      type(motion_type) :: motion, twice, found(most_switched), again(most_switched)
+      integer :: n, m, p
+
+      call solve('RRL', critical, x, phases + tau, motion)
+      twice = motion
+      twice%pattern = new_pattern('RRLRRL', 2)
+      twice%x = [motion%x, motion%x]
+      twice%phases = [motion%phases, motion%phases + turn]
+      twice%restitution = [motion%restitution, motion%restitution]
+      do p = by_r, by_right
+         call switch_branch(motion, at_flip, 0, 0, p, p == by_right, found, n)
+         call switch_branch(twice, at_flip, 0, 0, p, p == by_right, again, m)
+         call check(n == 1 .and. m == 1, 'switching: one motion at a flip')
+         if (n /= 1 .or. m /= 1) cycle
+         associate (f => found(1), g => again(1))
+            call check(f%status == stat%ok .and. f%pattern%cycles == 2 .and. &
+               all(f%pattern%sides == [1, 1, -1, 1, 1, -1]), 'switching: twice the period')
+            call check(maxval(abs(f%x(4:) - f%x(:3))) > 1e-2_wp, 'switching: periods that differ')
+            call check_close(min(maxval(abs(g%x - f%x)), maxval(abs(g%x - cshift(f%x, 3)))), &
+               0.0_wp, 1e-6_wp, 'switching: the same from two periods')
+            call check(abs(f%osc%restitution(1) - f%osc%restitution(2)) <= 0, &
+               'switching: both walls remain alike at a flip')
+         end associate
+         call switch_branch(found(1), at_flip, 0, 0, p, p == by_right, again, m)
+         call check(m == 0, 'switching: no flip where periods differ')
+         call switch_branch(motion, at_pitchfork, 0, 0, p, p == by_right, again, m)
+         call check(m == 0, 'switching: a flip is no pitchfork')
+      end do
+   end subroutine test_flip
+
+   !> The motion near a guess, for r = 0.8, xi = 0.05, mu = 0.1, R = 0.6.
+   subroutine solve(symbols, clearance, x, theta, motion)
+      character(*), intent(in) :: symbols
+      real(wp), intent(in) :: clearance, x(:), theta(:)
+      type(motion_type), intent(out) :: motion
+      type(pattern_type) :: pattern
+      real(wp) :: x_now(size(x)), theta_now(size(x)), none(2*size(x), 0)
+      integer :: iterations
+
+      pattern = new_pattern(symbols, size(x)/3)
+      x_now = x
+      theta_now = theta
+      call solve_exact(setting_type(oscillator_type(0.05_wp, 0.1_wp, [0.6_wp, 0.6_wp]), 0.8_wp, &
+         1.0_wp, clearance, pattern, spread(0.6_wp, 1, size(x))), x_now, theta_now, 50, none, &
+         motion, iterations)
+      call check(motion%status == stat%ok, 'switching: a motion at a flip')
+      call assess_exact(motion)
+   end subroutine solve
 
    !> Without a critical multiplier, or without multipliers at all, no motion begins.
    subroutine test_nothing_begins()
