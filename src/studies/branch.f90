@@ -163,8 +163,8 @@ contains
    end function is_too_far
 
    !> (conditions) Whether it is the one of Neimark-Sacker and is zero but for rounding at both ends
-   !! of a step: a pair of multipliers lies on the unit circle, such as that of a host without damping
-   !! that is too heavy to be moved by impacts.
+   !! of a step: a pair of multipliers lies on the unit circle, such as that of a host that neither
+   !! dampers nor impacts affect.
    pure function stays_on_circle(now, next) result(stays)
       !> Start and end of the step.
       type(place_type), intent(in) :: now, next
