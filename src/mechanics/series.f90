@@ -75,7 +75,7 @@ contains
       integer, intent(in) :: n
       real(wp), parameter :: factorial = 51090942171709440000.0_wp
 
-      t = huge(1.0_wp)
+      t = 0.25_wp*huge(1.0_wp)                         ! so that twice as long is still a number
       if (bound > tiny(1.0_wp)) t = (tolerance*factorial/bound)**(1.0_wp/n)
    end function tolerated
 
@@ -173,9 +173,9 @@ contains
             root = sqrt(max(0.0_wp, k(2)**2 + k(1)*fourth/6))
             step = 0
             if (k(1) > 0 .and. k(2) <= 0) then
-               step = 2*k(1)/max(root - k(2), tiny(root))
+               step = 2*k(1)/max(root - k(2), 16*tiny(root)*max(1.0_wp, k(1)))
             else if (k(1) >= 0 .and. k(2) > 0) then
-               step = 12*(k(2) + root)/max(fourth, tiny(fourth))
+               step = 12*(k(2) + root)/max(fourth, 16*tiny(fourth)*max(1.0_wp, k(2) + root))
             end if
             step = min(opening%near, 0.99_wp*step)
             return
