@@ -247,7 +247,8 @@ contains
    !! a quartic; the one in the middle is larger by the dip.
    subroutine test_coefficients()
       real(wp) :: b(0:3), c(0:4), dip, level, f(2), rise(2)
-      real(wp), dimension(lanes) :: highest, first, second, rises(lanes, 2), dips
+      real(wp), dimension(lanes) :: highest, first, second, dips
+      real(wp) :: rises(lanes, 2)
       integer :: i, place, seen(-5:5)
 
       seen = 0

@@ -464,6 +464,8 @@ contains
                load%cosine(p, 1) = part
             case (13)
                load%sine(p, 1) = part
+            case default
+               ! the pair itself
             end select
             call recognise(structure, load, pair)
             call check(pair%known .eqv. kind == 0, 'another structure is not the pair')
@@ -517,6 +519,8 @@ contains
             case (8)
                if (mod(i, 4) < 2) cycle
                path%structure%laws(j)%values(2) = path%structure%laws(j)%values(2) + part
+            case default
+               ! as it is
             end select
             call check(is_odd(path) .eqv. kind == 0, 'mirror images of motions')
             call check((same_law(path%structure, 1, 2) .eqv. kind < 6) .and. &

@@ -400,7 +400,7 @@ def keep(texts, others, before):
     lines, changed, calls = [], 0, {}
     subprocess.run(["ninja", "-C", ROOT / "build/fortran"], check=True, stdout=subprocess.DEVNULL)
     mine = work.Work(ROOT / "build/fortran")
-    texts = [text for text in texts if not text.startswith(STOPPED)]
+    texts = [*dict.fromkeys(text.removeprefix(STOPPED) for text in texts)]
     for text in (*texts, *(STOPPED + text for text in texts)):
         common = answer(text)
         if text.startswith(STOPPED) and not [*differences(answer(text[len(STOPPED) :]), common)]:
