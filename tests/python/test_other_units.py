@@ -28,10 +28,10 @@ OF_COLUMNS = {
 BOUNDS = {
     "low": "parameter", "high": "parameter", "x_low": "x", "x_high": "x", "y_low": "y", "y_high": "y",
 }  # fmt: skip
-#: A text with one of these words is left out: its numbers have other dimensions or leave the range of doubles, or
-#: rounding decides what a long chaotic run does.
+#: A text with one of these words is left out: its numbers have other dimensions or leave the range of doubles or
+#: that of their keys, or rounding decides what a long chaotic run does.
 OTHERS = re.compile(
-    r"_file\b|-3\d\d\b|\b(frequencies|shapes|base|axes|weights|sweep|entries|lyapunov)\b"
+    r"_file\b|-3\d\d\b|\b1e12\b|\b(frequencies|shapes|base|axes|weights|sweep|entries|lyapunov)\b"
 )
 
 
