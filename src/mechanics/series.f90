@@ -63,8 +63,9 @@ contains
       if (.not. opening%speed > 0) m = merge(2, 1, released)
       opening%near = 0
       if (.not. abs(opening%k(m)) > 0) return
-      ! the omitted terms are below the rounding of the first one
-      opening%near = tolerated(epsilon(1.0_wp)*abs(opening%k(m)), series%beyond, order - m)
+      ! the omitted terms are below the rounding of the first one; twice as long is still a number
+      opening%near = min(0.25_wp*huge(1.0_wp), tolerated(epsilon(1.0_wp)*abs(opening%k(m)), &
+         series%beyond, order - m))
    end subroutine new_opening
 
    !> The t at which bound t^n/(order + 1)! equals a tolerance.
@@ -75,7 +76,7 @@ contains
       integer, intent(in) :: n
       real(wp), parameter :: factorial = 51090942171709440000.0_wp
 
-      t = 0.25_wp*huge(1.0_wp)                         ! so that twice as long is still a number
+      t = huge(1.0_wp)
       if (bound > tiny(1.0_wp)) t = (tolerance*factorial/bound)**(1.0_wp/n)
    end function tolerated
 
