@@ -63,7 +63,7 @@ contains
       do turn = 1, 5
          do k = 1, zone%n
             call trace_loop(zone%surface, stride, zone%loops(k)%points(:, 1), &
-               zone%loops(k)%conditions(1), request%points, loop)
+               zone%loops(k)%conditions(1), request%points, 1, loop)
             if (.not. loop%closed) error stop 'a loop that was closed is open'
             vertices = vertices + loop%n
          end do

@@ -594,12 +594,16 @@ contains
 
    !> Numbers with all digits, also those that are not finite, and the end of a message.
    subroutine test_exact()
+      character(30) :: text
+
       call check(exact(0.1_wp) == '1.0000000000000001E-001', 'exact: 0.1')
       call check(exact(-2.0_wp) == '-2.0000000000000000E+000', 'exact: -2')
       call check(exact(ieee_value(1.0_wp, ieee_quiet_nan)) == 'NaN' .and. &
          len(exact(ieee_value(1.0_wp, ieee_quiet_nan))) == 3, 'exact: not a number')
-      call check(exact(ieee_value(1.0_wp, ieee_negative_inf)) == '-Infinity' .and. &
-         len(exact(ieee_value(1.0_wp, ieee_negative_inf))) == 9, 'exact: infinite')
+      ! a compiler may write either
+      text = exact(ieee_value(1.0_wp, ieee_negative_inf))
+      call check(any(text == ['-Infinity', '-Inf     ']) .and. &
+         len(exact(ieee_value(1.0_wp, ieee_negative_inf))) == len_trim(text), 'exact: infinite')
       call check(last_part('Cannot open a: b:  No such file ') == 'No such file' .and. &
          len(last_part('Cannot open a: b:  No such file ')) == 12, 'the last part of a message')
       call check(last_part('No such file') == 'No such file', 'a message in one part')
