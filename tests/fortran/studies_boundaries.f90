@@ -125,8 +125,8 @@ contains
       integer :: j, k, n, v, compared
 
       n = unknown_count(zone%surface%frame)
-      types = [(findloc(shift_types, condition_name(loop%conditions(k)%kind, &
-         loop%conditions(k)%index, request%symmetric, .true.), dim=1), k=1, loop%n)]
+      allocate (types, source=[(findloc(shift_types, condition_name(loop%conditions(k)%kind, &
+         loop%conditions(k)%index, request%symmetric, .true.), dim=1), k=1, loop%n)])
       kept = pack([(k, k=1, loop%n)], types > 0 .and. loop%corner == 0 .and. &
          loop%conditions%kind /= repetition)
       kept = kept(::every)

@@ -536,10 +536,12 @@ contains
          end do
          call sample_segments(system, starts, [(0, i=0, size(events))], [(ends(1, j) + &
             (i - 0.5_wp)*period/samples, i=1, samples)], v)
-         x = [v(1, :), events%x, events%x]
-         x_dot = [v(2, :), events%x_dot_before, events%x_dot_after]
-         x_ddot = [v(6, :), sin(events%phase), sin(events%phase)] - 2*system%osc%xi*x_dot - x
-         approach = events%side*(events%z_dot_before - events%x_dot_before)
+         if (allocated(x)) deallocate (x, x_dot, x_ddot, approach)
+         allocate (x, source=[v(1, :), events%x, events%x])
+         allocate (x_dot, source=[v(2, :), events%x_dot_before, events%x_dot_after])
+         allocate (x_ddot, source=[v(6, :), sin(events%phase), sin(events%phase)] &
+            - 2*system%osc%xi*x_dot - x)
+         allocate (approach, source=events%side*(events%z_dot_before - events%x_dot_before))
          call check_close(found(displacement, j), maxval(abs(x)), tolerance, 'figures: x')
          call check_close(found(acceleration, j), maxval(abs(x_ddot)), tolerance, &
             'figures: acceleration')
