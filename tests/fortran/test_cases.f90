@@ -1,6 +1,7 @@
 !> Tests of cases: values as they are written, and the descriptions of keys.
 program test_cases
    use cases_files, only: test_files
+   use cases_results, only: test_results
    use checks, only: check, check_close, finish
    use random_numbers, only: draw, draw_integer, random_type
    use vi_buffer, only: add_quoted, buffer_type
@@ -21,6 +22,7 @@ program test_cases
    call test_descriptions()
    call test_quoted()
    call test_files()
+   call test_results()
    call finish()
 
 contains

@@ -27,6 +27,8 @@ program test_studies
    use studies_structure_conditions, only: test_structure_conditions
    use studies_structure_arrays, only: test_structure_arrays
    use studies_structure_motions, only: test_structure_motions
+   use studies_structure_pair, only: test_structure_pair
+   use studies_structure_runs, only: test_structure_runs
    use studies_structure_slopes, only: test_structure_slopes
    use vi_assess, only: paper_acceptance
    use vi_branch_switching, only: at_grazing, most_switched, switch_branch
@@ -91,6 +93,8 @@ program test_studies
    call test_structures()
    call test_structure_arrays()
    call test_structure_motions()
+   call test_structure_pair()
+   call test_structure_runs()
    call test_structure_slopes()
    call test_structure_conditions()
    call test_attractors()

@@ -1,0 +1,333 @@
+!> Simulations of structures: their starts and ends, samples, repetitions, accumulations and rests.
+module studies_structure_runs
+   use, intrinsic :: iso_fortran_env, only: int64
+   use checks, only: check, check_close
+   use random_numbers, only: draw, draw_integer, fill, random_type
+   use studies_structure_motions, only: between, cosine_load
+   use vi_kinds, only: wp
+   use vi_status, only: stat
+   use vi_structure, only: load_type, new_load, new_structure, structure_type
+   use vi_structure_return, only: repetition
+   use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
+      run_state_type, run_type, simulate_structure, start_at, stick_event
+   use vi_structure_trajectory, only: sample_structure_arrays, simulate_structure_arrays, &
+      simulate_structure_case
+   use vi_structure_variation, only: derivative_of_run
+   implicit none (type, external)
+   private
+
+   public :: test_structure_runs
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   subroutine test_structure_runs()
+      call test_ends()
+      call test_repetition()
+      call test_starts_at_a_gap()
+      call test_far_starts()
+      call test_samples_through_rests()
+      call test_ends_of_accumulations()
+      call test_mirrored_accumulations()
+      call test_gaps_that_close_together()
+      call test_spread_of_speeds()
+   end subroutine test_structure_runs
+
+   !> A simulation that reaches its end ends there to the last bit.
+   subroutine test_ends()
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp), allocatable :: table(:, :), end_state(:)
+      integer, allocatable :: labels(:, :)
+      real(wp) :: rows(5, 400), at_end(2), end_time, frequency, last
+      integer :: i, kinds(2, 400), n, status
+
+      structure = between(0.2_wp, 50.0_wp, 0.7_wp)
+      do i = 1, 100
+         frequency = draw(random, 0.5_wp, 3.0_wp)
+         load = cosine_load(frequency, 1.0_wp)
+         last = draw(random, 1.0_wp, 60.0_wp)
+         ! the last number below some periods: their number may be rounded up
+         if (mod(i, 2) == 0) last = nearest(draw_integer(random, 1, 9)*(2*pi/frequency), -1.0_wp)
+         call simulate_structure_case(structure, load, 0.0_wp, [0.0_wp], [0.1_wp], last, 400, &
+            table, labels, n, end_state, end_time, status)
+         call check(status == stat%ok .and. abs(end_time - last) <= 0, 'ends: of a simulation')
+         call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp], [0.1_wp], last, rows, &
+            kinds, n, at_end, end_time, status)
+         call check(status == stat%ok .and. abs(end_time - last) <= 0, 'ends: into arrays')
+         call check(all(abs(at_end - end_state) <= 0), 'ends: in the same state')
+      end do
+   end subroutine test_ends
+
+   !> States that repeat after some cycles do so whatever their signs, up to the difference allowed.
+   subroutine test_repetition()
+      integer, parameter :: most = 4
+      real(wp), parameter :: near = 1.0e-4_wp
+      type(random_type) :: random
+      real(wp) :: strobes(4, 0:2*most), cycle(4, 0:most - 1), largest
+      integer :: found, i, j, k, period
+
+      do i = 1, 400
+         period = draw_integer(random, 1, most)
+         do j = 1, 4
+            call fill(random, 0.5_wp, 2.0_wp, cycle(j, :))
+         end do
+         ! coordinates and velocities of one sign
+         cycle(:2, :) = cycle(:2, :)*merge(1, -1, mod(i, 2) == 0)
+         cycle(3:, :) = cycle(3:, :)*merge(100, -100, mod(i, 4) < 2)
+         strobes = reshape([(cycle(:, modulo(j, period)), j=0, 2*most)], shape(strobes))
+         call repetition(strobes, most, near, found)
+         call check(found == period, 'repetition: after some cycles')
+         k = draw_integer(random, 1, 4)
+         j = draw_integer(random, 0, 2*most)
+         largest = maxval(abs(strobes(merge(1, 3, k < 3):merge(2, 4, k < 3), :)))
+         strobes(k, j) = strobes(k, j) + 0.9_wp*near*largest*merge(1, -1, mod(i, 8) < 4)
+         call repetition(strobes, most, near, found)
+         call check(found == period, 'repetition: up to a small difference')
+         strobes(k, j) = strobes(k, j) + near*largest*merge(1, -1, mod(i, 8) < 4)
+         call repetition(strobes, most, near, found)
+         ! a difference is seen by the periods after which there is another state
+         call check(found == 0 .or. (found > j .and. found > 2*most - j), &
+            'repetition: not beyond it')
+      end do
+   end subroutine test_repetition
+
+   !> A gap that is less than the rounding of its terms is closed, and rests if its speed is the
+   !! rounding of the velocities and the load presses on it, whatever the signs of all of them.
+   subroutine test_starts_at_a_gap()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: state
+      real(wp) :: direction(2), matrices(2, 2, 3), opening, q(2), rate(2), scale
+      integer :: i, status
+
+      matrices = 0
+      do i = 1, 2
+         matrices(i, i, :) = [1.0_wp, 0.1_wp, 1.0_wp]
+      end do
+      do i = 1, 400
+         direction = [draw(random, 0.5_wp, 2.0_wp)*merge(1, -1, mod(i, 2) == 0), &
+            draw(random, 0.5_wp, 2.0_wp)*merge(1, -1, mod(i, 4) < 2)]
+         opening = draw(random, 1.0_wp, 3.0_wp)*merge(1, -1, mod(i, 8) < 4)
+         rate = draw(random, 1.0_wp, 2.0_wp)*merge(1, -1, mod(i, 16) < 8)*[1.0_wp, &
+            -direction(1)/direction(2)]
+         call new_run(new_structure(matrices, reshape(direction, [2, 1]), reshape([opening, &
+            0.5_wp], [2, 1])), new_load(0.0_wp, reshape([real(wp) ::], [2, 2, 0]), &
+            50*direction), run, status)
+         q(1) = draw(random, -2.0_wp, 2.0_wp)
+         q(2) = (opening - direction(1)*q(1))/direction(2)
+         scale = abs(opening) + sum(abs(direction))*maxval(abs(q))
+         call start(0.9e-13_wp, 0)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: a gap closed by rounding')
+         call start(1.1e-13_wp, 0)
+         call check(status == stat%gap_closed, 'starts: a start in a gap')
+         call start(-0.9e-13_wp, 0)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: a gap open by rounding')
+         call start(-1.1e-13_wp, 0)
+         call check(status == stat%ok .and. state%regime == 1, 'starts: an open gap')
+         call start(0.0_wp, 12)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: a speed of rounding')
+         call start(0.0_wp, -12)
+         call check(status == stat%ok .and. state%regime > 1, 'starts: the opposite one')
+         call start(0.0_wp, 20)
+         call check(status == stat%ok .and. state%regime == 1, 'starts: a speed')
+         call start(0.0_wp, -20)
+         call check(status == stat%ok .and. state%regime == 1, 'starts: the opposite speed')
+      end do
+
+   contains
+
+      !> Starts in the gap by a share of its terms, with a number of roundings of a velocity.
+      subroutine start(share, roundings)
+         real(wp), intent(in) :: share
+         integer, intent(in) :: roundings
+
+         call start_at(run, 0.0_wp, [q(1), q(2) + share*scale/direction(2)], [rate(1), rate(2)*(1 &
+            + roundings*epsilon(share))], state, status)
+      end subroutine start
+   end subroutine test_starts_at_a_gap
+
+   !> Coordinates and velocities beyond the units of the numbers are refused, whatever their signs.
+   subroutine test_far_starts()
+      real(wp) :: table(5, 9), end_state(2), end_time
+      integer :: labels(2, 9), n, side, status
+
+      do side = -1, 1, 2
+         call simulate_structure_arrays(between(50.0_wp, 50.0_wp, 0.5_wp), cosine_load(0.9_wp, &
+            1.0_wp), 0.0_wp, [side*1.0e60_wp], [0.0_wp], 1.0_wp, table, labels, n, end_state, &
+            end_time, status)
+         call check(status == stat%extreme_units, 'starts: far away')
+         call simulate_structure_arrays(between(50.0_wp, 50.0_wp, 0.5_wp), cosine_load(0.9_wp, &
+            1.0_wp), 0.0_wp, [0.0_wp], [side*1.0e60_wp], 1.0_wp, table, labels, n, end_state, &
+            end_time, status)
+         call check(status == stat%extreme_units, 'starts: fast')
+      end do
+   end subroutine test_far_starts
+
+   !> Samples of trajectories with rests are the states in which simulations up to these times end.
+   subroutine test_samples_through_rests()
+      integer, parameter :: room = 2000, wanted = 60
+      real(wp), parameter :: last = 40.0_wp
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp) :: matrices(2, 2, 3), cosine(2, 2, 1), table(7, room), end_state(4), end_time, &
+         starts(5, room + 1), times(wanted), values(4, wanted), other(7, room), largest(4)
+      integer :: labels(2, room + 1), again(2, room), i, m, n, status
+
+      matrices(:, :, 1) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.5_wp], [2, 2])
+      matrices(:, :, 2) = reshape([0.2_wp, -0.1_wp, -0.1_wp, 0.1_wp], [2, 2])
+      matrices(:, :, 3) = reshape([2.0_wp, -1.0_wp, -1.0_wp, 1.0_wp], [2, 2])
+      structure = new_structure(matrices, reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), &
+         reshape([0.1_wp, 0.2_wp, 0.15_wp, 0.1_wp], [2, 2]))
+      cosine(:, :, 1) = reshape([1.0_wp, 0.3_wp, 0.0_wp, 0.5_wp], [2, 2])
+      load = new_load(0.7_wp, cosine, [0.2_wp, 0.1_wp])
+      call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp, 0.0_wp], [0.2_wp, 0.0_wp], &
+         last, table, labels(:, 2:), n, end_state, end_time, status)
+      call check(status == stat%ok .and. count(labels(1, 2:n + 1) == release_event .and. &
+         labels(2, 2:n + 1) == 1) > 2 .and. count(labels(1, 2:n + 1) == release_event .and. &
+         labels(2, 2:n + 1) == 2) > 2, 'rests: of both gaps')
+      if (status /= stat%ok) return
+      starts(:, 1) = [0.0_wp, 0.0_wp, 0.0_wp, 0.2_wp, 0.0_wp]
+      labels(:, 1) = 0
+      starts(1, 2:n + 1) = table(1, :n)
+      starts(2:, 2:n + 1) = table(4:, :n)
+      times = last*[((i - 0.37_wp)/wanted, i=1, wanted)]
+      call sample_structure_arrays(structure, load, starts(:, :n + 1), labels(:, :n + 1), times, &
+         values, status)
+      call check(status == stat%ok, 'rests: samples')
+      largest = maxval(abs(values), dim=2)
+      do i = 1, wanted
+         call simulate_structure_arrays(structure, load, 0.0_wp, [0.0_wp, 0.0_wp], [0.2_wp, &
+            0.0_wp], times(i), other, again, m, end_state, end_time, status)
+         call check(all(abs(values(:, i) - end_state) <= 1.0e-9_wp*largest), &
+            'rests: samples are states of simulations')
+      end do
+   end subroutine test_samples_through_rests
+
+   !> A mass that falls on a wall comes to rest after infinitely many impacts at a known time: a
+   !! simulation that ends before it ends without a rest, however short before it.
+   subroutine test_ends_of_accumulations()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: state
+      type(run_event_type) :: events(200)
+      real(wp) :: at, early, force, restitution
+      integer :: i, n, status
+
+      do i = 1, 200
+         restitution = draw(random, 0.1_wp, 0.6_wp)
+         force = draw(random, 0.5_wp, 2.0_wp)
+         ! it falls from a distance of 1 and returns with R times the speed
+         at = sqrt(2/force)*(1 + 2*restitution/(1 - restitution))
+         early = 10.0_wp**draw(random, -12.0_wp, -3.0_wp)*merge(1, -1, mod(i, 2) == 0)
+         call new_run(new_structure(reshape([1.0_wp, 0.0_wp, 0.0_wp], [1, 1, 3]), &
+            reshape([1.0_wp], [1, 1]), reshape([1.0_wp, restitution], [2, 1])), &
+            new_load(0.0_wp, reshape([real(wp) ::], [1, 2, 0]), [force]), run, status)
+         call start_at(run, 0.0_wp, [0.0_wp], [0.0_wp], state, status)
+         call simulate_structure(run, state, int(at - early, int64), modulo(at - early, 1.0_wp), &
+            events, n, status)
+         call check(status == stat%ok .and. (count(events(:n)%kind == stick_event) == 1) .eqv. &
+            early < 0, 'accumulations: a rest where the end is not before it')
+         call check(all(real(events(:n)%cycle, wp) + events(:n)%elapsed <= at - early &
+            + 1.0e-14_wp), 'accumulations: no event after the end')
+         if (early < 0) call check_close(real(events(n)%cycle, wp) + events(n)%elapsed, at, &
+            1.0e-13_wp, 'accumulations: when a rest begins')
+      end do
+   end subroutine test_ends_of_accumulations
+
+   !> A motion with rests on a wall has its events at the same times on the opposite wall under the
+   !! opposite load.
+   subroutine test_mirrored_accumulations()
+      type(random_type) :: random
+      real(wp) :: table(5, 2000), other(5, 2000), end_state(2), end_time, frequency, constant
+      integer :: i, labels(2, 2000), m, marks(2, 2000), n, rests, status
+
+      rests = 0
+      do i = 1, 40
+         frequency = draw(random, 0.5_wp, 2.0_wp)
+         constant = draw(random, 0.2_wp, 0.6_wp)
+         call simulate_structure_arrays(between(0.1_wp, 50.0_wp, 0.3_wp), loaded(1.0_wp), 0.0_wp, &
+            [0.0_wp], [0.1_wp], 30.0_wp, table, labels, n, end_state, end_time, status)
+         call check(status == stat%ok, 'mirrored: a simulation')
+         call simulate_structure_arrays(between(50.0_wp, 0.1_wp, 0.3_wp), loaded(-1.0_wp), &
+            0.0_wp, [0.0_wp], [-0.1_wp], 30.0_wp, other, marks, m, end_state, end_time, status)
+         call check(status == stat%ok .and. m == n, 'mirrored: as many events')
+         if (m /= n) cycle
+         call check(all(labels(1, :n) == marks(1, :n)) .and. all(labels(2, :n) == 1) .and. &
+            all(marks(2, :n) == 2), 'mirrored: the same events on the other wall')
+         call check(maxval(abs(table(1, :n) - other(1, :n))) <= 1.0e-14_wp*30, &
+            'mirrored: at the same times')
+         rests = rests + count(labels(1, :n) == stick_event)
+      end do
+      call check(rests > 100, 'mirrored: some with rests')
+
+   contains
+
+      !> A load that presses on a wall.
+      type(load_type) function loaded(side)
+         real(wp), intent(in) :: side
+
+         loaded = new_load(frequency, reshape([side, 0.5_wp*side], [1, 2, 1]), [constant*side])
+      end function loaded
+   end subroutine test_mirrored_accumulations
+
+   !> Two gaps of a mass that close at the same place have no defined outcome, wherever the place
+   !! is, and beside a gap that stays open: openings at q = 0 may be negative.
+   subroutine test_gaps_that_close_together()
+      type(random_type) :: random
+      real(wp) :: direction, opening, table(5, 9), end_state(2), end_time
+      integer :: i, labels(2, 9), n, status
+
+      do i = 1, 400
+         direction = draw(random, 0.5_wp, 2.0_wp)*merge(1, -1, mod(i, 2) == 0)
+         opening = draw(random, 0.5_wp, 3.0_wp)*merge(1, -1, mod(i, 4) < 2)
+         call simulate_structure_arrays(new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, 1, &
+            3]), reshape([direction, direction, direction], [1, 3]), reshape([opening, 0.5_wp, &
+            opening, 0.5_wp, opening + 5, 0.5_wp], [2, 3])), cosine_load(0.9_wp, 0.3_wp), &
+            0.0_wp, [(opening - 1)/direction], [(6*abs(opening - 1) + 6)/direction], 20.0_wp, &
+            table, labels, n, end_state, end_time, status)
+         call check(status == stat%coupled_impacts .and. n == 0, 'coupled: gaps that close at once')
+      end do
+   end subroutine test_gaps_that_close_together
+
+   !> The greatest approach speed over the least one counts no impacts of accumulations in the
+   !! latter.
+   subroutine test_spread_of_speeds()
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: first, last
+      type(run_event_type) :: events(300)
+      real(wp) :: largest, least, p(2, 2), spread
+      integer :: i, j, n, status, with(2)
+
+      with = 0
+      do i = 1, 200
+         call new_run(between(draw(random, 0.0_wp, 1.0_wp), draw(random, 0.0_wp, 1.0_wp), &
+            merge(0.8_wp, 0.1_wp, mod(i, 2) == 0)), cosine_load(draw(random, 0.3_wp, 2.0_wp), &
+            1.0_wp), run, status)
+         call start_at(run, 0.0_wp, [0.0_wp], [0.3_wp], first, status)
+         last = first
+         call simulate_structure(run, last, int(draw_integer(random, 1, 4), int64), 0.0_wp, &
+            events, n, status)
+         if (status /= stat%ok) cycle
+         call derivative_of_run(run, first, events(:n), last, p, spread, status)
+         call check(status == stat%ok, 'spread: a derivative')
+         largest = 0
+         least = huge(1.0_wp)
+         do j = 1, n
+            if (events(j)%kind == impact_event) largest = max(largest, events(j)%speed)
+            if (events(j)%kind == impact_event .and. .not. any(events(j + 1:n)%gap == &
+               events(j)%gap .and. events(j + 1:n)%kind /= impact_event)) least = min(least, &
+               events(j)%speed)
+         end do
+         call check_close(spread, max(1.0_wp, largest/least), 1.0e-14_wp*spread, &
+            'spread: of approach speeds')
+         if (spread > 1.1_wp) with(1) = with(1) + 1
+         if (any(events(:n)%kind == stick_event)) with(2) = with(2) + 1
+      end do
+      call check(all(with > 20), 'spread: different speeds, and rests')
+   end subroutine test_spread_of_speeds
+
+end module studies_structure_runs
