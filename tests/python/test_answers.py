@@ -1,4 +1,4 @@
-"""The answers to seventeen hundred small cases, which together reach most of the core, are those that were kept.
+"""The answers to thousands of small cases, which together reach most of the core, are those that were kept.
 
 They tell that an answer has changed, not which one is right: for that there are the laws of other tests. Where a
 change is meant, `python tests/quality/find_answers.py --renew` writes the answers again, and shows what changed.
