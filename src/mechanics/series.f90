@@ -63,7 +63,7 @@ contains
       if (.not. opening%speed > 0) m = merge(2, 1, released)
       opening%near = 0
       if (.not. abs(opening%k(m)) > 0) return
-      ! the omitted terms are below the rounding of the first one; twice as long is still a number
+      ! the omitted terms are below the rounding of the first one; twice this time must not overflow
       opening%near = min(0.25_wp*huge(1.0_wp), tolerated(epsilon(1.0_wp)*abs(opening%k(m)), &
          series%beyond, order - m))
    end subroutine new_opening

@@ -339,7 +339,7 @@ contains
       call prepare(regime%modes, load%step > 0)
       if (load%step > 0) then
          forces = transpose(basis)
-         ! inputs_of has solved with the same matrix
+         ! this succeeds: inputs_of has solved with the same matrix
          call solve_columns(between(structure%mass), forces, status)
          regime%to_drift = matmul(parts%xd, forces)
          regime%drifts = any(abs(regime%to_drift) > 0)

@@ -291,7 +291,7 @@ contains
          starts(5, i) = starts(3, i) + 0.5_wp*events(i)%side*system%clearance   ! z at the wall
          associate (e => events(i), approach => abs(events(i)%z_dot_before - &
             events(i)%x_dot_before))
-            ! that of a stick or release is 0, and the least speed with rest as well
+            ! the approach speed of a stick or release is 0, and so is the least speed with rest
             found(speed) = max(found(speed), approach)
             found(least_speed) = min(found(least_speed), approach)
          end associate

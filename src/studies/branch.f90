@@ -201,7 +201,7 @@ contains
 
       explained = .true.
       if (.not. (now%spectrum%regular .and. next%spectrum%regular)) return
-      ! rounding decides on which side of the circle
+      ! rounding decides on which side of the circle they are
       if (any(stays_on_circle(now, next))) return
       most = 4
       if (allocated(now%spectrum%multipliers)) most = size(now%spectrum%multipliers)

@@ -85,7 +85,7 @@ contains
             call solve_structure_exact(structure, regime, gaps, times, period, motion%speeds, &
                offsets, most_steps, motion%residual, steps, status)
             if (status /= stat%ok) return
-            ! other times, and no other status
+            ! its status depends on the regime, the gaps and the period, not on the times
             call new_equations(structure, regime, gaps, times, period, equations, status)
          end if
       end if

@@ -210,7 +210,7 @@ contains
 
       call one_cycle(run, state, found%cycles, elapsed, events, n, status, progress)
       if (status /= stat%ok) return
-      ! a gap may rest through all impacts of others
+      ! a gap may rest while others are hit
       if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1)) then
          call by_return(run, state, elapsed, events, n, found, status)
       else if (n == 0) then
@@ -347,7 +347,7 @@ contains
       before = huge(1.0_wp)
       do steps = 0, most_steps
          call start_at(run, elapsed, s(:m), s(m + 1:), state, status)
-         ! a step into a gap
+         ! the step led into a gap
          if (status == stat%gap_closed) status = stat%no_convergence
          if (status /= stat%ok) return
          begun = state

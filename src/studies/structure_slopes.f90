@@ -182,7 +182,7 @@ contains
          equations => member%equations)
          harmonics = size(regime%ripple, 2)
          inputs = rates%forces
-         ! it succeeds: the member exists because its mass was solved for its gaps
+         ! this succeeds: the same mass matrix was solved when the member was made
          call inputs_of(structure%mass, regime%xd, regime%vd, inputs, drifts, status)
          allocate (pairs, source=offset_pairs(regime))
          supplied = equations%period*(2*regime%modes%damping(pairs)*drifts(pairs, 1) &

@@ -88,7 +88,7 @@ contains
       m = 0
       y = 0
       z = 0
-      ! with a mass matrix that is checked
+      ! this succeeds: the mass matrix has been checked
       call solve_columns(path%structure%mass, right, status)
       do j = 1, size(exchanged)
          if (exchanged(j) == 0) cycle

@@ -159,7 +159,7 @@ contains
       sample%maps(:, :, 2) = sample%structure%stiffness
       sample%forces = reshape([load%constant, load%cosine, load%sine], [n, 1 + 2*size(load%sine, &
          2)])
-      ! with a mass matrix that is checked
+      ! these succeed: the mass matrix has been checked
       call solve_columns(sample%structure%mass, sample%maps(:, :, 1), status)
       call solve_columns(sample%structure%mass, sample%maps(:, :, 2), status)
       call solve_columns(sample%structure%mass, sample%forces, status)
