@@ -116,7 +116,7 @@ contains
          associate (t => targets(label))
             if (t%side /= event%side .or. .not. t%radius > 0) cycle
             if (t%release .neqv. event%kind == release_event) cycle
-            if (t%n == 4) then
+            if (t%n > 2) then
                if (abs(event%x - t%middle(1)) > t%box(1)) cycle
                if (abs(event%x_dot_after - t%middle(2)) > t%box(2)) cycle
             end if

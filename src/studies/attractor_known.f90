@@ -3,7 +3,7 @@ module vi_attractor_known
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_neighbourhood, only: find_neighbourhoods
    use vi_attractor_tangent, only: period_derivative
-   use vi_attractor_target, only: difference, over_period, target_type
+   use vi_attractor_target, only: difference, over_period, start_target, target_type
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
       release_event, state_type, two_pi
    use vi_event_symbols, only: symbol_endings
@@ -94,7 +94,7 @@ contains
          back=.true.)
       good = status == stat%ok .and. i > 0
       if (.not. good) return
-      call start_target(events(i), cycles, target)
+      call start_target(system, events(i), cycles, target)
       call converge(system, target, events, n, p, good)
       if (.not. good) return
       call eigenvalues(p, lambda, status)
@@ -111,7 +111,7 @@ contains
       n = 0
       do i = 1, size(known%targets)
          n = n + findloc(events(n + 1:)%kind, merge(release_event, impact_event, target%release), 1)
-         call start_target(events(n), cycles, known%targets(i))
+         call start_target(system, events(n), cycles, known%targets(i))
       end do
    end subroutine exact_period
 
@@ -126,26 +126,6 @@ contains
       inside = state
       inside(4) = state(2) + min(max(state(4) - state(2), -0.5_wp*clearance), 0.5_wp*clearance)
    end function within
-
-   !> An event as a fixed point of the map over a period.
-   pure subroutine start_target(event, cycles, target)
-      !> The event.
-      type(event_type), intent(in) :: event
-      !> Load cycles of the period.
-      integer, intent(in) :: cycles
-      !> The motion, without metric and radius.
-      type(target_type), intent(out) :: target
-
-      target%release = event%kind == release_event
-      target%side = event%side
-      target%cycles = cycles
-      target%n = merge(2, 4, target%release)
-      if (target%release) then
-         target%middle(:2) = [event%x_dot_after, event%phase]
-      else
-         target%middle = [event%x, event%x_dot_after, event%z_dot_after, event%phase]
-      end if
-   end subroutine start_target
 
    !> Newton's method on the map over a period, from a state that is almost periodic.
    pure subroutine converge(system, target, events, n, p, good)

@@ -57,12 +57,11 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       real(wp), parameter :: finer = 0.5_wp**0.25_wp
-      real(wp) :: p(4, 4), zero(4)
+      real(wp) :: p(4, 4), zero(4), extent(4)
       type(event_type) :: events(capacity)
       logical :: good
       integer :: i
 
-      target%n = merge(2, 4, target%release)
       target%radius = 0
       zero = 0
       call over_period(system, target, zero, events, target%events, good)
@@ -72,9 +71,10 @@ contains
       call find_metric(system, target, p, good)
       if (.not. good) return
       ! start with a ball that covers the whole space between the walls, and shrink it
-      target%radius = sqrt(real(target%n, wp))*norm2(matmul(target%metric, &
-         merge([system%clearance, 1.0_wp, 0.0_wp, 0.0_wp], &
-         [system%clearance, system%clearance, system%clearance, 1.0_wp], target%release)))
+      extent = 0
+      extent(:target%n) = system%clearance
+      extent(target%n) = 1
+      target%radius = sqrt(real(target%n, wp))*norm2(matmul(target%metric, extent))
       do i = 1, 160
          call contract(system, target, events, good, progress)
          if (good) exit
@@ -108,7 +108,7 @@ contains
          u = modulo(0.5_wp + i*steps, 1.0_wp)
          pair = [sqrt(-2*log(max(u(1), tiny(1.0_wp))))*[cos(two_pi*u(2)), sin(two_pi*u(2))], &
             sqrt(-2*log(max(u(3), tiny(1.0_wp))))*[cos(two_pi*u(4)), sin(two_pi*u(4))]]
-         if (target%n == 2) pair(3:) = 0
+         pair(target%n + 1:) = 0
          direction = pair/norm2(pair)
          ! every second state lies on the surface
          distance = target%radius*merge(1.0_wp, u(5)**0.25_wp, modulo(i, 2) == 0)

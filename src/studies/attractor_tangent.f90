@@ -14,7 +14,7 @@ module vi_attractor_tangent
    implicit none (type, external)
    private
 
-   public :: event_derivative, departure_speed, lapse, moment_of, period_derivative, restitution_at
+   public :: coordinates, event_derivative, departure_speed, lapse, moment_of, period_derivative, restitution_at
 
 contains
 
@@ -38,8 +38,25 @@ contains
       end if
    end subroutine event_derivative
 
-   !> The derivative of the map over a period, in the coordinates of the event that ends it: (x, x',
-   !! z', alpha) after an impact, (v, alpha) at a release.
+   !> Which of (x, x', z', alpha) give the state of an event: two at a release, where x depends on
+   !! them; three where an impact leaves both masses with one velocity, for lack of restitution.
+   pure function coordinates(system, event) result(places)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The event.
+      type(event_type), intent(in) :: event
+      integer, allocatable :: places(:)
+
+      if (event%kind == release_event) then
+         allocate (places, source=[2, 4])
+      else if (restitution_at(system, event) > 0) then
+         allocate (places, source=[1, 2, 3, 4])
+      else
+         allocate (places, source=[1, 2, 4])
+      end if
+   end function coordinates
+
+   !> The derivative of the map over a period, in the `coordinates` of the event that ends it.
    pure subroutine period_derivative(system, cycles, events, p, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -47,21 +64,24 @@ contains
       integer, intent(in) :: cycles
       !> (n) Events of a period; the last one ends it.
       type(event_type), intent(in) :: events(:)
-      !> (4, 4); for a release only the first two rows and columns are used, and the rest is 0.
+      !> (4, 4); the rows and columns of the coordinates come first, and the rest is 0.
       real(wp), intent(out) :: p(4, 4)
       !> False if an event has no derivative.
       logical, intent(out) :: good
       type(event_type) :: before
       real(wp) :: step(4, 4), whole(4, 4)
-      integer :: i
+      integer, allocatable :: places(:)
+      integer :: i, n
 
       before = events(size(events))
       before%cycle = before%cycle - cycles
       whole = identity
-      if (before%kind == release_event) then
-         ! columns by v and alpha: x = f sin(alpha) - 2 xi v
-         whole(:, 1) = [-2*system%osc%xi, 1.0_wp, 1.0_wp, 0.0_wp]
-         whole(:, 2) = [system%load*cos(before%phase), 0.0_wp, 0.0_wp, 1.0_wp]
+      places = coordinates(system, before)
+      n = size(places)
+      if (n < 4) whole(3, 2) = 1                        ! z' is x'
+      if (n == 2) then                                  ! x = f sin(alpha) - 2 xi x'
+         whole(1, 2) = -2*system%osc%xi
+         whole(1, 4) = system%load*cos(before%phase)
       end if
       good = .true.
       p = 0
@@ -71,11 +91,7 @@ contains
          whole = matmul(step, whole)
          before = events(i)
       end do
-      if (before%kind == release_event) then
-         p(:2, :2) = whole([2, 4], :2)
-      else
-         p = whole
-      end if
+      p(:n, :n) = whole(places, places)
    end subroutine period_derivative
 
    !> As `event_derivative`, for the beginning or the end of a rest.

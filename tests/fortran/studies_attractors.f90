@@ -5,17 +5,19 @@ module studies_attractors
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
    use vi_attractor_integrity, only: largest_disc, uncertain_pairs, uncertainty_exponent
-   use vi_attractor_known, only: resting
+   use vi_attractor_known, only: identify, known_type, resting
    use vi_attractor_list, only: attractor_list_type, label_states
    use vi_attractor_neighbourhood, only: factorise
    use vi_attractor_spread, only: random_states
-   use vi_attractor_target, only: target_type
+   use vi_attractor_tangent, only: period_derivative
+   use vi_attractor_target, only: difference, over_period, target_type
    use vi_forced_system, only: event_type, forced_system_type, initial_state, new_forced_system, &
       state_type
    use vi_kinds, only: wp
+   use vi_lapack, only: eigenvalues
    use vi_oscillator, only: gain, oscillator_type
    use vi_philox, only: philox
-   use vi_simulate, only: simulate_on
+   use vi_simulate, only: simulate, simulate_on
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -36,7 +38,67 @@ contains
       call test_parts(0.9_wp, 8)
       call test_parts(2.0e-6_wp, 2)
       call test_few_cycles()
+      call test_plastic_impacts([0.0_wp, 0.0_wp])
+      call test_plastic_impacts([0.0_wp, 0.2_wp])
+      call test_plastic_impacts([0.2_wp, 0.0_wp])
    end subroutine test_attractors
+
+   !> After an impact without restitution a state has three coordinates. The derivative over the
+   !! period is that of the map, has the same multipliers from either wall, and all states of a
+   !! neighbourhood return to the motion.
+   subroutine test_plastic_impacts(restitution)
+      !> R1 and R2.
+      real(wp), intent(in) :: restitution(2)
+      real(wp), parameter :: small = 1.0e-5_wp, zero(4) = 0
+      type(forced_system_type) :: system
+      type(known_type) :: known
+      type(state_type) :: state, final
+      type(event_type) :: events(2048)
+      real(wp) :: p(4, 4), d(4), change(4), ends(5)
+      complex(wp) :: lambda(4)
+      integer :: n, status, i, j
+      logical :: good
+
+      system = new_forced_system(oscillator_type(0.1144_wp, 0.38_wp, restitution), 1.07_wp, 1.0_wp, &
+         6.9_wp)
+      state = initial_state(system, [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
+      call simulate(system, state, 400_int64, 0.0_wp, events, n, final, status)
+      ends = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
+      call identify(system, ends, 1, 1, known, good)
+      call check(good .and. size(known%targets) == 2, 'a motion with two impacts is found')
+      if (.not. (good .and. size(known%targets) == 2)) return
+      do i = 1, 2
+         associate (t => known%targets(i))
+            call check(t%n == merge(3, 4, restitution(merge(1, 2, t%side > 0)) <= 0), &
+               'three coordinates without restitution')
+            call over_period(system, t, zero, events, n, good)
+            call check(good, 'the period is simulated')
+            call period_derivative(system, 1, events(:n), p, good)
+            call check(good, 'it has a derivative')
+            do j = 1, t%n
+               d = 0
+               d(j) = small
+               call over_period(system, t, d, events, n, good)
+               change = difference(t, events(n))
+               call over_period(system, t, -d, events, n, good)
+               change = (change - difference(t, events(n)))/(2*small)
+               call check_close(maxval(abs(p(:, j) - change)), 0.0_wp, 1.0e-6_wp, &
+                  'the derivative of the map over a period')
+            end do
+            call check(all(abs(p(t%n + 1:, :)) <= 0) .and. all(abs(p(:, t%n + 1:)) <= 0), 'no more')
+            call eigenvalues(p, lambda, status)
+            call check_close(maxval(abs(lambda)), known%largest, 1.0e-8_wp, 'from either wall')
+            call check(t%radius > 0 .and. t%contraction < 1, 'a neighbourhood')
+            ! from its surface to the motion
+            do j = 1, t%n
+               d = t%radius*t%inverse(:, j)
+               call over_period(system, t, d, events, n, good)
+               call check(good .and. norm2(matmul(t%metric, difference(t, events(n)))) &
+                  < t%contraction*t%radius*1.1_wp, 'a state comes nearer to the motion')
+            end do
+         end associate
+      end do
+   end subroutine test_plastic_impacts
 
    !> States that end on a known motion have its number, however few load cycles decide.
    subroutine test_few_cycles()
