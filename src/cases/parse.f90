@@ -8,7 +8,7 @@ module vi_parse
    implicit none (type, external)
    private
 
-   public :: parse_numbers, parse_subscript, parse_words
+   public :: parse_numbers, parse_subscript, parse_words, repeats
 
    character(*), parameter :: digits = '0123456789'
 
@@ -31,9 +31,7 @@ contains
       integer :: i, n, first, last, star
       logical :: wants_value
 
-      n = most
-      if (index(text, '*') == 0) n = min(most, len(text)/2 + 1)
-      allocate (buffer(n))
+      allocate (buffer(int(min(real(most, wp), len(text)/2 + 1 + repeats(text)))))
       n = 0
       i = 1
       good = .true.
@@ -64,6 +62,26 @@ contains
       good = good .and. n > 0 .and. .not. wants_value
       values = buffer(:n)
    end subroutine parse_numbers
+
+   !> How many values the repeats of a text stand for, such as 2 in 2*0.75.
+   pure real(wp) function repeats(text)
+      !> The text as written in the file.
+      character(*), intent(in) :: text
+      real(wp) :: times
+      integer :: star, first, next
+      logical :: good
+
+      repeats = 0
+      star = 0
+      do
+         next = index(text(star + 1:), '*')
+         if (next == 0) exit
+         star = star + next
+         first = verify(text(:star - 1), digits, back=.true.) + 1
+         call parse_number(text(first:star - 1), .true., times, good)
+         if (good) repeats = repeats + times
+      end do
+   end function repeats
 
    !> One number: sign, digits, point, exponent.
    pure subroutine parse_number(text, whole, value, good)

@@ -7,10 +7,12 @@
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, system_keys
+   use vi_chart_grid, only: most_numbers
    use vi_key, only: key_type, place_of
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
+   use vi_parse, only: parse_subscript, repeats
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
    use vi_structure_groups, only: most_coordinates, read_parts, read_structure
@@ -24,10 +26,13 @@ module vi_parse_cases
 
    public :: find_name, parse_cases
 
-   !> Bytes that reading takes for each byte of a namelist, at most; from this size on it is checked
-   !! that they are available.
-   real(wp), parameter :: reading_bytes = 24
-   integer, parameter :: large = 10**6
+   !> Bytes that reading takes for each byte of a namelist, and for each number of a list that
+   !! repeats and subscripts make longer than its text, at most; from `large` on it is checked that
+   !! they are available.
+   real(wp), parameter :: reading_bytes = 24, number_bytes = 32, large = 24.0e6_wp
+
+   !> The longest list that a key may have.
+   integer, parameter :: longest_list = 5*most_numbers
 
    !> The groups that are not studies.
    character(9), parameter :: other_groups(*) = [character(9) :: 'system', 'structure', 'gap', &
@@ -44,6 +49,37 @@ module vi_parse_cases
    end type system_type
 
 contains
+
+   !> Checks that there is memory to read a namelist.
+   subroutine check_memory(bytes, message)
+      !> Bytes that it takes.
+      real(wp), intent(in) :: bytes
+      !> Set if there is not.
+      character(:), allocatable, intent(inout) :: message
+
+      if (bytes < large) return
+      if (.not. has_memory(bytes)) message = status_text(stat%no_memory)// &
+         ': reading takes up to '//whole(int(bytes/1.0e6_wp))//' MB'
+   end subroutine check_memory
+
+   !> Bytes for lists that repeats and subscripts make long.
+   pure real(wp) function list_bytes(groups) result(bytes)
+      !> The groups.
+      type(group_type), intent(in) :: groups(:)
+      integer :: first, last, i, j
+      logical :: good
+
+      bytes = 0
+      do i = 1, size(groups)
+         do j = 1, size(groups(i)%items)
+            associate (item => groups(i)%items(j))
+               call parse_subscript(item%target(len(item%key) + 1:), longest_list, first, last, good)
+               bytes = bytes + number_bytes*min(merge(first, 0, good) + repeats(item%value), &
+                  real(longest_list, wp))
+            end associate
+         end do
+      end do
+   end function list_bytes
 
    !> All cases of a namelist; `message` names file, line, key and remedy of the first fault.
    subroutine parse_cases(text, path, cases, message, fault_line)
@@ -66,12 +102,10 @@ contains
       allocate (cases(0))
       line = 0
       message = ''
-      if (len(text) >= large) then
-         if (.not. has_memory(reading_bytes*len(text))) message = status_text(stat%no_memory)// &
-            ': reading takes up to '//whole(int(reading_bytes*len(text)/1.0e6_wp))//' MB'
-      end if
+      call check_memory(reading_bytes*len(text), message)
       call list_studies(studies)
       if (len(message) == 0) call scan_namelist(text, groups, line, message)
+      if (len(message) == 0) call check_memory(reading_bytes*len(text) + list_bytes(groups), message)
       if (len(message) == 0) call check_names(studies, groups, line, message)
       if (len(message) == 0) then
          deallocate (cases)
