@@ -108,7 +108,7 @@ contains
       end if
       do i = 2, n
          ! impacts at one instant keep their order in spite of rounding
-         if (abs(times(i) - times(i - 1)) > instant*period) cycle
+         if (times(i) - times(i - 1) > instant*period) cycle
          if (abs(dot_product(structure%directions(:, gaps(i)), structure%mobility(:, &
             gaps(i - 1)))) <= 0) times(i) = times(i - 1)
       end do

@@ -164,7 +164,7 @@ contains
       type(repetition_type), allocatable :: others(:)
       real(wp), allocatable :: matrix(:, :)
       integer, allocatable :: image(:)
-      integer :: i, side
+      integer :: i
 
       if (mod(size(gaps), 2) /= 0) return
       call find_symmetry(s%path, gaps, cshift(gaps, size(gaps)/2), family%cycles, matrix, image)
@@ -173,12 +173,8 @@ contains
       call even_and_odd(s%path%structure%mass, s%symmetry, s%free, s%even)
       deallocate (s%gap_of)
       allocate (s%gap_of(-size(image):size(image)), source=0)
-      side = 0
       do i = 1, size(image)
-         if (image(i) < i) cycle
-         side = side + 1
-         s%gap_of(-side) = image(i)
-         s%gap_of(side) = i
+         s%gap_of([-i, i]) = [image(i), i]
       end do
       associate (half => size(gaps)/2)
          do i = 1, half

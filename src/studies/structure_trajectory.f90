@@ -299,9 +299,9 @@ contains
       end associate
    end subroutine sample_recorded
 
-   !> A set in ascending order with one more member, if it is new.
+   !> A set in ascending order with one more member.
    pure function sorted_with(set, one) result(larger)
-      !> The set, and the member.
+      !> The set, and the new member.
       integer, intent(in) :: set(:), one
       integer, allocatable :: larger(:)
 
