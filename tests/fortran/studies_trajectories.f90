@@ -6,6 +6,7 @@ module studies_trajectories
    use checks, only: check, check_close
    use vi_attractor_performance, only: acceleration, displacement, figures, force, least_gap, &
       least_speed, perform, rms, speed
+   use vi_bundle, only: simulate_bundle
    use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
       new_forced_system, release_event, state_time, state_type, stick_event
    use vi_found_motion, only: described_type, scale_of
@@ -35,6 +36,7 @@ contains
 
    subroutine test_trajectories()
       call test_records()
+      call test_bundle()
       call test_history()
       call test_motion_at_end(.false.)
       call test_motion_at_end(.true.)
@@ -67,6 +69,33 @@ contains
             faster*1.05_wp, 1.0_wp, wider*30.0_wp)
       end if
    end function settling_system
+
+   !> A bundle ends where its simulations end, with their numbers of impacts and rests, whatever
+   !! its arrays held before.
+   subroutine test_bundle()
+      integer, parameter :: cycles = 100
+      type(forced_system_type) :: system
+      type(state_type) :: state, final
+      type(event_type) :: events(4000)
+      real(wp) :: ends(7, 2), last(7)
+      integer :: counts(2, 2), status(2), contact(3), i, n, one
+
+      counts = -7
+      system = settling_system(.true., 1.0_wp, 1.0_wp)
+      call simulate_bundle(system%osc, system%r*[1.0_wp, 1.01_wp], [1.0_wp, 1.0_wp], &
+         system%clearance*[1.0_wp, 2.0_wp], real(cycles, wp), size(events), 1, &
+         reshape([(0.0_wp, i=1, 10)], [5, 2]), ends, counts, status)
+      do i = 1, 2
+         system = settling_system(.true., real(i, wp), merge(1.0_wp, 1.01_wp, i == 1))
+         state = initial_state(system, [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
+         call simulate(system, state, int(cycles, int64), 0.0_wp, events, n, final, one)
+         call pack_state(final, last, contact)
+         call check(status(i) == one .and. n > 256, 'the simulation')
+         call check(all(counts(:, i) == [count(events(:n)%kind == impact_event), &
+            count(events(:n)%kind == stick_event)]), 'its impacts and rests')
+         call check(all(abs(ends(:, i) - last) <= 0), 'its end')
+      end do
+   end subroutine test_bundle
 
    !> The records of a simulation are its events, however many there are, with the words of each.
    subroutine test_records()
