@@ -86,9 +86,9 @@ def test_answers_in_other_units(tmp_path, monkeypatch):
     compared = 0
     for text in cases():
         one, other = answer(text), answer(in_other_units(text))
-        assert other["status"] == one["status"], in_other_units(text)
         if "&branch" in text and has_special_points(one):
             continue
+        assert other["status"] == one["status"], in_other_units(text)
         for name, kept in one["columns"].items():
             found, column = other["columns"][name], name.split(".")[-1]
             # how many values, and how many reals are not finite; or the checksum of integers
