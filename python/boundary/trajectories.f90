@@ -16,6 +16,18 @@ subroutine start_state(xi, r, load, clearance, start, state, contact)
       start), state, contact)
 end subroutine start_state
 
+!> The least clearance of a simulation that starts with displacement x.
+subroutine least_clearance(xi, r, load, x, least)
+   use, intrinsic :: iso_c_binding, only: c_double
+   use vi_forced_system, only: least_of => least_clearance, new_forced_system
+   use vi_oscillator, only: oscillator_type
+   implicit none (type, external)
+   real(c_double), intent(in) :: xi, r, load, x
+   real(c_double), intent(out) :: least
+
+   least = least_of(new_forced_system(oscillator_type(xi), r, load, 1.0_c_double), x)
+end subroutine least_clearance
+
 !> Simulates from a state to an end of time, or until there are more than `capacity` events.
 !!
 !! `state` is (cycle, phase, x, x', z, z', departure speed), `contact` (side, resting, released).

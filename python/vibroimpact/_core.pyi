@@ -219,6 +219,17 @@ class _ImpactMaps(Protocol):
     ) -> tuple[_Real, int]: ...
 
 @type_check_only
+class _LeastClearance(Protocol):
+    # least
+    def __call__(
+        self,
+        xi: float,
+        r: float,
+        load: float,
+        x: float,
+    ) -> float: ...
+
+@type_check_only
 class _LinearSystem(Protocol):
     # matrix, rhs
     def __call__(
@@ -748,6 +759,7 @@ fill_wholes: _FillWholes
 find_motion: _FindMotion
 free_result: _FreeResult
 impact_maps: _ImpactMaps
+least_clearance: _LeastClearance
 linear_system: _LinearSystem
 motion_gradient: _MotionGradient
 new_result: _NewResult

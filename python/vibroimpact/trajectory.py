@@ -440,6 +440,12 @@ def simulate(
     max_events = checks.integer(max_events, "max_events", 1, MOST_KEPT)
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     now, begun = start_of(system, state)
+    least = _core.least_clearance(osc.xi, r, load, now[0][2])
+    if clearance < least:
+        raise ParameterError(
+            f"clearance = {clearance!r}: must be at least {1.06 * least:.1e}, a million times the rounding errors "
+            "of displacements"
+        )
     whole = discard + cycles or 1.0
     checks.progress(progress)
 

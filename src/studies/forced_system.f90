@@ -11,7 +11,8 @@ module vi_forced_system
    implicit none (type, external)
    private
 
-   public :: new_forced_system, initial_state, state_time, flight_from, rest_from, departure_from
+   public :: new_forced_system, initial_state, least_clearance, state_time, flight_from, rest_from, &
+      departure_from
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
@@ -111,6 +112,17 @@ contains
          state%resting = .true.
       end if
    end function initial_state
+
+   !> The least clearance of a simulation: rounding of displacements is a millionth of it, so that
+   !! the free mass meets a wall at a time with six correct digits.
+   pure real(wp) function least_clearance(system, x)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Displacement of the primary mass at the start.
+      real(wp), intent(in) :: x
+
+      least_clearance = 1.0e6_wp*epsilon(x)*max(system%amplitude, abs(x))
+   end function least_clearance
 
    !> How the flight from a state begins; a state given by the user may begin with an impact.
    pure function departure_from(state, half) result(departure)

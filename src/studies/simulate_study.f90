@@ -1,14 +1,14 @@
 !> The study &simulate: a simulation from a state.
 module vi_simulate_study
    use vi_common_keys, only: check_start, clearance_key, load_key, state_keys, state_of
-   use vi_forced_system, only: new_forced_system, state_time, state_type
+   use vi_forced_system, only: least_clearance, new_forced_system, state_time, state_type
    use vi_kinds, only: wp
    use vi_processor, only: has_memory
    use vi_simulate, only: event_type, impact_event, stick_event
    use vi_status, only: stat, status_text
    use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
       wholes, words
-   use vi_text, only: counted, exact_list, whole
+   use vi_text, only: counted, exact_list, shown, whole
    use vi_trajectory, only: pack_state, simulate_case
    implicit none (type, external)
    private
@@ -104,8 +104,18 @@ contains
    subroutine check_simulate(case)
       !> The case.
       type(case_type), intent(inout) :: case
+      real(wp) :: least
 
-      if (len(case%study%fault) == 0) call check_start(case%study, case%study%number('clearance'))
+      if (len(case%study%fault) > 0) return
+      associate (s => case%study)
+         call check_start(s, s%number('clearance'))
+         if (len(s%fault) > 0) return
+         least = least_clearance(new_forced_system(case%osc, case%r, s%number('load'), &
+            s%number('clearance')), s%number('x'))
+         ! what is shown may be rounded down
+         if (s%number('clearance') < least) call s%refuse('clearance', 'it must be at least '// &
+            shown(1.06_wp*least, 'es9.1')//', a million times the rounding errors of displacements')
+      end associate
    end subroutine check_simulate
 
    !> Simulates a case.

@@ -65,12 +65,16 @@ def test_memory_of_a_long_list(length, binary, tmp_path):
 @pytest.mark.parametrize("given", [" = 12500000*0", "(12500000) = 0"])
 @pytest.mark.parametrize("room", [100, 300, 330, 350, 380, 420, 460])
 def test_memory_of_a_list_of_few_bytes(room, given, binary, tmp_path):
-    """A few bytes that make a list of millions of numbers are refused before it is made, or before the study starts."""
-    text = f"{SYSTEM.replace('/', ', r = 1.04 /')}&basins clearance = 37, probes = 1, list{given} /\n"
+    """A few bytes that make a list of millions of numbers are refused before it is made or used."""
+    text = (
+        f"{SYSTEM.replace('/', ', r = 1.04 /')}&basins clearance = 37, probes = 1, list{given} /\n"
+    )
     done = run(binary, tmp_path, text, [(resource.RLIMIT_AS, room * 2**20)])
     assert done.returncode in (1, 2)
     assert "Error allocating" not in done.stderr
-    assert "out of memory" in done.stderr or ("must be numbers from -1e100" in done.stderr and room > 400)
+    assert "out of memory" in done.stderr or (
+        "must be numbers from -1e100" in done.stderr and room > 400
+    )
 
 
 @linux

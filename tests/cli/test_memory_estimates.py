@@ -1,7 +1,7 @@
 """The memory that a case may take, told before it is computed.
 
-That these estimates are enough is tested where a case is refused or fits (test_limits.py). Here they grow with the size
-of the case as its tables do, and have the values that they had when that was tested.
+That these estimates are enough is tested where a case is refused or fits (test_limits.py). Here they grow with the
+size of the case as its tables do, and have the values that they had when that was tested.
 """
 
 import re
@@ -27,7 +27,7 @@ OSCILLATOR = {
     "&response r_min = 0.9, r_max = 1.1, r_points = 1000, clearance = 5, states = 700": 700,
 }
 POINT = {
-    "&basins clearance = 10, states = 2000000, probes = 500000": 2000,  # 500 for a state, 1000 for two of each pair
+    "&basins clearance = 10, states = 2000000, probes = 500000": 2000,  # 500 for a state, 1000 for a probe
     "&basins clearance = 10, states = 200000, probes = 500000": 300,
     "&basins clearance = 10, axes = 'x', 'y', values = 4000, 500, low = -1, -1, high = 1, 1, probes = 1000": 1002,
     "&basins clearance = 10, probes = 1, list = 500000*0": 210,  # and 320 for each number of the list
@@ -41,20 +41,28 @@ POINT = {
 GIVEN = "&motion gaps = 3*0, phases = 1, 2, 3 /\n"
 SETTLED = "&motion kind = 'settled' /\n"
 BRANCH = "&branch parameter = 'load', low = 0.5, high = 2, max_points = 20000"
+LOAD = "x = 'load', x_low = 0.5, x_high = 2"
 #: For 30 and for 120 coordinates.
 STRUCTURE = {
-    "&basins states = 200000": (353, 1892),  # (48 n + 100) for a state, 50 kB n^2 for the motions of a block
+    "&basins states = 200000": (
+        353,
+        1892,
+    ),  # (48 n + 100) for a state, 50 kB n^2 for the motions of a block
     "&basins axes = 'q_0', 'q_dot_1', low = 0, 0, high = 1, 1, values = 400, 300": (229, 1423),
-    "&bifurcation parameter = 'load', low = 0.5, high = 2, values = 2000, points = 200, keep = 9": (101, 257),
+    "&bifurcation parameter = 'load', low = 0.5, high = 2, values = 2000, points = 200, keep = 9": (
+        101,
+        257,
+    ),
     f"{GIVEN}{BRANCH}": (238, 778),  # 2000 + 300 (3 + n)
     f"{SETTLED}{BRANCH}": (364, 904),  # 2000 + 300 (24 + n)
     "&find states = 100000": (141, 1104),  # 32 n for a state, and as for basins
     SETTLED.strip(" /\n"): (412, 458),  # 600 n^2 + 100 (2000 + n)^2
     "&response low = 0.5, high = 2, values = 2000, keep = 9": (53, 209),  # 2 (48 keep n + 500)
-    f"{GIVEN}&zone x = 'load', x_low = 0.5, x_high = 2, y = 'frequency', y_low = 1, y_high = 1.4, max_points = 200000": (
-        3320, 3320,
+    f"{GIVEN}&zone {LOAD}, y = 'frequency', y_low = 1, y_high = 1.4, max_points = 200000": (
+        3320,
+        3320,
     ),
-}  # fmt: skip
+}
 
 
 def need(binary, folder, text):
@@ -65,7 +73,13 @@ def need(binary, folder, text):
         resource.setrlimit(resource.RLIMIT_AS, (36 * 2**20, 36 * 2**20))
 
     done = subprocess.run(
-        [binary, "case.nml"], cwd=folder, timeout=60, capture_output=True, text=True, check=False, preexec_fn=limit
+        [binary, "case.nml"],
+        cwd=folder,
+        timeout=60,
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=limit,
     )
     found = re.search(r"out of memory: the case takes up to (\d+) MB", done.stderr)
     assert found, done.stderr[-300:]
