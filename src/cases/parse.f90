@@ -79,6 +79,8 @@ contains
          star = star + next
          first = verify(text(:star - 1), digits, back=.true.) + 1
          call parse_number(text(first:star - 1), .true., times, good)
+         ! a star within a word is no repeat
+         if (good .and. first > 1) good = scan(text(first - 1:first - 1), ' ,') > 0
          if (good) repeats = repeats + times
       end do
    end function repeats

@@ -29,7 +29,7 @@ module vi_parse_cases
    !> Bytes that reading takes for each byte of a namelist, and for each number of a list that
    !! repeats and subscripts make longer than its text, at most; from `large` on it is checked that
    !! they are available.
-   real(wp), parameter :: reading_bytes = 24, number_bytes = 32, large = 24.0e6_wp
+   real(wp), parameter :: reading_bytes = 24, number_bytes = 32, large = 2.0e6_wp
 
    !> The longest list that a key may have.
    integer, parameter :: longest_list = 5*most_numbers
@@ -66,16 +66,22 @@ contains
    pure real(wp) function list_bytes(groups) result(bytes)
       !> The groups.
       type(group_type), intent(in) :: groups(:)
-      integer :: first, last, i, j
+      integer :: first, last, reached, i, j
       logical :: good
 
       bytes = 0
       do i = 1, size(groups)
+         reached = 0                             ! by the subscripts of a key
          do j = 1, size(groups(i)%items)
             associate (item => groups(i)%items(j))
+               if (j > 1) then
+                  if (item%key /= groups(i)%items(j - 1)%key) reached = 0
+               end if
                call parse_subscript(item%target(len(item%key) + 1:), longest_list, first, last, good)
-               bytes = bytes + number_bytes*min(merge(first, 0, good) + repeats(item%value), &
+               first = max(reached, merge(first, 0, good))
+               bytes = bytes + number_bytes*min(first - reached + repeats(item%value), &
                   real(longest_list, wp))
+               reached = first
             end associate
          end do
       end do

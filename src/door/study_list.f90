@@ -36,7 +36,7 @@ module vi_study_list
    public :: find_study, list_studies, run_study
 
    !> Bytes that are available wherever the program runs; a case that needs less is not checked.
-   real(wp), parameter :: little = 16.0e6_wp
+   real(wp), parameter :: little = 2.0e6_wp
    !> Bytes for a number of a case: its digits in the echo, in the result, in the header of the CSV,
    !! and in the lines from which these are put together.
    real(wp), parameter :: echo_bytes = 320

@@ -15,7 +15,7 @@ module vi_attractor_known
    implicit none (type, external)
    private
 
-   public :: alike, ball, exact_period, identify, within
+   public :: alike, ball, exact_period, identify, periods_in, shortest_period, within
 
    !> Kinds of attractors. The last one is a simulation that repeats itself although no stable
    !! motion is confirmed.
@@ -58,10 +58,57 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
 
-      call exact_period(system, end, cycles, known, good)
+      call shortest_period(system, end, cycles, known, good)
       if (good) call find_neighbourhoods(system%osc, system%r, system%load, system%clearance, &
          known%targets, threads, progress)
    end subroutine identify
+
+   !> The stable periodic motion on which a state lies, with its shortest period: a simulation that
+   !! approaches a motion in turns may seem to repeat itself after some periods only.
+   pure subroutine shortest_period(system, end, cycles, known, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: end(5)
+      !> Load cycles of one or more periods.
+      integer, intent(in) :: cycles
+      !> Its targets have no neighbourhoods yet.
+      type(known_type), intent(out) :: known
+      !> False if there is none.
+      logical, intent(out) :: good
+      integer :: parts
+
+      call exact_period(system, end, cycles, known, good)
+      if (.not. good) return
+      parts = periods_in(system, known)
+      known%cycles = known%cycles/parts
+      known%largest = known%largest**(1.0_wp/parts)
+      known%symbols = known%symbols(:size(known%symbols)/parts)
+      known%targets = known%targets(:size(known%targets)/parts)
+      known%targets%cycles = known%cycles
+   end subroutine shortest_period
+
+   !> How many times a motion repeats itself within its load cycles.
+   pure integer function periods_in(system, known) result(parts)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The motion.
+      type(known_type), intent(in) :: known
+      real(wp) :: off(4)
+      integer :: n
+
+      n = size(known%targets)
+      do parts = known%cycles, 2, -1
+         if (modulo(known%cycles, parts) /= 0 .or. modulo(n, parts) /= 0) cycle
+         associate (one => known%targets(1), other => known%targets(1 + n/parts))
+            off = (one%middle - other%middle)/system%clearance
+            off(one%n) = one%middle(one%n) - other%middle(one%n)
+            off(one%n) = off(one%n) - two_pi*anint(off(one%n)/two_pi)
+            if (one%side == other%side .and. all(abs(off) < 1.0e-6_wp)) return
+         end associate
+      end do
+      parts = 1
+   end function periods_in
 
    !> The stable periodic motion on which a state lies.
    pure subroutine exact_period(system, end, cycles, known, good)

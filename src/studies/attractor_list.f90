@@ -1,8 +1,8 @@
 !> The attractors at a point (r, D), and the initial states in the basin of each.
 module vi_attractor_list
    use vi_attractor_basin, only: decide, event_limited, not_reached
-   use vi_attractor_known, only: alike, exact_period, identify, known_type, no_impacts, repeating, &
-      within
+   use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, &
+      shortest_period, within
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_type
    use vi_attractor_wandering, only: group_type, separate_groups
@@ -311,7 +311,7 @@ contains
       type(known_type) :: motion
       logical :: good
 
-      call exact_period(list%system, end, cycles, motion, good)
+      call shortest_period(list%system, end, cycles, motion, good)
       do i = merge(list%n, 0, good), 1, -1
          if (alike(motion, list%known(i), list%system%clearance)) return
       end do

@@ -5,7 +5,7 @@
 !! last load cycles.
 module vi_attractor_performance
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
-   use vi_attractor_known, only: exact_period, known_type
+   use vi_attractor_known, only: known_type, shortest_period
    use vi_attractor_settled, only: advance, segments_between
    use vi_attractor_spread, only: placed_state
    use vi_attractor_target, only: over_period, target_state
@@ -165,7 +165,7 @@ contains
       type(forced_system_type), intent(in) :: system
       !> The state.
       type(state_type), intent(in) :: mark
-      !> Load cycles of the period.
+      !> Load cycles of one or more periods.
       integer, intent(in) :: cycles
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
@@ -180,15 +180,15 @@ contains
       real(wp), parameter :: none(4) = 0
       integer :: n
 
-      call exact_period(system, numbers_of(system, mark), cycles, known, good)
+      call shortest_period(system, numbers_of(system, mark), cycles, known, good)
       if (.not. good) return
       call over_period(system, known%targets(1), none, events, n, good)
       if (.not. good) return
       begin = target_state(system, known%targets(1), none)
-      call measure(system, begin, two_pi*cycles/system%r, events(:n), found, good)
+      call measure(system, begin, two_pi*known%cycles/system%r, events(:n), found, good)
       end = numbers_of(system, begin)
       found(multiplier) = known%largest
-      counts = [cycles, count(events(:n)%kind == impact_event)]
+      counts = [known%cycles, count(events(:n)%kind == impact_event)]
    end subroutine refine
 
    !> The figures over the next load cycles.

@@ -1,8 +1,8 @@
 !> The possible outcomes of a point of a survey, and the tests for them.
 module vi_survey_outcome
-   use vi_attractor_known, only: exact_period, known_type
+   use vi_attractor_known, only: exact_period, known_type, periods_in
    use vi_attractor_lyapunov, only: largest_exponent
-   use vi_forced_system, only: forced_system_type, state_type, two_pi
+   use vi_forced_system, only: forced_system_type, state_type
    use vi_kinds, only: wp
    use vi_oscillator, only: eta
    use vi_status, only: stat
@@ -82,33 +82,10 @@ contains
       if (good) good = size(known%symbols) <= most_symbols
       if (good) good = any(known%symbols > 0) .and. any(known%symbols < 0)
       shorter = .false.
-      if (good) shorter = is_shorter(system, known)
+      if (good) shorter = periods_in(system, known) > 1
       allocate (symbols(0))
       if (good) symbols = known%symbols
    end subroutine stable_period
-
-   !> Whether a motion already repeats itself after a part of its period.
-   pure logical function is_shorter(system, known)
-      !> The forced system.
-      type(forced_system_type), intent(in) :: system
-      !> The motion.
-      type(known_type), intent(in) :: known
-      real(wp) :: off(4)
-      integer :: parts, n
-
-      is_shorter = .false.
-      n = size(known%targets)
-      do parts = 2, known%cycles
-         if (modulo(known%cycles, parts) /= 0 .or. modulo(n, parts) /= 0) cycle
-         associate (one => known%targets(1), other => known%targets(1 + n/parts))
-            off = (one%middle - other%middle)/system%clearance
-            off(one%n) = one%middle(one%n) - other%middle(one%n)
-            off(one%n) = off(one%n) - two_pi*anint(off(one%n)/two_pi)
-            is_shorter = one%side == other%side .and. all(abs(off) < 1.0e-6_wp)
-         end associate
-         if (is_shorter) return
-      end do
-   end function is_shorter
 
    !> Whether the largest Lyapunov exponent of a trajectory is positive by more than its error.
    subroutine is_chaotic(system, state, cycles, max_events, chaos, status, progress)

@@ -78,6 +78,37 @@ def test_memory_of_a_list_of_few_bytes(room, given, binary, tmp_path):
 
 
 @linux
+@pytest.mark.parametrize("given", [" = 745000*0", "(745000) = 0", " = 400000*0"])
+@pytest.mark.parametrize("room", [16, 20, 24, 28, 32, 36, 40])
+def test_a_list_in_little_memory(room, given, binary, tmp_path):
+    """Where not even a few megabytes are left there is a message, too."""
+    text = (
+        f"{SYSTEM.replace('/', ', r = 1.04 /')}&basins clearance = 37, probes = 1, list{given} /\n"
+    )
+    done = run(binary, tmp_path, text, [(resource.RLIMIT_AS, room * 2**20)])
+    assert done.returncode in (1, 2)
+    assert "Error allocating" not in done.stderr
+    assert "out of memory" in done.stderr or "must be numbers from -1e100" in done.stderr
+
+
+@linux
+def test_what_makes_no_list_long(binary, tmp_path):
+    """Values given one by one, and stars within words and comments, are not taken for long lists."""
+    single = "\n".join(f"list({i}) = 0" for i in range(1, 8001))
+    head = SYSTEM.replace("/", ", r = 1.04 /")
+    text = (
+        f"{head}! 100000000*0\n&basins clearance = 37, probes = 1, cycles = 1\n{single} /\n"
+        "&output name = 'one' /\n"
+    )
+    limits = [(resource.RLIMIT_AS, 60 * 2**20)]
+    done = run(binary, tmp_path, text, limits)
+    assert (done.returncode, done.stderr) == (0, "")
+    done = run(binary, tmp_path, text.replace("one", "100000000*1"), limits)
+    assert done.returncode == 2
+    assert "&output name = '100000000*1'" in done.stderr
+
+
+@linux
 @pytest.mark.parametrize("size", [96, 128, 256, 1024])
 def test_stack(binary, tmp_path, size):
     """A stack that is too small gives a message, not a crash."""

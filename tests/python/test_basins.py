@@ -306,3 +306,41 @@ def test_a_file_gives_the_basins_again(start, form, tmp_path):
 def test_bad_lists(states, wanted):
     with pytest.raises(vi.errors.ParameterError, match=rf"^states.*{wanted}"):
         vi.basins(FIGURE6, 1.04, 10.0, states=states)
+
+
+#: A point, a number of states, and the attractors: settling simulations take several of their periods for one.
+IN_TURNS = [
+    (0.16927064225535599, 0.4028836456687256, (0, 0), 1.1116023291034687, 5.601916857805584, 24, ["RL/1"]),
+    (0.15222675174436914, 0.49220377043862157, (0, 0.6), 1.0333539391011177, 7.59212674849985, 24, ["R*L/2"]),
+    (0.10810779356305288, 0.2694989044142598, (0.3, 0.3), 1.5642670440507604, 1.101117484100148, 24,
+     ["RLRLL/2", "RRLRL/2"]),
+    (0.02534094120854979, 0.29404333404175353, (0.8, 0), 1.5828113012165286, 1.2407034715726932, 200, ["RL*/1"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("xi", "mu", "walls", "r", "clearance", "states", "names"), IN_TURNS)
+def test_a_motion_is_named_by_its_shortest_period(xi, mu, walls, r, clearance, states, names):
+    """A motion that is approached in turns seems to have several periods; its growth is the Lyapunov exponent."""
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
+    found = vi.basins(osc, r, clearance, states=states)
+    assert [attractor.name for attractor in found.attractors] == names
+    for one in found.attractors:
+        assert one.motion.pattern.cycles == int(names[0][-1])
+        assert one.growth == pytest.approx(abs(one.motion.multipliers[0]), rel=1e-6)
+        time = one.motion.pattern.cycles * 2 * np.pi / r
+        exponents = vi.lyapunov(osc, r, clearance, 4000, one.state).exponents
+        assert exponents[0] * time == pytest.approx(np.log(one.growth), abs=1e-3)
+
+
+@pytest.mark.parametrize(("point", "states"), [
+    ((0.14353074654115955, 0.47226232565615794, 0, 0.9305868605408785, 7.877226864655274), 60),
+    ((0.17746891934879389, 0.40417724585871123, (0.2, 0), 0.958073656292679, 6.6632066928121825), 60),
+])  # fmt: skip
+def test_each_periodic_attractor_has_its_motion(point, states):
+    """Also where the state that the core names has not settled within twice the period."""
+    xi, mu, walls, r, clearance = point
+    found = vi.basins(vi.Oscillator(xi=xi, mu=mu, restitution=walls), r, clearance, states=states)
+    for one in found.attractors:
+        if one.kind in ("periodic", "rest"):
+            assert one.growth == pytest.approx(abs(one.motion.multipliers[0]), rel=1e-6)
+            assert f"/{one.motion.pattern.cycles}" in one.name

@@ -2,11 +2,15 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+import urllib.error
+import urllib.request
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -86,6 +90,44 @@ def test_a_local_cluster_is_for_its_user(monkeypatch):
 
 
 @pytest.mark.slow
+def test_the_dashboard_answers_its_own_page(monkeypatch, capfd):
+    """On loopback alone; a foreign name that leads here, another site and other ports get no page."""
+    pytest.importorskip("distributed")
+    pytest.importorskip("bokeh")
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+
+    def status(url, **headers):
+        try:
+            with urllib.request.urlopen(
+                urllib.request.Request(url, headers=headers), timeout=20
+            ) as answer:
+                return answer.status
+        except urllib.error.HTTPError as error:
+            return error.code
+
+    with _workers("local", None) as workers:
+        link = re.search("dashboard: (.*)", capfd.readouterr().err)[1]
+        port = urlsplit(link).port
+        assert link == f"http://127.0.0.1:{port}/status"
+        assert status(link) == 200
+        assert status(link.replace("127.0.0.1", "localhost")) == 200
+        for page in (
+            link,
+            f"http://127.0.0.1:{port}/",
+            f"http://127.0.0.1:{port}/json/counts.json",
+        ):
+            assert status(page, Host="evil.example") == 403
+            assert status(page, Host=f"evil.example:{port}") == 403
+            assert status(page, Origin="http://evil.example") == 403
+            assert status(page, **{"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "cors"}) == 403
+        ports = workers.client.run(lambda dask_worker: dask_worker.http_server.port)
+        for number in ports.values():
+            for page in ("", "health", "metrics", "status", "info/main/workers.html"):
+                assert status(f"http://127.0.0.1:{number}/{page}") == 404
+
+
+@pytest.mark.slow
+@pytest.mark.faults
 def test_a_killed_worker(tmp_path):
     """A worker that is killed: its cases are computed by another one, and the store is the undisturbed one."""
     distributed = pytest.importorskip("distributed")

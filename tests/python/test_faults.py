@@ -336,7 +336,7 @@ def test_two_clients(nursery, tmp_path):
     wait_for(lambda: len(list(store.glob("sums/*.json"))) > done)
     os.kill(process, signal.SIGTERM)
     status, output = nursery.end()
-    assert (status, "interrupted" in output) == (1, True)
+    assert (status, f"interrupted; what was finished is kept: {store}" in output) == (1, True)
 
 
 # -- a cluster
@@ -387,12 +387,38 @@ def scheduler(tmp_path):
     kill(process)
 
 
+#: A client of a cluster in a process of its own: the store and the address are its arguments.
+CLIENT = """
+import sys
+sys.path.insert(0, sys.argv[3])
+import test_faults, vibroimpact as vi
+vi.campaign(test_faults.grid(), sys.argv[1], sys.argv[2], chunk=8)
+"""
+
+
+def grid():
+    """The campaign that is tried on a cluster."""
+    axes = {"r": np.linspace(0.9, 1.1, 20), "clearance": np.geomspace(2, 200, 20)}
+    return vi.Sweep(equispaced_case(), axes)
+
+
+def kill_client(store, address):
+    """Kill a client of a cluster when its first chunk is finished."""
+    client = subprocess.Popen(
+        [sys.executable, "-c", CLIENT, store, address, Path(__file__).parent],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    try:
+        wait_for(lambda: list(store.glob("sums/*.json")), client)
+    finally:
+        kill(client)
+    assert vi.Campaign(store).finished.any()
+
+
 def test_a_cluster_that_is_killed(scheduler, tmp_path):
     """Workers of another core are refused; a killed client, and then a killed scheduler, lose nothing."""
     process, address = scheduler
-    sweep = vi.Sweep(
-        equispaced_case(), {"r": np.linspace(0.9, 1.1, 20), "clearance": np.geomspace(2, 200, 20)}
-    )
+    sweep = grid()
     vi.campaign(sweep, tmp_path / "whole", chunk=8)
     (tmp_path / "another.py").write_text(
         "import vibroimpact.campaigns.chunk as chunk\nchunk.core_digest = lambda: 'another'\n"
@@ -406,6 +432,9 @@ def test_a_cluster_that_is_killed(scheduler, tmp_path):
         kill(worker)
     assert not vi.Campaign(tmp_path / "store").finished.any()
     worker = dask("worker", *words, "--no-nanny")
+    kill_client(tmp_path / "killed", address)
+    vi.campaign(sweep, tmp_path / "killed", address, chunk=8)
+    assert files_of(tmp_path / "killed") == files_of(tmp_path / "whole")
 
     def interrupt(share, note):
         """Kill the scheduler at a third of the work."""

@@ -75,7 +75,7 @@ def systems(name, count, pair=False):
 
 
 def promised(name):
-    """The row of a corner: the largest errors of positions, the leading multiplier, exact motions (– if not tested)."""
+    """The row of a corner: largest errors of positions, the leading multiplier, exact motions (–: not tested)."""
     row = re.search(rf"^\| {re.escape(name)} \|(.*)\|$", PAGE.read_text(encoding="utf-8"), re.M)
     return [float(cell) if cell.strip() != "–" else None for cell in row[1].split("|")]
 

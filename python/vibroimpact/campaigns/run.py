@@ -12,6 +12,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
+from urllib.parse import urlsplit
 
 import numpy as np
 from numpy.typing import NDArray
@@ -357,7 +358,10 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         )
     try:
         import cryptography  # noqa: F401 (for the TLS of a local cluster)
+        import dask
         import distributed
+
+        from ..explorer.origin import protect
     except ImportError:
         raise MissingExtraError(
             "a cluster needs dask and cryptography: pip install 'vibroimpact[campaign]'"
@@ -375,10 +379,15 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
             # files are in a folder of its own, since dask's is known and shared
             folder = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
             dashboard = "127.0.0.1:0" if find_spec("bokeh") else None
+            # workers have no pages
+            stack.enter_context(dask.config.set({"distributed.worker.http.routes": []}))
             address: Any = stack.enter_context(
                 distributed.LocalCluster(n_workers=os.cpu_count(), threads_per_worker=1, host="127.0.0.1",
                                          dashboard_address=dashboard, security=True, local_directory=folder)
             )  # fmt: skip
+            if dashboard:
+                port = urlsplit(address.dashboard_link).port
+                protect(address.scheduler.http_application, ("127.0.0.1", "localhost"), port)
         else:
             address = client
         try:

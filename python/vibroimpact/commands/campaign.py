@@ -65,6 +65,8 @@ def run(options: argparse.Namespace) -> int:
             )  # fmt: skip
         except StudyInterrupted as stop:
             describe(stop.result, cases[0].name)
+            if stop.result._done():
+                options.record.files.append(options.store)
             raise KeyboardInterrupt from None
     options.record.files.append(options.store)
     return describe(found, cases[0].name)

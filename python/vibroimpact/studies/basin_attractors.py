@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -93,8 +94,11 @@ def motion_at(
     osc: Oscillator, r: float, clearance: float, load: float, end: _Array, cycles: int
 ) -> Motion | None:
     """The exact stable motion with a period of some load cycles on which a final state is, or None."""
-    run = simulate(osc, r, clearance, 2 * cycles + 3, state=as_state(end, clearance), load=load)
-    try:
-        return attractor_at_end(run, cycles)
-    except VibroimpactError:
-        return None
+    # the state may still approach the motion
+    for length in (2 * cycles + 3, 20 * cycles):
+        run = simulate(osc, r, clearance, length, state=as_state(end, clearance), load=load)
+        with contextlib.suppress(VibroimpactError):
+            found = attractor_at_end(run, cycles)
+            if found is not None:
+                return found
+    return None
