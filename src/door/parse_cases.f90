@@ -77,7 +77,8 @@ contains
                if (j > 1) then
                   if (item%key /= groups(i)%items(j - 1)%key) reached = 0
                end if
-               call parse_subscript(item%target(len(item%key) + 1:), longest_list, first, last, good)
+               call parse_subscript(item%target(len(item%key) + 1:), longest_list, first, last, &
+                  good)
                first = max(reached, merge(first, 0, good))
                bytes = bytes + number_bytes*min(first - reached + repeats(item%value), &
                   real(longest_list, wp))
@@ -111,7 +112,8 @@ contains
       call check_memory(reading_bytes*len(text), message)
       call list_studies(studies)
       if (len(message) == 0) call scan_namelist(text, groups, line, message)
-      if (len(message) == 0) call check_memory(reading_bytes*len(text) + list_bytes(groups), message)
+      if (len(message) == 0) call check_memory(reading_bytes*len(text) + list_bytes(groups), &
+         message)
       if (len(message) == 0) call check_names(studies, groups, line, message)
       if (len(message) == 0) then
          deallocate (cases)

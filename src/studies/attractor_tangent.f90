@@ -14,7 +14,8 @@ module vi_attractor_tangent
    implicit none (type, external)
    private
 
-   public :: coordinates, event_derivative, departure_speed, lapse, moment_of, period_derivative, restitution_at
+   public :: coordinates, event_derivative, departure_speed, lapse, moment_of, period_derivative, &
+      restitution_at
 
 contains
 

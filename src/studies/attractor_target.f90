@@ -119,8 +119,8 @@ contains
       type(event_type), intent(inout) :: events(:)
       !> Events up to the one that ends the period.
       integer, intent(out) :: n
-      !> False if the departure speed is not positive although the wall has restitution, the simulation
-      !! fails (for example, if the events have no room), or no event ends the period.
+      !> False if the departure speed is not positive although the wall has restitution, the
+      !! simulation fails (for example, if the events have no room), or no event ends the period.
       logical, intent(out) :: good
       type(state_type) :: state, final
       real(wp) :: phase, nearest, off

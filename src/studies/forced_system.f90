@@ -11,8 +11,8 @@ module vi_forced_system
    implicit none (type, external)
    private
 
-   public :: new_forced_system, initial_state, least_clearance, state_time, flight_from, rest_from, &
-      departure_from
+   public :: new_forced_system, initial_state, least_clearance, state_time, flight_from, &
+      rest_from, departure_from
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3

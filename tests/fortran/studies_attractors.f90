@@ -59,8 +59,8 @@ contains
       integer :: n, status, i, j
       logical :: good
 
-      system = new_forced_system(oscillator_type(0.1144_wp, 0.38_wp, restitution), 1.07_wp, 1.0_wp, &
-         6.9_wp)
+      system = new_forced_system(oscillator_type(0.1144_wp, 0.38_wp, restitution), 1.07_wp, &
+         1.0_wp, 6.9_wp)
       state = initial_state(system, [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
       call simulate(system, state, 400_int64, 0.0_wp, events, n, final, status)
       ends = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
