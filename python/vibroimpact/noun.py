@@ -277,7 +277,10 @@ class Noun(Savable):
     @property
     def osc(self) -> Oscillator:
         """The system."""
-        return Oscillator._of_keys(self.keys)
+        keys = self.keys
+        if "xi" not in keys:
+            raise AttributeError(f"{self!r}: is of a Structure and has no osc")
+        return Oscillator._of_keys(keys)
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""

@@ -56,6 +56,11 @@ class Gap(ByValue):
         Its opening at q = 0; negative if it is closed there.
     restitution : float, PowerLaw or TabulatedRestitution
         Coefficient of restitution, 0 to 1, or a law of it over the approach speed.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not as described.
     """
 
     direction: _Array

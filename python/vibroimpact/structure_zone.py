@@ -157,8 +157,10 @@ class StructureZone(Followed, study="zone_structure"):
 
     def _square(self, points: _Array) -> _Array:
         """Points (M, 2) in the unit square, with the exponential of the second coordinate."""
-        scaled = (points - (self.x[0], self.y[0])) / (np.ptp(self.x), np.ptp(self.y))
-        return np.stack([scaled[:, 0], np.exp(scaled[:, 1])], axis=1)
+        # a point may be as far outside the window as numbers go
+        with np.errstate(over="ignore", invalid="ignore"):
+            scaled = (points - (self.x[0], self.y[0])) / (np.ptp(self.x), np.ptp(self.y))
+            return np.stack([scaled[:, 0], np.exp(scaled[:, 1])], axis=1)
 
     def at(self, x: float, y: float) -> tuple[Structure, Load]:
         """The structure and the load at values of both parameters."""

@@ -48,11 +48,9 @@ def find_targets():
         elif inspect.isclass(item) and not issubclass(item, BaseException):
             if "Raises\n" in (inspect.getdoc(item) or ""):
                 found[name] = (item, base_of(item, values))
-            for place, method in vars(item).items():
-                if isinstance(method, classmethod) and not place.startswith("_"):
-                    method = getattr(item, place)
-                    if "Raises\n" in (inspect.getdoc(method) or ""):
-                        found[f"{name}.{place}"] = (method, base_of(method, values))
+            for place, method in inspect.getmembers(item, inspect.ismethod):
+                if not place.startswith("_") and "Raises\n" in (inspect.getdoc(method) or ""):
+                    found[f"{name}.{place}"] = (method, base_of(method, values))
     for instance in objects:
         for place, _ in inspect.getmembers(type(instance), inspect.isfunction):
             method = getattr(instance, place)
@@ -116,6 +114,7 @@ def samples(vi):
     }  # fmt: skip
     zone = vi.zone(osc, "RL", (0.93, 0.95), (36.0, 38.0), lines=5, guesses=1)
     values["zone"] = zone
+    case = motion.to_namelist()
     objects = [
         osc, motion, moving, annotated["Trajectory"], zone, structure, vi.Pattern("RL"), vi.Units(2.0, 3.0, 4.0),
         vi.PowerLaw(0.8, 1.0, 0.2), vi.TabulatedRestitution([0, 1], [0.9, 0.5]), vi.branch(motion, bounds=(36.5,
@@ -124,6 +123,17 @@ def samples(vi):
         settling=2, keep=3),
         vi.basins(osc, 0.94, 37.0, states=2, cycles=5, probes=1), vi.physical(motion),
         vi.bifurcation_diagram(osc, "clearance", [36.0, 38.0], r=0.94, settling=2, keep=3, points=3),
+        vi.atlas(osc, (0.93, 0.95), (36.0, 38.0), max_impacts=2, survey=1, lines=5, guesses=1, settling=10),
+        vi.find(osc, 0.94, 37.0, max_impacts=2, guesses=1, states=1, settling=2),
+        vi.lyapunov(osc, 0.94, 20.0, cycles=40, discard=60, batches=2),
+        vi.decay(osc, 1.0, cycles=3, amplitude=2.0),
+        vi.branch_structure(moving, "frequency", (0.939, 0.941)),
+        vi.zone_structure(moving, values["x"], values["y"], lines=5),
+        vi.basins_structure(structure, load, states=1, settling=2),
+        vi.bifurcation_structure(structure, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
+        vi.response_structure(structure, load, [0.93, 0.94], settling=2, keep=3),
+        vi.lyapunov_structure(structure, load, cycles=4, discard=1, batches=2), case,
+        vi.Sweep(case, {"clearance": [36.0, 37.0]}),
     ]  # fmt: skip
     return (values, annotated), objects
 

@@ -293,6 +293,17 @@ def test_bad_input_is_named(arguments, name):
         vi.atlas(EQUAL, **given)
 
 
+def test_questions_that_an_atlas_refuses(atlas):
+    """A point is two numbers, and an attractor one of the survey."""
+    with pytest.raises(vi.errors.ParameterTypeError, match=r"^attractor = None"):
+        atlas.explains(None)
+    for point, name in ((([0.9, 1.0], 20.0), "r"), ((0.9, []), "clearance")):
+        with pytest.raises(
+            (vi.errors.ParameterError, vi.errors.ParameterTypeError), match=rf"^{name} = "
+        ):
+            atlas.at(*point)
+
+
 def test_zone_with_rest_agrees_with_simulation():
     """Simulations from rest reach stable motions of the pattern inside the zone, and none outside."""
     zone = vi.zone(UNEQUAL, vi.Pattern("RL*"), (0.84, 0.94), (4, 8))

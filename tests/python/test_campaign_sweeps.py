@@ -63,6 +63,15 @@ def test_points_are_made_in_blocks(monkeypatch):
         vi.Sweep(equispaced_case(), box, samples=2**30, method="latin_hypercube")
 
 
+@pytest.mark.parametrize("number", [-1, 12, 2**40, 1.0, None, [0]])
+def test_numbers_without_a_case(number):
+    """A case is asked for by its number, from 0."""
+    wanted = r"number = .*: must be a whole number with 0 <= number <= 11"
+    for ask in (small_sweep().point, small_sweep().text):
+        with pytest.raises((vi.errors.ParameterError, vi.errors.ParameterTypeError), match=wanted):
+            ask(number)
+
+
 def test_a_huge_grid(tmp_path):
     """Nothing holds all cases: a campaign of 10^12 starts, stops, and tells how far it is."""
     keys = {"xi": (0.001, 0.1), "mu": (0.01, 0.1), "r": (0.9, 1.1), "clearance": (2, 200)}

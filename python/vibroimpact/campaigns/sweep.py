@@ -166,6 +166,7 @@ class Sweep:
 
     def point(self, number: int) -> dict[str, Any]:
         """The values of the keys in a case, by number from 0."""
+        number = checks.integer(number, "number", 0, len(self) - 1)
         if self._points is not None:
             return dict(zip(self.keys, self._points[number], strict=True))
         places = np.unravel_index(number, self.shape)

@@ -230,10 +230,13 @@ class Atlas(Noun, study="atlas"):
         Where an open boundary leaves a zone undecided, `Zone.contains` warns, and the zone is not in the list;
         attractors of the survey there are in `unexplained`.
         """
+        r = checks.to_float(r, "r", "a number")
+        clearance = checks.to_float(clearance, "clearance", "a number")
         return [zone for zone in self.zones if bool(zone.contains(r, clearance))]
 
     def explains(self, attractor: Attractor) -> bool:
         """Whether an attractor lies in a zone of its pattern."""
+        checks.instance(attractor, "attractor", Attractor)
         names, cycles = names_of(attractor.pattern, self.osc), attractor.pattern.cycles
         return any(
             zone.pattern.sides in names
