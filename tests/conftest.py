@@ -1,6 +1,7 @@
 """Options of all tests, and the order of tests that shortens a full run."""
 
 import os
+import random
 
 import pytest
 import vibroimpact  # noqa: F401
@@ -30,6 +31,9 @@ def pytest_addoption(parser):
         "--share", type=float, default=1.0, metavar="X",
         help="share of the random systems that slow tests try, from 0.1 to 1 (1)",
     )  # fmt: skip
+    group = parser.getgroup("faults", "programs that are stopped at random instants")
+    group.addoption("--instants", type=int, default=8, help="instants for each program (8)")
+    group.addoption("--seed", type=int, default=random.randrange(10**6), help="their seed (random)")
 
 
 @pytest.fixture(scope="session")

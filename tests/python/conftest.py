@@ -1,6 +1,5 @@
 """Results that several test files use."""
 
-import random
 import signal
 
 import pytest
@@ -23,9 +22,6 @@ def pytest_addoption(parser):
     group.addoption("--audit-systems", type=int, default=3, help="systems (3)")
     group.addoption("--audit-points", type=int, default=12, help="points of each system (12)")
     group.addoption("--audit-seed", type=int, default=1, help="seed of the systems and points (1)")
-    group = parser.getgroup("faults", "programs that are stopped at random instants")
-    group.addoption("--instants", type=int, default=8, help="instants for each program (8)")
-    group.addoption("--seed", type=int, default=random.randrange(10**6), help="their seed (random)")
 
 
 def pytest_configure():
