@@ -146,6 +146,40 @@ def test_zarr_reads_it(tmp_path):
     assert sorted(set(rows["case"].values)) == list(range(12))
 
 
+def test_xarray_reads_it_while_it_runs(tmp_path):
+    """At each look another reader has what is finished so far, and never half a chunk."""
+    xarray = pytest.importorskip("xarray")
+    store, looks = tmp_path / "store", []
+
+    def look(share, note):
+        if not share:
+            return
+        tree = xarray.open_datatree(store / "results.zarr", engine="zarr", consolidated=False)
+        seen = [
+            (int(name.split("-")[0]) + int(case), float(value))
+            for name in tree.children
+            for case, value in zip(
+                tree[name]["motions"]["case"].values,
+                tree[name]["motions"]["attenuation"].values,
+                strict=True,
+            )
+            if not np.isnan(value)
+        ]
+        looks.append((int(vi.Campaign(store).finished.sum()), seen))
+
+    found = vi.campaign(small_sweep(), store, chunk=1, threads=1, progress=look)
+    known = {
+        (i, motion.attenuation)
+        for i in range(12)
+        for motion in found[i].parts()
+        if found[i] is not None
+    }
+    assert any(0 < len(seen) < len(known) for _, seen in looks)
+    for finished, seen in looks:
+        assert set(seen) <= known
+        assert len({case for case, _ in seen}) <= finished
+
+
 @pytest.mark.parametrize("study", ["motion", "find", "zone", "structure_wall"])
 def test_all_rows_of_a_table(tmp_path, study):
     """They are the rows of the single results, one after the other, whatever the size of chunks."""
