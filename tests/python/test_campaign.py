@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -138,7 +139,7 @@ def test_a_killed_worker(tmp_path):
     killed = []
     with (
         distributed.LocalCluster(
-            2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
         ) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
     ):
@@ -151,6 +152,47 @@ def test_a_killed_worker(tmp_path):
 
         vi.campaign(sweep, tmp_path / "store", client, chunk=25, progress=kill)
     assert killed
+    assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
+
+
+#: A case of some seconds.
+LONG = """&system
+  xi = 0.0114
+  mu = 0.028
+  restitution = 0.75, 0.75
+  r = 1
+/
+&lyapunov
+  clearance = 20
+  cycles = 2000000
+/
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.faults
+def test_a_case_whose_workers_are_killed(tmp_path):
+    """It is left as a namelist with the reason, and computed when the campaign runs again."""
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    vi.campaign([LONG], tmp_path / "whole")
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
+        (worker,) = client.run(os.getpid).values()
+        threading.Timer(0.7, os.kill, (worker, signal.SIGKILL)).start()
+        found = vi.campaign([LONG], tmp_path / "store", client)
+    assert not found.finished.any()
+    (failure,) = found.failures.glob("*.nml")
+    assert "each worker that computed it was killed" in failure.read_text()
+    assert vi.read_namelist(failure)[0].study == "lyapunov"
+    found = vi.campaign([LONG], tmp_path / "store")
+    assert found.finished.all()
+    assert not list(found.failures.glob("*.nml"))
     assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
 
 
