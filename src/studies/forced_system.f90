@@ -113,15 +113,15 @@ contains
       end if
    end function initial_state
 
-   !> The least clearance of a simulation: rounding of displacements is a millionth of it, so that
-   !! the free mass meets a wall at a time with six correct digits.
+   !> The least clearance of a simulation: rounding of displacements, half of epsilon, is a millionth
+   !! of it: the time at which the free mass meets a wall is wrong by no more than twice that.
    pure real(wp) function least_clearance(system, x)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Displacement of the primary mass at the start.
       real(wp), intent(in) :: x
 
-      least_clearance = 1.0e6_wp*epsilon(x)*max(system%amplitude, abs(x))
+      least_clearance = 0.5e6_wp*epsilon(x)*max(system%amplitude, abs(x))
    end function least_clearance
 
    !> How the flight from a state begins; a state given by the user may begin with an impact.

@@ -186,7 +186,7 @@ def first_contact(osc, r, clearance, start, side, near):
     return time, abs(mp.diff(beyond, time))
 
 
-@pytest.mark.parametrize("powers", [(-9.65, -9), (-9, -4), (-4, 3), (3, 11)])
+@pytest.mark.parametrize("powers", [(-9.95, -9), (-9, -4), (-4, 3), (3, 11)])
 def test_small_and_large_clearances(powers):
     """The first impact of a simulation is as accurate as the displacements are, or the clearance is refused."""
     rng = np.random.default_rng(12)
@@ -215,10 +215,10 @@ def test_small_and_large_clearances(powers):
             known, speed = first_contact(osc, r, clearance, start, side, flight)
             rounding = 2.3e-16 * (max(amplitude, clearance) / float(speed) + 6 + float(known))
             assert abs(flight - known) <= 2 * rounding
-            assert abs(flight / known - 1) <= 1e-6
+            assert abs(flight / known - 1) <= 2e-6
             for low, more in (
-                (amplitude * 2.1e-10, {}),
-                (1e3, {"state": start | {"x": 4.7e12, "z": 4.7e12}}),
+                (amplitude * 1.08e-10, {}),
+                (1e3, {"state": start | {"x": 9.3e12, "z": 9.3e12}}),
             ):
                 with pytest.raises(
                     vi.errors.ParameterError, match="a million times the rounding errors"
