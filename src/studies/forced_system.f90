@@ -114,7 +114,7 @@ contains
    end function initial_state
 
    !> The least clearance of a simulation: rounding of displacements, half of epsilon, is a millionth
-   !! of it: the time at which the free mass meets a wall is wrong by no more than twice that.
+   !! of it. The time at which the free mass first meets a wall is wrong by no more than twice that.
    pure real(wp) function least_clearance(system, x)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
