@@ -113,8 +113,8 @@ contains
       end if
    end function initial_state
 
-   !> The least clearance of a simulation: rounding of displacements, half of epsilon, is a millionth
-   !! of it. The time at which the free mass first meets a wall is wrong by no more than twice that.
+   !> The least clearance of a simulation: the rounding error of displacements, half of epsilon, is
+   !! a millionth of it. The first meeting with a wall is wrong by no more than twice that.
    pure real(wp) function least_clearance(system, x)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
