@@ -77,7 +77,7 @@ contains
       before = events(size(events))
       before%cycle = before%cycle - cycles
       whole = identity
-      places = coordinates(system, before)
+      allocate (places, source=coordinates(system, before))
       n = size(places)
       if (n < 4) whole(3, 2) = 1                        ! z' is x'
       if (n == 2) then                                  ! x = f sin(alpha) - 2 xi x'
