@@ -164,7 +164,7 @@ LONG = """&system
 /
 &lyapunov
   clearance = 20
-  cycles = 2000000
+  cycles = 1200000
 /
 """
 
@@ -184,7 +184,7 @@ def test_a_case_whose_workers_are_killed(tmp_path):
         distributed.Client(cluster, set_as_default=False) as client,
     ):
         (worker,) = client.run(os.getpid).values()
-        threading.Timer(0.7, os.kill, (worker, signal.SIGKILL)).start()
+        threading.Timer(0.5, os.kill, (worker, signal.SIGKILL)).start()
         found = vi.campaign([LONG], tmp_path / "store", client)
     assert not found.finished.any()
     (failure,) = found.failures.glob("*.nml")
