@@ -279,7 +279,7 @@ class Noun(Savable):
         """The system."""
         keys = self.keys
         if "xi" not in keys:
-            raise AttributeError(f"{self!r}: is of a Structure and has no osc")
+            raise AttributeError(f"{self!r}: is a result of a Structure, which has no Oscillator")
         return Oscillator._of_keys(keys)
 
     def to_namelist(self) -> str:

@@ -443,8 +443,8 @@ def simulate(
     least = _core.least_clearance(osc.xi, r, load, now[0][2])
     if clearance < least:
         raise ParameterError(
-            f"clearance = {clearance!r}: must be at least {1.06 * least:.1e}, a million times the rounding errors "
-            "of displacements"
+            f"clearance = {clearance!r}: must be at least {1.06 * least:.1e}, a million times the rounding error "
+            "of the displacements"
         )
     whole = discard + cycles or 1.0
     checks.progress(progress)

@@ -63,8 +63,8 @@ contains
          known%targets, threads, progress)
    end subroutine identify
 
-   !> The stable periodic motion on which a state lies, with its shortest period: a simulation that
-   !! approaches a motion in turns may seem to repeat itself after some periods only.
+   !> The stable periodic motion on which a state lies, with its shortest period: while a simulation
+   !! still approaches a motion, it may seem to repeat itself only after several periods.
    pure subroutine shortest_period(system, end, cycles, known, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -94,18 +94,12 @@ contains
       type(forced_system_type), intent(in) :: system
       !> The motion.
       type(known_type), intent(in) :: known
-      real(wp) :: off(4)
       integer :: n
 
       n = size(known%targets)
       do parts = known%cycles, 2, -1
          if (modulo(known%cycles, parts) /= 0 .or. modulo(n, parts) /= 0) cycle
-         associate (one => known%targets(1), other => known%targets(1 + n/parts))
-            off = (one%middle - other%middle)/system%clearance
-            off(one%n) = one%middle(one%n) - other%middle(one%n)
-            off(one%n) = off(one%n) - two_pi*anint(off(one%n)/two_pi)
-            if (one%side == other%side .and. all(abs(off) < 1.0e-6_wp)) return
-         end associate
+         if (coincide(known%targets(1), known%targets(1 + n/parts), system%clearance)) return
       end do
       parts = 1
    end function periods_in
@@ -244,23 +238,28 @@ contains
       type(known_type), intent(in) :: one, other
       !> The clearance, unit of the comparison.
       real(wp), intent(in) :: clearance
-      real(wp) :: off(4)
       integer :: i
 
       alike = .false.
       if (one%cycles /= other%cycles .or. size(one%symbols) /= size(other%symbols)) return
-      associate (first => one%targets(1))
-         do i = 1, size(other%targets)
-            associate (t => other%targets(i))
-               if (t%side /= first%side .or. (t%release .neqv. first%release)) cycle
-               off = (t%middle - first%middle)/clearance
-               off(first%n) = t%middle(first%n) - first%middle(first%n)
-               off(first%n) = off(first%n) - two_pi*anint(off(first%n)/two_pi)
-               alike = all(abs(off) < 1.0e-6_wp)
-            end associate
-            if (alike) return
-         end do
-      end associate
+      alike = any([(coincide(one%targets(1), other%targets(i), clearance), i=1, &
+         size(other%targets))])
    end function alike
+
+   !> Whether two events of periodic motions are the same but for rounding.
+   pure logical function coincide(one, other, clearance)
+      !> The events.
+      type(target_type), intent(in) :: one, other
+      !> The clearance, unit of the comparison.
+      real(wp), intent(in) :: clearance
+      real(wp) :: off(4)
+
+      coincide = .false.
+      if (one%side /= other%side .or. (one%release .neqv. other%release)) return
+      off = (one%middle - other%middle)/clearance
+      off(one%n) = one%middle(one%n) - other%middle(one%n)
+      off(one%n) = off(one%n) - two_pi*anint(off(one%n)/two_pi)
+      coincide = all(abs(off) < 1.0e-6_wp)
+   end function coincide
 
 end module vi_attractor_known

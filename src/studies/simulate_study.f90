@@ -114,7 +114,8 @@ contains
             s%number('clearance')), s%number('x'))
          ! what is shown may be rounded down
          if (s%number('clearance') < least) call s%refuse('clearance', 'it must be at least '// &
-            shown(1.06_wp*least, 'es9.1')//', a million times the rounding errors of displacements')
+            shown(1.06_wp*least, 'es9.1')//', a million times the rounding error of the &
+            &displacements')
       end associate
    end subroutine check_simulate
 

@@ -221,7 +221,7 @@ def test_small_and_large_clearances(powers):
                 (1e3, {"state": start | {"x": 9.3e12, "z": 9.3e12}}),
             ):
                 with pytest.raises(
-                    vi.errors.ParameterError, match="a million times the rounding errors"
+                    vi.errors.ParameterError, match="a million times the rounding error"
                 ) as refused:
                     vi.simulate(osc, r, low, 1, **more)
                 least = float(re.search("at least ([^,]*)", str(refused.value))[1])
