@@ -14,8 +14,7 @@ usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY..
           of further texts, such as cases that other tests run.
 --compare prints what other builds answer differently, but for rounding: the exit status is 1 if anything.
 
-An answer is kept as far as the package and all libraries named (another compiler, another LAPACK) agree, and so is
-the work that it takes (work.py), as far as these builds, that in build/fortran, and other versions of sines agree.
+An answer is kept as far as the package and all libraries named (another compiler, another LAPACK) agree.
 """
 
 import argparse
@@ -24,7 +23,6 @@ import json
 import multiprocessing
 import os
 import random
-import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -36,11 +34,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / part) for part in ("python", "fuzz")]
 
-import work  # noqa: E402
 from kills import KILLED, kept_trial  # noqa: E402
 from language import Language, parse, write  # noqa: E402
 from mutate import core_files, sample  # noqa: E402
-from package import PLAIN_SINES  # noqa: E402
 from shared_answers import (  # noqa: E402
     DECLARED,
     KEPT,
@@ -209,7 +205,6 @@ def main():
     what.add_argument("--mutants", type=Path, metavar="FOLDER")
     what.add_argument("--renew", action="store_true")
     what.add_argument("--compare", type=Path, nargs="+", metavar="LIBRARY")
-    what.add_argument("--calls", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--texts", type=int, default=10_000, help="texts that are tried (10000)")
     parser.add_argument("--seed", type=int, default=1, help="of the texts and the sample (1)")
     parser.add_argument("--sample", type=int, default=300, help="mutants that are tried (300)")
@@ -233,10 +228,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         put_files(Path(folder))
         os.chdir(folder)
-        if asked.calls:
-            return tell_calls()
-        # a library stands in src/c of its build
-        others = [Library(path) if asked.compare else work.Work(path.parents[2]) for path in others]
+        others = [Library(path) for path in others]
         kept = load() if KEPT.exists() else []
         if asked.compare:
             return compare(kept, others)
@@ -264,13 +256,6 @@ def compare(kept, others):
                 print(f"{name} differs:\n{item['text']}")
     print(f"{len(kept)} answers of {len(others)} other builds, {different} differences")
     return int(different > 0)
-
-
-def tell_calls():
-    """Print the calls of each of the cases on the standard input; return 0."""
-    mine = work.Work(ROOT / "build/fortran")
-    print(json.dumps([mine.count(text)[2] for text in json.load(sys.stdin)]))
-    return 0
 
 
 def search(counted, kept, count, seed):
@@ -396,43 +381,27 @@ def fewest(found, times):
 def keep(texts, others, before):
     """Write the texts with the answers that all builds have in common, and tell what changed; return 0."""
     old = {item["text"]: item["answer"] for item in before}
-    old_calls = dict(zip(old, work.load(len(old)), strict=True))
-    lines, changed, calls = [], 0, {}
-    subprocess.run(["ninja", "-C", ROOT / "build/fortran"], check=True, stdout=subprocess.DEVNULL)
-    mine = work.Work(ROOT / "build/fortran")
+    lines, changed = [], 0
     texts = [*dict.fromkeys(text.removeprefix(STOPPED) for text in texts)]
     for text in (*texts, *(STOPPED + text for text in texts)):
         common = answer(text)
         if text.startswith(STOPPED) and not [*differences(answer(text[len(STOPPED) :]), common)]:
             # done before it was asked to stop
             continue
-        _, _, same = mine.count(text)
         for other in others:
             # a build with checks is slow, and so is a machine that does something else
-            seen, _, there = other.count(text, 200.0)
+            seen, _ = other.run(text, 200.0)
             common = merged(common, seen) if common and seen else None
-            same = work.merged(same, there)
         if common is None:
             if text in old:
                 changed += 1
                 print(f"no longer kept:\n{text}")
             continue
-        calls[text] = same
         common = json.loads(json.dumps(common))
         lines.append(json.dumps({"text": text, "answer": common}))
         for name in differences(old.get(text, common), common):
             changed += 1
             print(f"{name} changed:\n{text}")
-    asked = subprocess.run(
-        [sys.executable, __file__, "--calls"], input=json.dumps([*calls]), env=os.environ | PLAIN_SINES,
-        stdout=subprocess.PIPE, text=True, check=True,
-    )  # fmt: skip
-    for text, there in zip(calls, json.loads(asked.stdout), strict=True):
-        calls[text] = work.merged(calls[text], there)
-        if more := work.differences(old_calls.get(text, calls[text]), calls[text]):
-            changed += 1
-            print(f"calls of {', '.join(more)} changed:\n{text}")
-    work.store([*calls.values()])
     new = KEPT.with_suffix(".new")
     new.write_text("\n".join([*lines, ""]), encoding="utf-8")
     new.replace(KEPT)

@@ -1,7 +1,7 @@
 """Asks which mutants the kept answers notice, in the libraries that hold nearly all of them (switched.py).
 
 A case is run only for the mutants whose statement it reaches, each mutant in a process of its own. What differs
-from the kept answer or the kept amount of work (work.py), breaks down, or takes much longer, kills the mutant.
+from the kept answer, breaks down, or takes much longer, kills the mutant.
 """
 
 import fcntl
@@ -18,7 +18,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/python")]
 
-import work  # noqa: E402
 from shared_answers import differences, load, put_files  # noqa: E402
 from statements import Statements  # noqa: E402
 
@@ -31,8 +30,8 @@ NOTICED, IN_VAIN = 1, 77
 #: What became of a mutant: the kept answers notice it, let it pass, or do not reach its statement.
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
 
-#: A case: text, answer, CPU seconds, calls of procedures.
-Case = tuple[str, dict, float, dict[str, int | None]]
+#: A case: text, answer, CPU seconds.
+Case = tuple[str, dict, float]
 
 
 class Trial:
@@ -41,7 +40,7 @@ class Trial:
     def __init__(self, folder: Path):
         self.statements = Statements(folder)
         self.folder = folder
-        self.library = work.Work(folder / "plain")
+        self.library = Library(folder / "plain" / LIBRARY)
         self.cases: list[Case] = []
         #: What the core answers to other texts; None where that takes too long.
         self.answers: dict[str, Case | None] = {}
@@ -96,9 +95,9 @@ class Trial:
         cases = []
         for text in texts:
             if text not in self.answers:
-                found, took, calls = self.library.count(text, longest)
+                found, took = self.library.run(text, longest)
                 good = found is not None and took < longest and len(json.dumps(found)) < 6000
-                self.answers[text] = (text, found, took, calls) if good else None
+                self.answers[text] = (text, found, took) if good else None
             if self.answers[text]:
                 cases.append(self.answers[text])
         place = self.noticed(number, sorted(cases, key=lambda case: case[2]))
@@ -114,15 +113,10 @@ class Trial:
         library = Library(alone) if alone else self.library
         if not alone:
             self.library.choose(number)
-        for place, (text, kept, took, kept_calls) in enumerate(cases):
+        for place, (text, kept, took) in enumerate(cases):
             os.write(out, place.to_bytes(4, "little"))
             signal.setitimer(signal.ITIMER_PROF, (100 if alone else 10) * took + 1)
-            if alone:
-                found, _ = library.run(text)
-            else:
-                found, _, calls = self.library.count(text)
-                if work.differences(kept_calls, calls):
-                    return True
+            found, _ = library.run(text)
             if any(True for _ in differences(kept, found)):
                 return True
         return False
@@ -137,18 +131,18 @@ def kept_trial(folder: Path) -> Trial:
         done = what_they_do(folder, kept)
     trial = Trial(folder)
     cases, reached = [], []
-    for item, calls, (took, statements, here) in zip(kept, work.load(len(kept)), done, strict=True):
-        if here is not None:
-            cases.append((item["text"], item["answer"], took, work.merged(calls, here)))
+    for item, (took, statements, good) in zip(kept, done, strict=True):
+        if good:
+            cases.append((item["text"], item["answer"], took))
             reached.append(statements)
     trial.add(cases, reached)
     return trial
 
 
 def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
-    """Return, for each kept case, its CPU seconds, its statements and its calls, noted in the folder.
+    """Return, for each kept case, its CPU seconds, its statements, and whether these libraries give its answer.
 
-    The calls are None where these libraries do not give the kept answer.
+    What they do is noted in the folder.
     """
     note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
     noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
@@ -165,10 +159,10 @@ def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
     return [known[name] for name in names]
 
 
-def run_all(folder: Path, kept) -> list[tuple[float, list[int], dict[str, int] | None]]:
+def run_all(folder: Path, kept) -> list[tuple[float, list[int], bool]]:
     """Return what kept cases do in these libraries."""
     path = folder / "counted" / LIBRARY
-    counted, plain, statements = Counted(path), work.Work(folder / "plain"), Statements(folder)
+    counted, plain, statements = Counted(path), Library(folder / "plain" / LIBRARY), Statements(folder)
     known: dict[int, int] = {}
     found = []
     for item in kept:
@@ -176,11 +170,11 @@ def run_all(folder: Path, kept) -> list[tuple[float, list[int], dict[str, int] |
         new = [place for place in places if place not in known]
         if new:
             known |= statements.of_places(path, new)
-        answer, took, calls = plain.count(item["text"])
+        answer, took = plain.run(item["text"])
         # a case whose answer these libraries do not give would notice whatever it reaches
         good = not [*differences(item["answer"], answer)]
         reached = sorted({known[place] for place in places} - {0})
-        found.append((took, reached, calls if good else None))
+        found.append((took, reached, good))
     return found
 
 
