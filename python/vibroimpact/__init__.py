@@ -1,5 +1,7 @@
 """Stable periodic motions of a vibrating system in which a free mass collides with its walls."""
 
+from collections.abc import Callable as _Callable
+from importlib import import_module as _import_module
 from importlib.metadata import version as _version
 
 from . import errors
@@ -30,6 +32,7 @@ from .measured import SensorRecord, VirtualRig, virtual_record
 from .model import Oscillator, Pattern
 from .motion import Motion, Motions
 from .newton import exact
+from .noun import ACTIONS as _ACTIONS
 from .period import Period
 from .physical import Physical, physical
 from .quantities import Quantities, Signal
@@ -200,6 +203,30 @@ __all__ = [
     "zone",
     "zone_structure",
 ]
+
+
+def _later(place: str) -> _Callable[..., object]:
+    """Return a function of a module that is imported when the function is called for the first time."""
+    module, name = place.split(":")
+    return lambda *arguments: getattr(_import_module(module, __name__), name)(*arguments)
+
+
+_ACTIONS.update(
+    draw=_later(".plot.pictures:draw_result"),
+    animate=_later(".plot.pictures:animate_result"),
+    thumbnail=_later(".plot.thumbnail:thumbnail"),
+    report=_later(".plot.design:report"),
+    html=_later(".formats.html:html"),
+    to_dict=_later(".formats.record:to_dict"),
+    from_dict=_later(".formats.record:from_dict"),
+    to_json=_later(".formats.record:to_json"),
+    from_json=_later(".formats.record:from_json"),
+    to_xarray=_later(".formats.dataset:to_xarray"),
+    to_pandas=_later(".formats.rows:to_pandas"),
+    save=_later(".formats.save:save"),
+    load=load,
+    physical=physical,
+)
 
 
 def __dir__() -> list[str]:

@@ -1,7 +1,4 @@
-"""The base classes of all results: conversion to files and other libraries, and read-only views of tables.
-
-This is the only file that uses formats and pictures; they do not depend on any study.
-"""
+"""The base classes of all results: conversion to files and other libraries, and read-only views of tables."""
 
 from __future__ import annotations
 
@@ -18,7 +15,6 @@ from .namelist import keys_of
 from .tables import Result
 
 if TYPE_CHECKING:
-    from .physical import Physical
     from .units import Units
 
 Self = TypeVar("Self", bound="Savable")
@@ -26,6 +22,9 @@ Self = TypeVar("Self", bound="Savable")
 NOUNS: dict[str, type[Savable]] = {}
 #: The classes by the studies whose whole result they are.
 RESULTS: dict[str, type[Noun]] = {}
+#: What is done with results elsewhere: files, pictures, physical units, derivatives. The package registers these
+#: functions when it is imported, so that results depend on none of them.
+ACTIONS: dict[str, Callable[..., Any]] = {}
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)
@@ -103,18 +102,14 @@ class Savable:
 
     def _draw(self, *options: Any) -> Any:
         """The picture of this class, with the options of its function in `plot`."""
-        from .plot.pictures import PICTURES
-
-        return PICTURES[type(self).__name__](self, *options)
+        return ACTIONS["draw"](self, *options)
 
     def _animate(self, *options: Any) -> Any:
         """The animation, with the options of `plot.animate`."""
-        from .plot import animate
+        return ACTIONS["animate"](self, *options)
 
-        return animate(self, *options)  # type: ignore[arg-type]
-
-    def physical(self, units: Units | str | None = None) -> Physical:
-        """The result in physical units: see `vibroimpact.physical`.
+    def physical(self, units: Units | str | None = None) -> Any:
+        """The result in physical units, a `Physical`: see `vibroimpact.physical`.
 
         Parameters
         ----------
@@ -126,51 +121,38 @@ class Savable:
         errors.ParameterError, errors.ParameterTypeError
             If the oscillator does not know M, K and F0, or a unit is not known.
         """
-        from .physical import physical
-
-        found: Physical = physical(self, units)
-        return found
+        return ACTIONS["physical"](self, units)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
-        from .formats import record
-
-        return record.to_dict(self)
+        found: dict[str, Any] = ACTIONS["to_dict"](self)
+        return found
 
     @classmethod
     def from_dict(cls: type[Self], data: dict[str, Any]) -> Self:
         """The inverse of `to_dict`; errors name the faulty item of the data."""
-        from .formats import record
-
-        noun: Self = record.from_dict(cls, data)
+        noun: Self = ACTIONS["from_dict"](cls, data)
         return noun
 
     def to_json(self) -> str:
         """`to_dict` as JSON text; numbers have all their digits."""
-        from .formats import record
-
-        return record.to_json(self)
+        text: str = ACTIONS["to_json"](self)
+        return text
 
     @classmethod
     def from_json(cls: type[Self], text: str) -> Self:
         """The inverse of `to_json`; the result has the same bits."""
-        from .formats import record
-
-        noun: Self = record.from_json(cls, text)
+        noun: Self = ACTIONS["from_json"](cls, text)
         return noun
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with named dimensions, and with the unit and meaning of each variable (extra
         `data`)."""
-        from .formats import dataset
-
-        return dataset.to_xarray(self)
+        return ACTIONS["to_xarray"](self)
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame with the columns of the CSV (extra `data`)."""
-        from .formats import rows
-
-        return rows.to_pandas(self)
+        return ACTIONS["to_pandas"](self)
 
     def save(self, path: str | Path) -> None:
         """Write a file, completely or not at all; the extension sets the format.
@@ -179,16 +161,12 @@ class Savable:
         `matlab`) hold every bit, and `vibroimpact.load` reads them back. .csv holds the table that
         `vibroimpact run` writes, with the case in its header, from which the result can be computed again.
         """
-        from .formats import save
-
-        save.save(self, path)
+        ACTIONS["save"](self, path)
 
     @classmethod
     def _load(cls: type[Self], path: str | Path) -> Self:
         """A result of this class that `save` wrote."""
-        from .formats.load import load
-
-        result = load(path)
+        result = ACTIONS["load"](path)
         if not isinstance(result, cls):
             raise ParameterError(
                 f"path = {str(path)!r}: must be a file that {cls.__name__}.save wrote, not a "
@@ -198,10 +176,8 @@ class Savable:
 
     def _repr_html_(self) -> str:
         """The representation in Jupyter, with a small picture if matplotlib is installed."""
-        from .formats.html import html
-        from .plot.thumbnail import thumbnail
-
-        return html(self, thumbnail(self))
+        page: str = ACTIONS["html"](self, ACTIONS["thumbnail"](self))
+        return page
 
 
 class Noun(Savable):

@@ -317,9 +317,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         Path
             Without `path` matplotlib's FuncAnimation, as in `Motion.animate`.
         """
-        from .plot.structure import animate
-
-        return animate(self, path, window, seconds)
+        return self._animate(path, window, seconds)
 
     def _facts(self) -> dict[str, str]:
         n, gaps = self.structure.coordinates, len(self.structure.gaps)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,9 +12,6 @@ from numpy.typing import ArrayLike
 from . import checks
 from .errors import ParameterError, ParameterTypeError
 from .jupyter import facts_html
-
-if TYPE_CHECKING:
-    from .motion import Motion
 
 __all__ = ["Units"]
 
@@ -230,8 +227,12 @@ class Units:
             raise ParameterError(f"Omega = {Omega!r}, f = {f!r}: must be one of them, not both")
         return positive_each(f, "f") / self.frequency
 
-    def motion(self, motion: Motion) -> dict[str, Any]:
+    def motion(self, motion: Any) -> dict[str, Any]:
         """The numbers of a motion in physical units.
+
+        Parameters
+        ----------
+        motion : Motion
 
         Returns
         -------

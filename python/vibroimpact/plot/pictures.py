@@ -1,10 +1,11 @@
-"""The pictures of results by their classes."""
+"""The pictures and animations of results by their classes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
+from .animation import animate
 from .attractor import draw_basins, draw_bifurcation, draw_lyapunov, draw_response
 from .branch import draw_branch
 from .chart import draw_chart
@@ -13,6 +14,7 @@ from .design import draw_design
 from .found import draw_found
 from .history import draw
 from .identify import draw_identification
+from .structure import animate as animate_structure
 from .structure import draw_structure
 from .structure_attractor import (
     draw_exponents,
@@ -22,6 +24,7 @@ from .structure_attractor import (
     draw_structure_response,
 )
 from .structure_curves import draw_structure_branch, draw_structure_zone
+from .uncertainty import draw_uncertainty
 from .zone import draw_atlas, draw_zone
 
 #: The function that draws a result, by class; its options are those of the `plot` of the class, in order.
@@ -33,5 +36,20 @@ PICTURES: dict[str, Callable[..., Any]] = {
     "StructureBifurcation": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
     "StructureLyapunov": draw_exponents, "StructureMotions": draw_multipliers,
     "StructureResponse": draw_structure_response, "StructureTrajectory": draw_structure,
-    "StructureZone": draw_structure_zone, "Trajectory": draw, "Zone": draw_zone,
+    "StructureZone": draw_structure_zone, "Trajectory": draw, "Uncertainty": draw_uncertainty,
+    "Zone": draw_zone,
 }  # fmt: skip
+#: The function that animates a result, by class, in the same way.
+ANIMATIONS: dict[str, Callable[..., Any]] = {
+    "Motion": animate, "StructureTrajectory": animate_structure, "Trajectory": animate,
+}  # fmt: skip
+
+
+def draw_result(result: Any, *options: Any) -> Any:
+    """Draw a result, with the options of its function in order."""
+    return PICTURES[type(result).__name__](result, *options)
+
+
+def animate_result(result: Any, *options: Any) -> Any:
+    """Animate a result, with the options of its function in order."""
+    return ANIMATIONS[type(result).__name__](result, *options)

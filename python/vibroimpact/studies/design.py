@@ -19,7 +19,7 @@ from ..distribution import Uncertain, uncertain
 from ..errors import ParameterError, ParameterTypeError
 from ..model import Oscillator, of_numbers
 from ..namelist import keys_of
-from ..noun import Noun
+from ..noun import ACTIONS, Noun
 from ..performance import LEAST, PARAMETERS
 from ..status import VERDICT
 from ..tables import Result, made
@@ -325,9 +325,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         ParameterError
             If the extension is none of these, or the folder is not there.
         """
-        from ..plot.design import report
-
-        report(self, path)
+        ACTIONS["report"](self, path)
 
 
 def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order]) -> Design:

@@ -14,6 +14,7 @@ from ..distribution import Uncertain, interval, shares, systems, uncertain_param
 from ..errors import ParameterError, ParameterTypeError
 from ..libraries import xarray
 from ..model import Oscillator, Pattern, of_numbers, pattern_of
+from ..noun import ACTIONS
 from ..performance import FIGURES, LEAST, perform
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
@@ -148,9 +149,7 @@ class Uncertainty:
         -------
         Axes
         """
-        from ..plot.uncertainty import draw_uncertainty
-
-        return draw_uncertainty(self, ax, inverse, what)
+        return ACTIONS["draw"](self, ax, inverse, what)
 
     def __repr__(self) -> str:
         held = sum(int(band.holds.sum()) for band in self.bands)
