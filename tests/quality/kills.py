@@ -162,7 +162,11 @@ def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
 def run_all(folder: Path, kept) -> list[tuple[float, list[int], bool]]:
     """Return what kept cases do in these libraries."""
     path = folder / "counted" / LIBRARY
-    counted, plain, statements = Counted(path), Library(folder / "plain" / LIBRARY), Statements(folder)
+    counted, plain, statements = (
+        Counted(path),
+        Library(folder / "plain" / LIBRARY),
+        Statements(folder),
+    )
     known: dict[int, int] = {}
     found = []
     for item in kept:
