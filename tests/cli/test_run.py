@@ -9,6 +9,7 @@ import pytest
 
 RUN = Path(__file__).parents[2] / "run"
 ALL = "run: the Fortran tests, then all Python tests"
+ONCE = "run: the Fortran tests, then each Python test once; ./run test --all runs the long ones and all parameters"
 SELECTED = "run: the selected Python tests alone; without a selection the Fortran tests, too"
 
 
@@ -75,21 +76,32 @@ def test_bad_words(words, output):
 
 @pytest.mark.parametrize("words", [
     ["-k", "zone"], ["-kzone"], ["-m", "not slow"], ["--lf"], ["tests/test_one.py"],
-    ["-q", "tests/test_one.py::test_a[b]", "-x"],
+    ["-q", "tests/test_one.py::test_a[b]", "-x"], ["-m", "faults", "--instants", "200"],
 ])  # fmt: skip
 def test_a_selection_is_run_alone(clone, words):
     """The selection is printed before anything is built, and the status is that of pytest."""
     assert clone(*words) == (5, SELECTED, [f"python -m pytest {' '.join(words)}"])
 
 
-@pytest.mark.parametrize("words", [[], ["-n", "2"], ["-x", "-q"]])
+@pytest.mark.parametrize("words", [["--all"], ["-n", "2", "--all"], ["--all", "-x", "-q"]])
 def test_all_tests(clone, words):
-    """Without a selection the Fortran tests run first; their failure does not stop the Python tests."""
+    """The Fortran tests run first; their failure does not stop the Python tests."""
     status, output, calls = clone(*words)
     assert (status, output) == (1, ALL)
+    kept = [word for word in words if word != "--all"]
     assert [call.split(" -C")[0] for call in calls] == [
-        "meson test", " ".join(["python -m pytest", *words])
+        "meson test", " ".join(["python -m pytest", *kept])
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("words", [[], ["-x", "-q"]])
+def test_each_test_once(clone, words):
+    """Without --all and a selection, long tests and further parameters are left out."""
+    status, output, (fortran, python) = clone(*words)
+    assert (status, output) == (1, ONCE)
+    assert fortran.startswith("meson test")
+    assert python.startswith("python -m pytest -n auto --dist loadfile")
+    assert " ".join(["--once -m not slow and not browser and not faults", *words]) in python
 
 
 @pytest.mark.parametrize("fault", [None, "meson", "pytest"])
