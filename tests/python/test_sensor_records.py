@@ -119,7 +119,7 @@ def test_signals_in_memory_and_sound_are_read(tmp_path):
          "5 samples are missing"),
         ("a.csv", "load (stone)\n" + "1\n" * 20, "unit of load = 'stone': must be one of"),
         ("a.json", "{", "must be a record in the format of .json"),
-        ("a.mat", "no", "must be a record in the format of .mat"),
+        ("a.mat", "no", "it is no MATLAB file"),
     ],
 )  # fmt: skip
 def test_faults_of_files_are_named(name, text, message, tmp_path):
@@ -188,8 +188,15 @@ def test_faults_of_tables_are_named(text, options, message, tmp_path):
     ("change", "message"),
     [
         ([3], "path: signal 0 must be a SEP005 dict with name, data, unit_str, and fs or time"),
-        ({"fs": 1000}, "fs from 500 to 1000: must be the same of all signals"),
-        ({"time": [0, 1]}, "fs from 1 to 500: must be the same of all signals"),
+        ({"fs": 1000}, "channels 'acceleration' and 'load': rates are 500 and 1000 Hz; must be the same of all "
+         "channels"),
+        ({"time": [0, 1]}, "channel 'load' of 20 samples: must have as many as times, 2"),
+        ({"time": np.arange(20) / 500}, "channels 'acceleration' and 'load': must both have times, or a rate, or "
+         "none of them"),
+        ({"fs": 500, "time": np.arange(20) / 501}, "channel 'load': its rate is 500 Hz and that of its times 501 Hz; "
+         "must be the same"),
+        ({"fs": 500, "start_timestamp": "yesterday"}, "start_timestamp of 'load' = 'yesterday': must be a date and "
+         "time such as '2026-01-31T12:00:00'"),
         ({"name": ["load"], "data": np.ones((2, 20)), "fs": 500},
          "name = ['load']: must be 2 names, one for each channel of data"),
     ],
@@ -235,3 +242,102 @@ def test_a_step_and_a_bandwidth_are_variables(tmp_path):
     savemat(tmp_path / "a.mat", variables | {"dt": -0.004})
     with pytest.raises(vi.ParameterError, match=r"dt = -0\.004: must be"):
         vi.read_record(tmp_path / "a.mat")
+
+
+SLOW, FAST = np.arange(60) / 100, np.arange(120) / 200
+
+
+def signal(name, times, **more):
+    """A channel by SEP005 whose samples tell their time."""
+    return {"name": name, "data": np.sin(5 * times), "time": times} | more
+
+
+@pytest.mark.parametrize("shift", [-7, 0, 5])
+def test_channels_of_other_start_times_are_joined_by_time(shift):
+    """Samples of one time stand at one place, and the record is what both channels have."""
+    found = vi.read_record([signal("load", SLOW), signal("a", SLOW + shift / 100)])
+    assert len(found) == len(SLOW) - abs(shift)
+    assert found.start == pytest.approx(max(0, shift) / 100)
+    assert np.allclose(found.load, np.sin(5 * found.times))
+    assert np.allclose(found.acceleration, np.sin(5 * found.times))
+
+
+def test_start_timestamps_are_times():
+    """Signals with rates that begin at other moments."""
+    first = {"name": "load", "data": np.sin(5 * SLOW), "fs": 100, "start_timestamp": "2026-01-31T12:00:00"}
+    other = {
+        "name": "a", "data": np.sin(5 * (SLOW + 0.25)), "fs": 100, "start_timestamp": "2026-01-31T12:00:00.25",
+    }  # fmt: skip
+    found = vi.read_record([first, other])
+    assert (len(found), found.start) == (35, 0.25)
+    assert np.allclose(found.load, found.acceleration)
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        (FAST, "channels 'load' and 'a': rates are 100 and 200 Hz"),
+        (SLOW * (1 + 1e-3), "rates are 100 and 99.9000999 Hz"),
+        (SLOW + 0.004, "start at 0 and 0.004 s, 0.4 samples apart; must be sampled at the same times"),
+        (SLOW + 3, "channels 'load', 'a': must have times in common"),
+        (SLOW[:-1], None),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("form", ["json", "nc", "uff"])
+def test_channels_that_do_not_fit_together_are_refused(form, times, message, tmp_path):
+    """Channels of other rates, or between the samples of others, are not joined by their index, in any format."""
+    signals = [signal("load", SLOW), signal("a", times)]
+    path = tmp_path / f"bench.{form}"
+    if form == "json":
+        listed = [{key: x if key == "name" else x.tolist() for key, x in one.items()} for one in signals]
+        path.write_text(json.dumps(listed))
+    elif form == "nc":
+        xarray = pytest.importorskip("xarray")
+        xarray.Dataset(
+            {one["name"]: (f"of_{one['name']}", one["data"]) for one in signals}
+            | {f"time_of_{one['name']}": (f"of_{one['name']}", one["time"]) for one in signals}
+        ).to_netcdf(path, engine="h5netcdf")
+    else:
+        pyuff = pytest.importorskip("pyuff")
+        for code, one in zip((9, 12), signals, strict=True):
+            data = pyuff.prepare_58(
+                binary=0, func_type=1, rsp_node=1, rsp_dir=1, ref_dir=1, ref_node=1, data=one["data"], x=one["time"],
+                id1=one["name"], ordinate_spec_data_type=code, ordinate_axis_units_lab="NONE",
+                orddenom_spec_data_type=0, abscissa_inc=one["time"][1] - one["time"][0], abscissa_spacing=1,
+                abscissa_min=one["time"][0], num_pts=one["data"].size, ord_data_type=4,
+            )  # fmt: skip
+            pyuff.UFF(str(path)).write_sets(data, "add")
+        message = message and message.replace("'a'", "'acceleration'")
+    if message is None:
+        assert len(vi.read_record(path)) == len(times)
+        return
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.read_record(path)
+
+
+def test_a_rate_does_not_override_times(tmp_path):
+    """A rate that is not that of the file is refused, whether this has times or a rate."""
+    path = tmp_path / "bench.csv"
+    path.write_text(rows_of(np.arange(40) / 1000))
+    assert vi.read_record(path, rate=1000).rate == pytest.approx(1000)
+    with pytest.raises(vi.ParameterError, match=r"rate = 500: must be left out, or be that of the record, 1000 Hz"):
+        vi.read_record(path, rate=500)
+    with pytest.raises(vi.ParameterError, match=r"rate = 500: must be left out, or .* 1000 Hz"):
+        vi.read_record({"name": "load", "data": RECORD.load, "fs": 1000}, rate=500)
+    path.write_text("time,load,t\n" + "".join(f"{i},1,{2 * i}\n" for i in range(40)))
+    with pytest.raises(vi.ParameterError, match="channel 't': is a second time; must be one"):
+        vi.read_record(path)
+    assert vi.read_record(path, channels=["time", "load", "none"]).rate == 1
+
+
+def test_times_of_a_matlab_file_count(tmp_path):
+    """Times of another length, and a rate that is not theirs, are refused."""
+    from scipy.io import savemat
+
+    path = tmp_path / "a.mat"
+    savemat(path, {"t": np.arange(100) / 50, "load": RECORD.load})
+    with pytest.raises(vi.ParameterError, match="channel 'load' of 200 samples: must have as many as times, 100"):
+        vi.read_record(path)
+    savemat(path, {"t": np.arange(200) / 50, "load": RECORD.load, "fs": 51.0})
+    with pytest.raises(vi.ParameterError, match="its rate is 51 Hz and that of its times 50 Hz"):
+        vi.read_record(path)

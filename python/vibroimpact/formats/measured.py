@@ -7,6 +7,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from ..errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..measured import SI, UNITS, SensorRecord
 from ..sizes import NUMBERS, check_file, check_size
 from ..units import positive
-from .matlab import check_parts, scipy_io
+from .matlab import read_variables
 
 _Array = NDArray[np.float64]
 #: What a channel may be called, in lower case; the first one is its name here.
@@ -42,25 +43,36 @@ SECONDS = {
 RATES = ("rate", "fs", "sampling_rate", "sample_rate", "samplerate")
 #: The quantity of a data set of a universal file, by its code of specific data.
 UFF_CODES = {8: "displacement", 9: "load", 11: "velocity", 12: "acceleration", 13: "load"}
-#: Largest relative difference of the steps of time of regular samples.
+#: Largest relative difference of the steps of time of regular samples, and of a rate from that of the times.
 REGULAR = 1e-3
+#: Largest shift of samples that are taken as simultaneous, in samples.
+SHIFT = 0.02
 
 
 class Channel(NamedTuple):
-    """A channel of a file: its name and unit as they are there, and its samples."""
+    """A channel of a file: its name and unit as they are there, its samples, and their times (s) and rate (Hz) if
+    the file gives them for this channel."""
 
     name: str
     unit: str
     values: _Array
+    times: _Array | None = None
+    rate: float | None = None
 
 
 class Content(NamedTuple):
-    """What a file has: channels, times if it has them, a rate if it has one."""
+    """What a file has: channels, and the rate of all if it has one."""
 
     channels: list[Channel]
-    times: _Array | None = None
     rate: float | None = None
     bandwidth: float | None = None
+
+
+class Clock(NamedTuple):
+    """When the samples of a channel were taken: the time of the first one (s) and the rate (Hz); None: unknown."""
+
+    start: float | None
+    rate: float | None
 
 
 def read_record(
@@ -83,7 +95,7 @@ def read_record(
         .mat (extra `identify`), .nc (extra `data`), .json (SEP005), .uff, .unv, .uf (universal files, sets 58;
         extra `uff`). Or signals in memory by SDyPy's SEP005: dicts with name, data, unit_str, and fs or time.
     rate : float, optional
-        Sampling rate (Hz) of a file that has neither times nor a rate.
+        Sampling rate (Hz) of a file that has neither times nor a rate; another one than that of the file is refused.
     channels : str or sequence of str, optional
         What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
@@ -100,8 +112,8 @@ def read_record(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If there is no such file, it is not of its format, samples are missing or irregular, or a channel is not
-        known.
+        If there is no such file, it is not of its format, samples are missing or irregular, a channel is not
+        known, or channels have different rates or are not sampled at the same times.
     MissingExtraError
         If the library that reads the format is not installed.
 
@@ -151,8 +163,8 @@ def assembled(
         raise ParameterError(
             f"scale = {scale!r}: must be {len(found)} numbers, one for each channel"
         )
-    times = content.times
-    arrays: dict[str, _Array] = {}
+    times: _Array | None = None
+    arrays: dict[str, Channel] = {}
     of_units: dict[str, str] = {}
     for i, channel in enumerate(found):
         unit = given_units[i] if given_units else channel.unit
@@ -162,7 +174,12 @@ def assembled(
             label = checks.choice(labels[i], f"channels[{i}]", (*SI, "time", "none"))
         unit = unit or unit_in(channel.name, label)
         if label == "time":
-            times = seconds(channel.values, unit)
+            own = seconds(channel.values, unit)
+            if times is not None and not np.array_equal(own, times):
+                raise ParameterError(
+                    f"channel {channel.name!r}: is a second time; must be one, or channels given"
+                )
+            times = own
         if label in (None, "none", "time"):
             continue
         if label in arrays:
@@ -170,7 +187,8 @@ def assembled(
                 f"channel {channel.name!r}: is a second {label}; must be one, or channels given"
             )
         assert label is not None
-        arrays[label] = channel.values * (1.0 if factors is None else factors[i])
+        factor = 1.0 if factors is None else factors[i]
+        arrays[label] = channel._replace(values=channel.values * factor)
         if unit:
             of_units[label] = unit
     if not arrays:
@@ -178,18 +196,96 @@ def assembled(
         raise ParameterError(
             f"channels {names}: must be named as one of {', '.join(SI)}, or channels given"
         )
-    start = 0.0
-    if times is not None:
-        own, start = rate_of(times)
-        rate = own if rate is None else rate
+    clocks = [clock_of(channel, times, content.rate) for channel in arrays.values()]
+    samples, start, own_rate = joined([*arrays.values()], clocks)
     if rate is None:
-        rate = content.rate
+        rate = own_rate
+    elif own_rate is not None and not abs(positive(rate, "rate") - own_rate) <= REGULAR * own_rate:
+        raise ParameterError(
+            f"rate = {rate!r}: must be left out, or be that of the record, {own_rate:g} Hz"
+        )
+    else:
+        rate = rate if own_rate is None else own_rate
     if rate is None:
         raise ParameterError(
             "rate = None: must be the sampling rate in Hz; the record has neither times nor a rate"
         )
     bandwidth = content.bandwidth if bandwidth is None else bandwidth
-    return SensorRecord(rate, units=of_units, bandwidth=bandwidth, start=start, name=name, **arrays)
+    return SensorRecord(
+        rate, units=of_units, bandwidth=bandwidth, start=start, name=name,
+        **dict(zip(arrays, samples, strict=True)),
+    )  # fmt: skip
+
+
+def clock_of(channel: Channel, times: _Array | None, rate: float | None) -> Clock:
+    """When a channel was sampled: by its own times, or by those and the rate of the file."""
+    times = times if channel.times is None else channel.times
+    rate = rate if channel.rate is None else channel.rate
+    if times is None:
+        return Clock(None, rate)
+    if times.size != channel.values.size:
+        raise ParameterError(
+            f"channel {channel.name!r} of {channel.values.size} samples: must have as many as times, {times.size}"
+        )
+    own, start = rate_of(times)
+    if rate is not None and not abs(rate - own) <= REGULAR * own:
+        raise ParameterError(
+            f"channel {channel.name!r}: its rate is {rate:g} Hz and that of its times {own:g} Hz; must be the same"
+        )
+    return Clock(start, own)
+
+
+def joined(
+    channels: list[Channel], clocks: list[Clock]
+) -> tuple[list[_Array], float, float | None]:
+    """The samples of channels at the times that all of them have, the first of these, and the rate.
+
+    Raises
+    ------
+    ParameterError
+        If rates differ, or samples are not simultaneous: nothing is interpolated, which would change spikes.
+    """
+    first, clock = channels[0], clocks[0]
+    longest = max(channel.values.size for channel in channels)
+    places = []
+    for channel, other in zip(channels, clocks, strict=True):
+        pair = f"channels {first.name!r} and {channel.name!r}"
+        if (other.rate is None) != (clock.rate is None) or (other.start is None) != (
+            clock.start is None
+        ):
+            raise ParameterError(f"{pair}: must both have times, or a rate, or none of them")
+        if clock.rate is None or other.rate is None:
+            continue
+        if not abs(other.rate / clock.rate - 1) * longest <= SHIFT:
+            raise ParameterError(
+                f"{pair}: rates are {clock.rate:.9g} and {other.rate:.9g} Hz; must be the same of all channels"
+            )
+        if clock.start is None or other.start is None:
+            continue
+        shift = (other.start - clock.start) * clock.rate
+        if abs(shift - round(shift)) > SHIFT:
+            raise ParameterError(
+                f"{pair}: start at {clock.start:.9g} and {other.start:.9g} s, {abs(shift):.6g} samples apart; must "
+                "be sampled at the same times"
+            )
+        places.append(round(shift))
+    if not places:
+        return [channel.values for channel in channels], 0.0, clock.rate
+    begin = max(places)
+    end = min(place + channel.values.size for place, channel in zip(places, channels, strict=True))
+    if end <= begin:
+        raise ParameterError(
+            f"channels {', '.join(repr(channel.name) for channel in channels)}: must have times in common"
+        )
+    assert clock.start is not None and clock.rate is not None
+    return (
+        [
+            channel.values[begin - place : end - place]
+            for place, channel in zip(places, channels, strict=True)
+        ],
+        clock.start + begin / clock.rate,
+        clock.rate,
+    )
 
 
 def as_list(value: Any, name: str, count: int) -> list[str] | None:
@@ -336,16 +432,10 @@ def read_wav(path: Path) -> Content:
 
 def read_mat(path: Path) -> Content:
     """Variables of a MATLAB file, or the fields of its one struct."""
-    check_parts(path)
-    found = {
-        name: value
-        for name, value in scipy_io().loadmat(path, squeeze_me=True).items()
-        if not name.startswith("__")
-    }
+    found = read_variables(path)
     if len(found) == 1:
         (only,) = found.values()
-        if getattr(only, "dtype", None) is not None and only.dtype.names:
-            found = {name: only[name].item() for name in only.dtype.names}
+        found = only if isinstance(only, dict) else found
     return of_variables(found)
 
 
@@ -353,8 +443,9 @@ def of_variables(found: Mapping[str, Any]) -> Content:
     """Channels among variables by their names; `units` may be a struct of texts, `rate` a number."""
     rate, bandwidth = None, None
     channels = []
-    for name, value in found.items():
-        array = np.asarray(value)
+    for name, array in found.items():
+        if not isinstance(array, np.ndarray):  # a text, or a struct
+            continue
         if name.lower() in RATES and array.size == 1:
             rate = positive(float(array.ravel()[0]), name)
         elif name.lower() in ("dt", "step") and array.size == 1:
@@ -380,18 +471,29 @@ def read_netcdf(path: Path) -> Content:
             ]
             check_size(sum(map(unpacked, lists)), NUMBERS, "its lists of numbers together")
     with libraries.xarray("netCDF files").open_dataset(path, decode_times=False) as data:
-        channels, times = [], None
+        channels: list[tuple[Any, Channel]] = []
+        times: dict[Any, _Array] = {}
+        since = {}
         for name, variable in data.variables.items():
             if variable.ndim != 1 or variable.dtype.kind not in "iuf":
                 continue
+            (dim,) = variable.dims
             values = np.asarray(variable.values, dtype=np.float64)
             unit = str(variable.attrs.get("units", variable.attrs.get("unit", "")))
             if label_of(str(name), "") == "time":
-                times = seconds(values, unit or unit_in(str(name), "time"))
+                times[dim] = seconds(values, unit or unit_in(str(name), "time"))
+                since[unit.partition(" since ")[2]] = name
             else:
-                channels.append(Channel(str(name), unit, values))
+                channels.append((dim, Channel(str(name), unit, values)))
+        if len(since) > 1:
+            raise ParameterError(
+                f"times {', '.join(map(repr, since.values()))}: must be since the same moment"
+            )
         rates = [data.attrs[name] for name in RATES if name in data.attrs]
-        return Content(channels, times, float(rates[0]) if rates else None)
+        return Content(
+            [channel._replace(times=times.get(dim)) for dim, channel in channels],
+            positive(rates[0], "rate") if rates else None,
+        )
 
 
 def read_json(path: Path) -> Content:
@@ -403,7 +505,7 @@ def of_sep005(signals: Any) -> Content:
     """Signals of SDyPy's SEP005: dicts with name, data, unit_str, and fs or time; several have one rate."""
     several = [signals] if isinstance(signals, Mapping) else list(signals)
     channels: list[Channel] = []
-    rates: list[float] = []
+    begin: Any = None
     for i, signal in enumerate(several):
         if not isinstance(signal, Mapping) or not {"name", "data"} <= signal.keys():
             raise ParameterError(
@@ -411,33 +513,51 @@ def of_sep005(signals: Any) -> Content:
             )
         data = checks.real_array(signal["data"], f"data of signal {signal['name']!r}", "numbers")
         unit = str(signal.get("unit_str") or "")
+        rate, times = None, None
         if signal.get("fs") is not None:
-            rates.append(positive(signal["fs"], f"fs of signal {signal['name']!r}"))
-        elif signal.get("time") is not None:
+            rate = positive(signal["fs"], f"fs of signal {signal['name']!r}")
+        if signal.get("time") is not None:
             times = checks.real_array(
                 signal["time"], f"time of signal {signal['name']!r}", "numbers"
             )
-            rates.append(rate_of(times)[0])
-        if data.ndim == 2:  # several channels in one signal
-            names = (
-                signal["name"]
-                if isinstance(signal["name"], (list, tuple))
-                else [signal["name"]] * len(data)
-            )
-            if len(names) != len(data):
+        if signal.get("start_timestamp") is not None and (times is not None or rate is not None):
+            moment = moment_of(signal["start_timestamp"], f"start_timestamp of {signal['name']!r}")
+            begin = moment if begin is None else begin
+            try:
+                since = (moment - begin).total_seconds()
+            except TypeError:
                 raise ParameterError(
-                    f"name = {signal['name']!r}: must be {len(data)} names, one for each channel of data"
-                )
-            channels += [
-                Channel(str(name), unit, row) for name, row in zip(names, data, strict=True)
-            ]
-        else:
-            channels.append(Channel(str(signal["name"]), unit, data))
-    if rates and max(rates) - min(rates) > 1e-9 * max(rates):
+                    f"start_timestamp of {signal['name']!r} = {str(moment)!r}: must be with a time zone as the "
+                    "others, or all without"
+                ) from None
+            if times is None:
+                times = np.arange(data.shape[-1] if data.ndim else 0) / positive(rate, "fs")
+            times = times + since
+        names = [signal["name"]]
+        if data.ndim == 2:  # several channels in one signal
+            names = signal["name"] if isinstance(signal["name"], (list, tuple)) else names * len(data)
+        rows = data if data.ndim == 2 else [data]
+        if len(names) != len(rows):
+            raise ParameterError(
+                f"name = {signal['name']!r}: must be {len(rows)} names, one for each channel of data"
+            )
+        channels += [
+            Channel(str(name), unit, row, times, rate)
+            for name, row in zip(names, rows, strict=True)
+        ]
+    return Content(channels)
+
+
+def moment_of(value: Any, label: str) -> datetime:
+    """A date and time."""
+    if isinstance(value, datetime):
+        return value
+    try:
+        return datetime.fromisoformat(str(value))
+    except ValueError:
         raise ParameterError(
-            f"fs from {min(rates):g} to {max(rates):g}: must be the same of all signals"
-        )
-    return Content(channels, rate=rates[0] if rates else None)
+            f"{label} = {value!r}: must be a date and time such as '2026-01-31T12:00:00'"
+        ) from None
 
 
 def read_uff(path: Path) -> Content:
@@ -450,7 +570,7 @@ def read_uff(path: Path) -> Content:
         ) from None
     file = pyuff.UFF(str(path))
     sets = file.read_sets(np.flatnonzero(np.asarray(file.get_set_types()) == 58).tolist())
-    channels, times = [], None
+    channels = []
     for item in [sets] if isinstance(sets, dict) else sets:
         if item.get("func_type", 1) not in (0, 1):
             continue
@@ -459,10 +579,12 @@ def read_uff(path: Path) -> Content:
         unit = str(item.get("ordinate_axis_units_lab") or "").strip()
         unit = "" if unit.upper() == "NONE" else unit
         channels.append(
-            Channel(label or name, unit, np.asarray(item["data"]).real.astype(np.float64))
-        )
-        times = np.asarray(item["x"], dtype=np.float64)
-    return Content(channels, times)
+            Channel(
+                label or name, unit, np.asarray(item["data"]).real.astype(np.float64),
+                np.asarray(item["x"], dtype=np.float64),
+            )
+        )  # fmt: skip
+    return Content(channels)
 
 
 READERS: dict[str, Callable[[Path], Content]] = {
