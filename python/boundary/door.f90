@@ -198,7 +198,7 @@ subroutine fill_reals(handle, names, n, values)
    call fill(handle, trim(line(:16)), trim(line(17:)), values)
 end subroutine fill_reals
 
-!> Fills a column of all else; `words` with line feeds between, one blank if there are none.
+!> Fills a column of all else; `words` with a line feed behind each, one blank if there are none.
 subroutine fill_wholes(handle, names, n, values, m, words)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_door, only: fill => fill_wholes
@@ -213,7 +213,9 @@ subroutine fill_wholes(handle, names, n, values, m, words)
 
    line = transfer(names, line)
    list = transfer(words, list)
-   call fill(handle, trim(line(:16)), trim(line(17:)), values, trim(list))
+   ! a word may consist of blanks
+   call fill(handle, trim(line(:16)), trim(line(17:)), values, &
+      list(:index(list, new_line('a'), back=.true.) - 1))
 end subroutine fill_wholes
 
 !> Says what there is to say of a result: a line on how it was cut short (or none), then remarks; a

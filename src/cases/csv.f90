@@ -216,10 +216,39 @@ contains
             call add(buffer, ','//trim(merge('true ', 'false', filled%k(i) == 1)))
          case default
             call add(buffer, ',')
-            if (filled%k(i) > 0) call add(buffer, filled%words(filled%k(i))%text)
+            if (filled%k(i) > 0) call add_word(filled%words(filled%k(i))%text, buffer)
          end select
       end do
    end subroutine add_cells
+
+   !> Adds a word of any characters as one cell: one with commas, quotes or line ends is quoted (RFC
+   !! 4180), and one that a spreadsheet would compute as a formula has an apostrophe before it.
+   pure subroutine add_word(word, buffer)
+      !> The word.
+      character(*), intent(in) :: word
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      character(*), parameter :: line_ends = achar(10)//achar(13)
+      character(len(word) + 1) :: text
+      integer :: i, n
+
+      n = len(word)
+      text = word
+      if (scan(word, '=+-@'//achar(9)//achar(13)) == 1) then
+         n = n + 1
+         text = ''''//word
+      end if
+      if (scan(text(:n), ',"'//line_ends) == 0) then
+         call add(buffer, text(:n))
+         return
+      end if
+      call add(buffer, '"')
+      do i = 1, n
+         if (text(i:i) == '"') call add(buffer, '"')
+         call add(buffer, text(i:i))
+      end do
+      call add(buffer, '"')
+   end subroutine add_word
 
    !> Adds a number with all its digits (17) after a comma; numbers that are not finite are written
    !! as Python reads them.

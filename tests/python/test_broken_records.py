@@ -4,13 +4,15 @@ import json
 import random
 import re
 import resource
+import struct
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.formats import netcdf
+from vibroimpact.formats import matlab, netcdf
 
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 #: Values that no record holds in these places.
@@ -227,6 +229,79 @@ def test_matlab_file_with_a_damaged_part(results, tmp_path):
         assert "a compressed part is damaged" in refused(path)
     path.write_bytes(data[:-20])
     assert "damaged" in refused(path)
+
+
+def repacked(data, change):
+    """A MATLAB file with the content of its compressed parts changed, and right checksums."""
+    found, at = bytearray(data[:128]), 128
+    while at < len(data):
+        kind, size = struct.unpack_from("<II", data, at)
+        assert kind == 15
+        held = zlib.compress(change(bytearray(zlib.decompress(data[at + 8 : at + 8 + size]))))
+        found += struct.pack("<II", 15, len(held)) + held
+        at += 8 + size
+    return bytes(found)
+
+
+def test_matlab_files_with_other_bytes(results, tmp_path):
+    """A byte that is changed in a part that is not compressed, or before it is, gives an error or a result: tags
+    that scipy trusts can end the interpreter."""
+    io = pytest.importorskip("scipy.io")
+    path = tmp_path / "record.mat"
+    io.savemat(path, {"load": np.arange(20.0), "fs": 100.0})
+    data = path.read_bytes()
+    counts = {"read": 0, "refused": 0}
+    for at in range(120, len(data)):
+        for value in {0, 255, data[at] ^ 1, data[at] ^ 16, (data[at] + 7) % 256}:
+            path.write_bytes(data[:at] + bytes([value]) + data[at + 1 :])
+            try:
+                vi.read_record(path)
+                counts["read"] += 1
+            except vi.ParameterError as error:
+                assert str(error).startswith(f"path = {str(path)!r}: ")  # noqa: PT017 (some are read)
+                counts["refused"] += 1
+    results[0].save(path)
+    data, draw = path.read_bytes(), random.Random(7)
+
+    def change(content):
+        at = draw.randrange(min(len(content), draw.choice([64, 600, 10**6])))
+        content[at] = draw.choice([0, 255, content[at] ^ 1 << draw.randrange(8)])
+        return content
+
+    for _ in range(300):
+        path.write_bytes(repacked(data, change))
+        try:
+            vi.load(path)
+            counts["read"] += 1
+        except vi.errors.ParameterError:
+            counts["refused"] += 1
+    assert min(counts.values()) > 300, counts
+
+
+@pytest.mark.parametrize("compressed", [True, False])
+def test_matlab_variables_are_those_of_scipy(compressed, tmp_path):
+    """Numbers, texts, structs and cells of all kinds are read as scipy reads them."""
+    io = pytest.importorskip("scipy.io")
+    path = tmp_path / "all.mat"
+    content = {
+        "x": np.arange(12.0).reshape(3, 4), "k": np.arange(6, dtype=">i2"), "z": np.array([1 + 2j, 3]),
+        "one": 2.5, "none": np.zeros((0, 3)), "text": "acc \u03be", "rows": np.array(["ab", "cd"]),
+        "s": {"record": "{}", "inner": {"a": [1, 2]}}, "true": np.array([True, False]),
+        "c": np.array([np.arange(3), "word"], dtype=object),
+        **{kind: np.arange(4, dtype=kind) for kind in ("i1", "u1", "u2", "i4", "u4", "i8", "u8", "f4")},
+    }  # fmt: skip
+    io.savemat(path, content, do_compression=compressed, oned_as="column")
+    found = matlab.read_variables(path)
+    expected = io.loadmat(path)
+    for name, value in expected.items():
+        if name.startswith("__") or name in ("s", "c", "text", "rows", "none"):
+            continue
+        assert np.array_equal(found[name], value), name
+    assert found["none"].size == 0
+    assert (found["text"], found["rows"], found["s"]["record"]) == ("acc \u03be", ["ab", "cd"], "{}")
+    assert found["s"]["inner"]["a"].tolist() == [[1], [2]]
+    assert found["c"][0].ravel().tolist() == [0, 1, 2]
+    assert found["c"][1] == "word"
 
 
 def test_large_matlab_file(tmp_path):

@@ -249,10 +249,10 @@ MATLAB_BOMBS = {
     "packed": (packed(matrix(1, HUGE)), "declares 1000000000 entries"),
     "deep": (packed(nested(5000)), "nested too deeply"),
     "inflated": (packed(element(14, bytes(2**25))), r"has 33554440 bytes; must have at most 4194304"),
-    "twice": (2 * packed(matrix(6, (1, 1), element(9, bytes(3 * 2**20)))), r"has 6291\d+ bytes; must"),
+    "twice": (2 * packed(matrix(6, (3 * 2**17, 1), element(9, bytes(3 * 2**20)))), r"has 6291\d+ bytes; must"),
     "lie": (packed(struct.pack("<II", 14, 8) + bytes(2**25)), "declares 16 bytes and has more"),
-    "real": (matrix(0x806, (1, 1), element(9, bytes(8))), "2 parts after its size and must have 3"),
-    "sparse": (matrix(5, (1, 1), element(5, bytes(8))), "2 parts after its size and must have 4"),
+    "real": (matrix(0x806, (1, 1), element(9, bytes(8))), "a matrix has no imaginary part"),
+    "sparse": (matrix(5, (1, 1), element(5, bytes(8))), "there is no struct|channels none: must be"),
     "cut": (packed(struct.pack("<II", 14, 2**20) + bytes(8)), "declares 1048576 bytes and has 8"),
 }  # fmt: skip
 

@@ -77,7 +77,7 @@ def restored(result: Result) -> Handle:
             if column.kind in STORED:
                 _core.fill_reals(number, place, values.view(np.float64))
             else:
-                words = "\n".join(column.words) or " "
+                words = "".join(f"{word}\n" for word in column.words) or " "
                 _core.fill_wholes(number, place, values, characters(words))
     return handle
 
