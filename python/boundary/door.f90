@@ -151,11 +151,11 @@ subroutine new_result(n, text, study, handle, status)
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n
-   character(kind=c_char), intent(in) :: text(n), study(20)
+   character(kind=c_char), intent(in) :: text(n), study(24)
    integer(c_int64_t), intent(out) :: handle
    integer(c_int), intent(out) :: status
    character(n) :: one_case
-   character(20) :: name
+   character(24) :: name
 
    one_case = transfer(text, one_case)
    name = transfer(study, name)

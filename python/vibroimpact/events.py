@@ -78,6 +78,9 @@ def events_of(result: Result, here: slice = slice(None)) -> NDArray[Any]:
     for name, codes in (("kind", kinds), ("side", walls)):
         if not codes.all():
             raise ParameterError(f"events.{name} = '': must be a word")
+    times = numbers[0]
+    if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):
+        raise ParameterError("events.time: must be finite, and in ascending order")
     labels = np.array([kinds, np.where(walls == 1, 1, -1)], dtype=np.int32)
     return event_table(np.array(numbers), labels)
 

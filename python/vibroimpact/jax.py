@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import checks
-from .errors import MissingExtraError, ParameterError, SingularError
+from .errors import MissingExtraError, ParameterError, ParameterTypeError, SingularError
 from .gradient import PARAMETERS, Gradient
 from .model import Oscillator, of_numbers
 from .motion import Motion
@@ -54,8 +54,8 @@ def motion(guess: Motion, quantities: Sequence[str] = QUANTITIES) -> Callable[..
     callable
         Takes any of r, clearance, xi, mu, R1, R2 and load by name; those that are left out have the values of the
         guess. It returns a dict with an array for each quantity: NaN where there is no motion, where `exact` finds
-        another one beyond a flip or a pitchfork, or where it would pass through a wall (unless the guess does);
-        and with derivatives NaN where it has none.
+        another one beyond a flip or a pitchfork, where it would pass through a wall (unless the guess does), and
+        where a parameter is outside its range; and with derivatives NaN where it has none.
 
     Raises
     ------
@@ -73,6 +73,8 @@ def motion(guess: Motion, quantities: Sequence[str] = QUANTITIES) -> Callable[..
     """
     checks.instance(guess, "guess", Motion)
     first = guess.gradient()
+    if not isinstance(quantities, Sequence):
+        raise ParameterTypeError(f"quantities = {quantities!r}: must be a list of names")
     names = list(quantities)
     real = [name for name in first.values if name != "multipliers"]
     for name in names:
@@ -149,7 +151,8 @@ def final_state(
     -------
     callable
         Takes a mapping with any of t, x, x_dot, z and z_dot (0 otherwise), and any of r, clearance, xi, mu, R1,
-        R2 and load by name. It returns a dict with t, x, x_dot, z and z_dot at the end.
+        R2 and load by name. It returns a dict with t, x, x_dot, z and z_dot at the end: NaN where the simulation
+        fails, and where a number is outside its range.
 
     Raises
     ------
@@ -181,7 +184,10 @@ def final_state(
     function = differentiable(compute, names, [()] * 5, NEEDED + NAMES)
 
     def evaluate(state: Mapping[str, Any] | None = None, **parameters: Any) -> dict[str, Any]:
-        start = filled(dict(state or {}), dict.fromkeys(NEEDED, 0.0), "state")
+        given = {} if state is None else state
+        if not isinstance(given, Mapping):
+            raise ParameterTypeError(f"state = {given!r}: must be a mapping of {', '.join(NEEDED)}")
+        start = filled(given, dict.fromkeys(NEEDED, 0.0), "state")
         found = function(jax.numpy.concatenate([start, filled(parameters, own)]))
         return {name: found[f"final_{name}"] for name in NEEDED}
 
@@ -198,9 +204,15 @@ def filled(given: Mapping[str, Any], own: Mapping[str, float], what: str = "para
     for name in given:
         if name not in own:
             raise ParameterError(f"{what} {name!r}: must be one of {', '.join(own)}")
-    return jax.numpy.stack(
-        [jax.numpy.asarray(given.get(name, value), float) for name, value in own.items()]
-    )
+    point = []
+    for name, value in own.items():
+        try:
+            point.append(jax.numpy.asarray(given.get(name, value), float).reshape(()))
+        except (TypeError, ValueError):
+            raise ParameterTypeError(
+                f"{what} {name} = {given[name]!r}: must be a real number"
+            ) from None
+    return jax.numpy.stack(point)
 
 
 def differentiable(
@@ -214,7 +226,8 @@ def differentiable(
     def on_host(point: Any) -> tuple[_Array, _Array]:
         try:
             gradient = compute(np.asarray(point, float))
-        except SingularError:
+        # no motion, or parameters outside their range: an error within a compiled function would have JAX's name
+        except (SingularError, ParameterError):
             return np.full(total, np.nan), np.full((total, len(parameters)), np.nan)
         values = [np.ravel(gradient.values[name]) for name in names]
         columns = [gradient.parameters.index(parameter) for parameter in parameters]

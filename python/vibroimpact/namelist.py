@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ParameterTypeError
+from .errors import ParameterError, ParameterTypeError
 from .model import Oscillator
+from .sizes import check_size
 
 #: Namelist groups with their keys; those with the value None are left out.
 Groups = Mapping[str, Mapping[str, Any]]
@@ -84,7 +85,12 @@ def keys_of(text: str) -> dict[str, Any]:
                 keys["motion_kind"] = keys["kind"]
             keys["kind"] = name[1:]
         elif equals:
-            keys[name] = _read(value)
+            try:
+                keys[name] = _read(value)
+            except ValueError:
+                raise ParameterError(
+                    f"case: {name} = {value[:60]}: must be a text or numbers"
+                ) from None
     return keys
 
 
@@ -100,11 +106,15 @@ def _read(text: str) -> Any:
 def _numbers(text: str) -> list[int | float]:
     """A number, or a repeated one as 3*0.0."""
     times, star, number = text.rpartition("*")
-    return [_number(number)] * (int(times) if star else 1)
+    count = int(times) if star else 1
+    check_size(8 * count, 4, f"a list of {count} numbers")
+    return [_number(number)] * count
 
 
 def _number(text: str) -> int | float:
     """A whole number as an int."""
+    if "_" in text:  # which only Python reads as a number
+        raise ValueError
     try:
         return int(text)
     except ValueError:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .errors import ParameterError
 from .model import Oscillator
 from .namelist import keys_of
-from .tables import Result
+from .tables import Found, Result
 
 if TYPE_CHECKING:
     from .units import Units
@@ -91,6 +91,9 @@ class Savable:
     def of_result(cls: type[Self], result: Result) -> Self:
         """The object that has these tables."""
         raise NotImplementedError
+
+    def _check_read(self) -> None:
+        """An error if tables that were read from a file do not fit together, beyond what all results share."""
 
     def _facts(self) -> dict[str, str]:
         """Names and values for Jupyter."""
@@ -247,8 +250,8 @@ class Noun(Savable):
 
     @property
     def keys(self) -> dict[str, Any]:
-        """The keys of the case and their values."""
-        return keys_of(self.case)
+        """The keys of the case and their values; one that the case of a file lacks is an error that names it."""
+        return Found(keys_of(self.case), "case")
 
     @property
     def osc(self) -> Oscillator:

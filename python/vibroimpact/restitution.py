@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, checks
-from .errors import ParameterError
+from .errors import ParameterError, ParameterTypeError
 
 __all__ = ["PowerLaw", "TabulatedRestitution"]
 
@@ -163,6 +163,11 @@ def checked(restitution: Restitution, label: str | None = None) -> Restitution:
     """A law, or a number from 0 to 1; `label` is its name in the message."""
     if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
         return restitution
+    if callable(restitution):
+        raise ParameterTypeError(
+            f"{label or 'restitution'} = {restitution!r}: must be {checks.allowed('restitution', label)}, or a law: a "
+            "vibroimpact.PowerLaw or TabulatedRestitution"
+        )
     return checks.number(restitution, "restitution", label)
 
 

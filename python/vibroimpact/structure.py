@@ -144,14 +144,8 @@ class Structure(ByValue):
                     f"{name}: must have no negative eigenvalue; the least one is {least:.3g}"
                 )
             object.__setattr__(self, name, matrix)
-        try:
-            gaps = tuple(gaps)
-        except TypeError:
-            raise ParameterTypeError(f"gaps = {gaps!r}: must be a list of gaps") from None
-        if len(gaps) > MOST:
-            raise ParameterError(f"gaps: {len(gaps)} of them; must be at most {MOST}")
+        gaps = _list_of_gaps(gaps)
         for i, gap in enumerate(gaps):
-            checks.instance(gap, f"gaps[{i}]", Gap)
             if len(gap.direction) != n:
                 raise ParameterError(
                     f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {n}, one a coordinate"
@@ -188,13 +182,13 @@ class Structure(ByValue):
         wanted = "numbers >= 0, one a mode"
         omega = _numbers(frequencies, "frequencies", wanted, (-1,))
         n = len(omega)
+        _check_size(omega, "frequencies")
         zeta = _numbers(damping_ratios, "damping_ratios", wanted, (n,))
         if (omega < 0).any() or (zeta < 0).any():
             raise ParameterError(f"frequencies and damping_ratios: must be {wanted}")
         points = _numbers(shapes, "shapes", "an array (points, modes)", (-1, n))
         modal = []
-        for i, gap in enumerate(gaps):
-            checks.instance(gap, f"gaps[{i}]", Gap)
+        for i, gap in enumerate(_list_of_gaps(gaps)):
             if len(gap.direction) != len(points):
                 raise ParameterError(
                     f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {len(points)}, one a point"
@@ -271,10 +265,30 @@ class Structure(ByValue):
         return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {gaps} gap{'s' if gaps != 1 else ''}>"
 
 
+def _check_size(array: NDArray[Any], name: str) -> None:
+    """An error if a matrix, or its diagonal, is for more coordinates than there may be, before it is made."""
+    if max(array.shape, default=0) > MOST:
+        raise ParameterError(f"{name} of shape {array.shape}: must be for 1 to {MOST} coordinates")
+
+
+def _list_of_gaps(gaps: Any) -> tuple[Gap, ...]:
+    """Gaps as a tuple."""
+    try:
+        found = tuple(gaps)
+    except TypeError:
+        raise ParameterTypeError(f"gaps = {gaps!r}: must be a list of gaps") from None
+    if len(found) > MOST:
+        raise ParameterError(f"gaps: {len(found)} of them; must be at most {MOST}")
+    for i, gap in enumerate(found):
+        checks.instance(gap, f"gaps[{i}]", Gap)
+    return found
+
+
 def _matrix(values: Any, name: str) -> _Array:
     """A symmetric matrix; a vector is taken as its diagonal."""
     wanted = "a symmetric matrix (n, n), or its diagonal (n,)"
     array = checks.real_array(values, name, wanted)
+    _check_size(array, name)
     array = _numbers(np.diag(array) if array.ndim == 1 else array, name, wanted, (-1, -1))
     if array.shape[0] != array.shape[1]:
         raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")

@@ -15,7 +15,7 @@ from .noun import Noun, column
 from .structure import Load, Structure
 from .structure_motion import StructureMotion, motion_from_phases
 from .structure_path import Parameter, Path, keys_of_parameter
-from .structure_trajectory import structure_of
+from .structure_trajectory import check_gap_numbers, structure_of
 
 __all__ = ["StructureBranch", "StructureSpecialPoint", "branch_structure"]
 
@@ -76,6 +76,11 @@ class Followed(Noun, part=True):
         structure, load = structure_of(self._result, float(self._one("frequency")), True)
         assert load is not None
         return structure, load
+
+    def _check_read(self) -> None:
+        if not self._result.empty:
+            check_gap_numbers(self._result, self.structure)
+            checks.integer(self.cycles, f"{self._of_start}.cycles", 1, 10_000)
 
     @property
     def structure(self) -> Structure:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, checks
-from .errors import SingularError
+from .errors import ParameterError, SingularError
 from .status import VERDICT, sentence
 from .structure import Load, Structure
-from .structure_motion import StructureMotion, _rests
+from .structure_motion import StructureMotion, _rests, check_numbers
 from .structure_study import StructureNoun, run_structure
 from .tables import Result, runs
 
@@ -96,7 +96,8 @@ class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_str
 def motions_of(noun: StructureNoun) -> list[StructureMotion]:
     """The motions of the tables of a result."""
     result, structure, load = noun._result, noun.structure, noun.load
-    assert load is not None
+    if load is None or not load.frequency:
+        raise ParameterError("case: must have a &load with a frequency")
     count = noun._table("motions", "motion").size
     return [
         _motion_of(result, i, structure, load, *(
@@ -123,6 +124,8 @@ def _motion_of(
     states = np.stack(rows("impacts", impacts, "q", "q_dot"), axis=1)
     gap, begin, end = rows("rests", rests, "gap", "begin", "end")
     table = _rests(gap, (begin, end))
+    matrix, values = rows("derivative", derivative, "P")[0], rows("multipliers", multipliers, "multiplier")[0]
+    check_numbers(own["cycles"], phases, states, values, matrix)
     for array in (states, table):
         array.flags.writeable = False
     request: dict[str, Any] = {"kind": "exact", "gaps": gaps.tolist(), "phases": phases.tolist()}
@@ -133,8 +136,7 @@ def _motion_of(
         }  # fmt: skip
     return StructureMotion(
         structure, load, gaps, own["cycles"], phases, speeds, impulses, states, own["residual"],
-        rows("derivative", derivative, "P")[0], rows("multipliers", multipliers, "multiplier")[0],
-        own["determinant"], own["law"], VERDICT[own["consistent"]], VERDICT[own["admissible"]],
+        matrix, values, own["determinant"], own["law"], VERDICT[own["consistent"]], VERDICT[own["admissible"]],
         VERDICT[own["stable"]], table, request | {"cycles": own["cycles"]},
     )  # fmt: skip
 

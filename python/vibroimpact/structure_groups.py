@@ -7,11 +7,31 @@ from typing import Any
 
 import numpy as np
 
+from . import namelist
+from .errors import ParameterError, VibroimpactError
 from .record import Record
 from .restitution import law_of_keys
 from .structure import Gap, Load, Structure
 
-__all__ = ["from_groups"]
+__all__ = ["from_groups", "system_of"]
+
+
+def system_of(case: str) -> tuple[Structure, Load | Record | None]:
+    """The structure and the load of the case of a study, as the core has completed it.
+
+    Raises
+    ------
+    ParameterError
+        If it is not complete, as that of a file may be.
+    """
+    try:
+        return from_groups(namelist.parts_of(case)[:-1])
+    except VibroimpactError as error:
+        raise ParameterError(f"case: {error}") from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise ParameterError(
+            f"case = {case[:60]!r}: must be that of a structure; {type(error).__name__}: {error}"
+        ) from None
 
 
 def from_groups(

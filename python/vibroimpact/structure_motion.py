@@ -23,6 +23,7 @@ from .structure_quantities import StructureQuantities, structure_quantities
 from .structure_trajectory import (
     OfStructure,
     StructureTrajectory,
+    check_gap_numbers,
     core_arrays,
     new_events,
     request_of,
@@ -42,6 +43,8 @@ REQUEST = ("kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q
 ELIMINATED, FULL, EXACT = 0, 1, 2
 #: Relative distance at which motions count as the same, as in the core.
 ALIKE = 1e-6
+#: Largest phase of an impact, in magnitude.
+MOST_PHASE = 1e6
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -284,6 +287,8 @@ class StructureMotion(Savable, study="motion_structure"):
             *(lambda gap, *phases: (gap, phases))(*values("rests", "gap", "begin", "end"))
         )
         (multipliers,), (matrix,) = values("multipliers", "multiplier"), values("derivative", "P")
+        check_gap_numbers(result, structure)
+        check_numbers(own["cycles"], phases, states, multipliers, matrix)
         for array in (states, rests):
             array.flags.writeable = False
         request = request_of(result, "motion", REQUEST, {"gaps", "phases", "q", "q_dot"})
@@ -523,7 +528,7 @@ def _pattern(
             f"phases = {phases.tolist()!r}: must differ for impacts on the same gap, but {same[0]} and "
             f"{same[0] + 1} are at once on gap {numbers[same[0]]}"
         )
-    if np.abs(phases).max() > 1e6:
+    if np.abs(phases).max() > MOST_PHASE:
         raise ParameterError(f"phases = {phases.tolist()!r}: must be at most 1e6 in magnitude")
     return numbers, phases, cycles
 
@@ -566,6 +571,25 @@ def _rests(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
     table = np.zeros(len(gaps), dtype=[("gap", "i4"), ("begin", "f8"), ("end", "f8")])
     table["gap"], table["begin"], table["end"] = gaps, phases[0], phases[1]
     return table
+
+
+def check_numbers(
+    cycles: int, phases: _Array, states: _Array, multipliers: NDArray[Any], matrix: _Array
+) -> None:
+    """An error unless the numbers of a motion from a file are those that a motion can have."""
+    checks.integer(cycles, "motion.cycles", 1, 10_000)
+    n = 2 * states.shape[-1]
+    if matrix.shape != (n, n) or multipliers.shape != (n,):
+        raise ParameterError(
+            f"derivative.P of shape {matrix.shape}, {multipliers.size} multipliers: must be for {n} numbers of a state"
+        )
+    good = phases.size and np.isfinite(phases).all() and np.abs(phases).max() <= MOST_PHASE
+    if not good or (np.diff(phases) < 0).any() or np.ptp(phases) > 2 * np.pi * cycles:
+        raise ParameterError(
+            f"impacts.phase = {phases[:9].tolist()}: must be finite, ascending, and within {cycles} load cycles"
+        )
+    if not np.isfinite(states).all():
+        raise ParameterError("impacts.q, impacts.q_dot: must be finite numbers")
 
 
 def _assembled(

@@ -12,9 +12,9 @@ from . import checks, door, namelist
 from .errors import ParameterError
 from .noun import Noun
 from .structure import Load, Structure
-from .structure_groups import from_groups
-from .structure_trajectory import _state
-from .tables import language
+from .structure_groups import system_of
+from .structure_trajectory import _state, check_gap_numbers
+from .tables import Found, language
 
 _Found = TypeVar("_Found")
 
@@ -33,18 +33,23 @@ class StructureNoun(Noun):
     @property
     def structure(self) -> Structure:
         """The structure."""
-        return from_groups(namelist.parts_of(self.case)[:-1])[0]
+        return system_of(self.case)[0]
 
     @property
     def load(self) -> Load | None:
         """The load."""
-        load = from_groups(namelist.parts_of(self.case)[:-1])[1]
+        load = system_of(self.case)[1]
         return load if isinstance(load, Load) else None  # none of these studies takes a record
 
     @property
     def keys(self) -> dict[str, Any]:
-        """The keys of the study and their values."""
-        return namelist.parts_of(self.case)[-1][1]
+        """The keys of the study and their values; one that the case of a file lacks is an error that names it."""
+        groups = namelist.parts_of(self.case) or [("", {})]
+        return Found(groups[-1][1], "case")
+
+    def _check_read(self) -> None:
+        if not self._result.empty:
+            check_gap_numbers(self._result, self.structure)
 
     def _table(self, table: str, name: str) -> NDArray[Any]:
         """A column of a table."""

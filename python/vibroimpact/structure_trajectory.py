@@ -20,7 +20,7 @@ from .states import MOST, SPAN
 from .status import GAP_CLOSED, MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure
 from .structure_gradient import Wanted, structure_trajectory_gradient
-from .structure_groups import from_groups
+from .structure_groups import system_of
 from .structure_quantities import StructureQuantities, accelerations, structure_quantities
 from .tables import Result, made
 
@@ -268,6 +268,13 @@ class StructureTrajectory(Savable, study="simulate_structure"):
             events[name] = column
         states = np.stack(values("events", "q", "q_dot"), axis=1)
         (start, end), q, rate = values("moments", "time", "q", "q_dot")
+        check_gap_numbers(result, structure)
+        check_times(events["time"], float(start), float(end))
+        if not (events["kind"] != "").all():
+            raise ParameterError("events.kind = '': must be a word")
+        for name, array in {"states": states, "moments.q": q, "moments.q_dot": rate}.items():
+            if not np.isfinite(array).all():
+                raise ParameterError(f"{name}: must be finite numbers")
         for array in (events, states):
             array.flags.writeable = False
         request = request_of(result, "simulate", REQUEST, {"q", "q_dot"})
@@ -363,7 +370,7 @@ class OfStructure(Noun):
     @property
     def structure(self) -> Structure:
         """The structure."""
-        return from_groups(namelist.parts_of(self.case)[:-1])[0]
+        return system_of(self.case)[0]
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {', '.join(map(repr, self.parts())) or 'none'}>"
@@ -433,6 +440,37 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     sine, cosine = values("harmonics", "sine", "cosine")
     own = {"sine": sine, "cosine": cosine} if len(sine) else {}
     return structure, Load(frequency or None, **own, constant=constant)
+
+
+def check_gap_numbers(result: Result, structure: Structure) -> None:
+    """An error if a column of gaps has a number that is none of the structure's, with which the core would read
+    beyond its arrays."""
+    many = len(structure.gaps)
+    for name, table in result.tables.items():
+        for key in {"gap", "gaps"} & set(table.columns):
+            numbers = table.columns[key].values
+            wrong = numbers[~((numbers >= 0) & (numbers < many))]
+            if wrong.size:
+                raise ParameterError(
+                    f"{name}.{key} = {wrong[0]}: must be the number of one of {many} gaps, from 0"
+                )
+        for key, column in table.columns.items():
+            if column.each == "coordinate" and column.values.shape[-1] != structure.coordinates:
+                raise ParameterError(
+                    f"{name}.{key} of shape {column.values.shape}: must be for {structure.coordinates} coordinates"
+                )
+
+
+def check_times(times: _Array, start: float, end: float) -> None:
+    """An error unless the events of a trajectory are in order between its ends."""
+    if not (np.isfinite([start, end]).all() and start <= end):
+        raise ParameterError(f"moments.time = {start!r}, {end!r}: must be finite, and in order")
+    apart = np.diff(np.concatenate([[start], times, [end]]))
+    if not (apart >= 0).all():
+        i = min(int(np.argmin(apart >= 0)), len(times) - 1)
+        raise ParameterError(
+            f"events.time[{i}] = {times[i]!r}: must be in ascending order from {start!r} to {end!r}"
+        )
 
 
 def _laws(gaps: Sequence[Gap]) -> dict[str, Any]:

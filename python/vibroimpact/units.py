@@ -290,7 +290,7 @@ def powers_of(unit: str) -> dict[str, int]:
         for factor in text.split():
             name, _, power = factor.partition("^")
             if name in DIMENSIONS:
-                powers[name] = sign * int(power or 1)
+                powers[name] = sign * (2 if power == "2" else 1)  # others are refused below
     if unit == MIXED or (
         powers and set(unit.replace("/", " ").replace("^2", "").split()) - {"1", *DIMENSIONS}
     ):

@@ -1,11 +1,16 @@
 """Damaged files of all formats: an error of the package, or a result that can be used."""
 
+import copy
 import functools
+import inspect
 import json
 import random
 import shutil
 import tempfile
 from pathlib import Path
+
+import struct
+import zlib
 
 import numpy as np
 from child import in_child, limited, where
@@ -13,6 +18,13 @@ from language import Language
 
 #: Damaged files of a whole run for each sound one.
 COUNT = 500
+#: Values in place of others in a record of JSON.
+ODD = [
+    None, True, -1, 0, 1, 2, 5, 1000, 2**31, 2**70, 1e300, 1e-300, -5, 0.5, float("nan"), "inf", "", " ", "x", "=1",
+    "R", "a,b", 'a"b', "a\nb", "\ud800", "R*", [], {}, [[]], [1, [2]], [None], "constant", "power", "stick",
+]  # fmt: skip
+#: Methods of results that draw, or take long.
+LEFT_OUT = {"animate", "confirm", "plot", "report", "require", "nearest_boundary", "index"}
 
 
 def fuzz(report, options):
@@ -22,6 +34,10 @@ def fuzz(report, options):
         for path, reader in sound_files(Path(name)):
             work = functools.partial(damaged, path, reader, count, options.seed)
             in_child(report, f"files {path.suffix or 'zarr'}", path.name, work)
+        for path in sorted(Path(name).glob("*.json")):
+            if path.name != "sep005.json":
+                work = functools.partial(damaged, path, use_all, count, options.seed, change=changed)
+                in_child(report, "records", path.name, work)
 
 
 def sound_files(folder):
@@ -42,6 +58,8 @@ def sound_files(folder):
         "structure": vi.simulate_structure(wall, vi.Load(1.0, cosine=[1.0]), cycles=3),
     }  # fmt: skip
     found = []
+    for name, result in others(vi, osc, motion).items():
+        result.save(folder / f"{name}.json")
     for name, result in results.items():
         for suffix in ".json", ".nc", ".mat":
             result.save(folder / f"{name}{suffix}")
@@ -74,6 +92,49 @@ def sound_files(folder):
     vi.campaign(vi.Sweep(case, {"mu": [0.02, 0.03]}), folder / "store", threads=1)
     found.append((folder / "store", use_store))
     return found
+
+
+def others(vi, osc, motion):
+    """Small results of all other studies."""
+    law = vi.PowerLaw(0.9, speed=0.1, exponent=0.25)
+    table = vi.TabulatedRestitution([0.0, 0.5, 2.0], [0.9, 0.8, 0.6])
+    pair = vi.Structure(
+        [1, 0.3], [0.1, 0], [1, 0], [vi.Gap([-1, 1], 0.5, law), vi.Gap([1, -1], 0.5, table)]
+    )
+    walls = vi.Structure(
+        [1, 0.042], [0.01, 0], [1, 0], [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    )
+    load = vi.Load(0.94, sine=[1.0, 0.0])
+    moving = vi.exact_structure(walls, load, ([1.6250583, 5.9668230], [0, 1]))
+    table_top = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 0.2, 0.3)])
+    shaken = vi.Load(1.0, cosine=[1.0])
+    pulse = vi.Record(0.1, np.sin(np.arange(60) / 9)[:, None], constant=[0.1])
+    rig = vi.virtual_record(
+        duration=1.5, seed=3, M=2.7, K=42e3, m=0.11, d=0.006, xi=0.0114, restitution=0.7, F0=6.0, frequency=19.5
+    )
+    return {
+        "rest": vi.simulate(table_top, shaken, cycles=3), "record": vi.simulate(table_top, pulse),
+        "laws": vi.simulate(pair, load, cycles=4, state=([0, 0], [0, -1])), "moving": moving,
+        "rests": vi.exact(table_top, shaken, vi.simulate(table_top, shaken, cycles=60)),
+        "path": vi.branch_structure(moving, "frequency", (0.939, 0.941)),
+        "region": vi.zone_structure(moving, ("frequency", 0.93, 0.95), ("load", 0.95, 1.05), lines=5),
+        "shares": vi.basins_structure(walls, load, states=2, settling=20),
+        "cells": vi.bifurcation_structure(walls, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
+        "rows": vi.response_structure(walls, load, [0.93, 0.94], settling=2, keep=3),
+        "exponents": vi.lyapunov_structure(walls, load, cycles=4, discard=1, batches=2),
+        "basins": vi.basins(osc, 0.94, 37.0, states=2, cycles=5, probes=1),
+        "diagram": vi.bifurcation_diagram(osc, "clearance", [36.0, 38.0], r=0.94, settling=2, keep=3, points=3),
+        "curve": vi.response(osc, [0.93, 0.94], 37.0, states=1, settling=2, keep=3),
+        "lyapunov": vi.lyapunov(osc, 0.94, 20.0, cycles=40, discard=60, batches=2),
+        "decay": vi.decay(osc, 1.0, cycles=3, amplitude=2.0), "full": vi.simulate(osc, 0.9, 6.0, 2, discard=30),
+        "atlas": vi.atlas(osc, (0.93, 0.95), (36, 38), max_impacts=2, survey=1, lines=5, guesses=1, settling=10),
+        "motions": vi.find_structure(walls, load, guesses=2, states=2, settling=20),
+        "design": vi.design(
+            osc, r=(1.0, 1.02), free={"clearance": (20, 40)}, samples=20, evaluations=8, specimens=2, nodes=2, states=1,
+            settling=20, keep=8,
+        ),
+        "fit": vi.identify(rig, known={"M": 2.7, "K": 42e3, "m": 0.11}),
+    }  # fmt: skip
 
 
 def use_result(path):
@@ -111,6 +172,11 @@ def use_store(path):
     vi.Campaign(path).to_xarray("points", "lowest").load()
 
 
+def ways_of(rng, path):
+    """How a file of a format is damaged."""
+    return repacked if path.suffix == ".mat" and rng.random() < 0.5 else damage
+
+
 def damage(rng, data):
     """Bytes that are changed, cut, repeated or exchanged."""
     kind = rng.random()
@@ -127,16 +193,105 @@ def damage(rng, data):
     return bytes(data)
 
 
-def damaged(path, reader, count, seed, begin):
-    """As `work` of `in_child`."""
+def repacked(rng, data):
+    """A file of MATLAB with other bytes in one of its parts, and right checksums."""
+    parts, at = [], 128
+    while at + 8 <= len(data):
+        kind, size = struct.unpack_from("<II", data, at)
+        body = data[at + 8 : at + 8 + size]
+        parts.append(zlib.decompress(body) if kind == 15 else data[at : at + 8 + size])
+        at += 8 + size
+    i = rng.randrange(len(parts))
+    # most damage in the tags at the beginning
+    n = rng.choice([64, 400, len(parts[i])])
+    parts[i] = damage(rng, parts[i][:n]) + parts[i][n:]
+    packed = [zlib.compress(part) for part in parts]
+    return data[:128] + b"".join(struct.pack("<II", 15, len(part)) + part for part in packed)
+
+
+def changed(rng, data):
+    """A record of JSON in which some values are others, or left out, or lists have another length."""
+    data = json.loads(data)
+    for _ in range(rng.choice((1, 1, 1, 2, 4))):
+        inner, key = data, None
+        while isinstance(inner, (dict, list)) and inner and (key is None or rng.random() < 0.95):
+            above, key = inner, rng.choice([*inner] if isinstance(inner, dict) else range(len(inner)))
+            inner = inner[key]
+        if key is None:
+            continue
+        way = rng.random()
+        if way < 0.1:
+            del above[key]
+        elif way < 0.25 and isinstance(above, list):
+            above[:] = rng.choice([above[:-1], [*above, above[0]], above[::-1], above + above])
+        elif way < 0.45 and type(inner) in (int, float):
+            above[key] = inner + rng.choice([-1, 1, 1000, 1e-9, -1e6])
+        else:
+            above[key] = copy.deepcopy(rng.choice(ODD))
+    return json.dumps(data).encode()
+
+
+def use_all(path):
+    """Reads a result, and uses all of it."""
+    import vibroimpact as vi
     from vibroimpact.errors import VibroimpactError
 
-    rng = random.Random(f"{seed} {path.name}")
+    found = vi.load(path)
+    repr(found)
+    for name, _ in inspect.getmembers(type(found)):
+        if name.startswith("_") or name in LEFT_OUT:
+            continue
+        try:
+            use(found, name)
+        except VibroimpactError:
+            pass
+        except AttributeError as error:
+            if "has no Oscillator" not in str(error):
+                raise
+    for suffix in (".csv", ".json"):
+        try:
+            found.save(path.with_name(f"saved{suffix}"))
+        except VibroimpactError:
+            pass
+    left = [item.name for item in path.parent.iterdir() if ".part" in item.name]
+    assert not left, left
+
+
+def use(found, name):
+    """Reads an attribute, and calls a method with arguments of the kind that it takes."""
+    item = getattr(found, name)
+    if not inspect.ismethod(item):
+        return
+    middle = {}
+    for one in "start", "end":
+        if isinstance(getattr(found, one, None), float):
+            middle["t"] = [getattr(found, one)]
+    if hasattr(found, "initial_state"):
+        middle["t"] = [state["t"] for state in (found.initial_state, found.final_state)]
+    own = {
+        "t": [0.0, 0.5], "x": 1.0, "y": 1.0, "r": 0.94, "clearance": 37.0, "cell": 0, "value": 0.94, "index": 0,
+        "attractor": 0, "quantity": "x_max", "record": 0,
+    } | middle  # fmt: skip
+    arguments = [
+        own[p.name] for p in inspect.signature(item).parameters.values()
+        if p.default is p.empty and p.name in own
+    ]  # fmt: skip
+    needed = [p for p in inspect.signature(item).parameters.values() if p.default is p.empty]
+    if len(needed) == len(arguments):
+        item(*arguments)
+
+
+def damaged(path, reader, count, seed, begin, change=None):
+    """As `work` of `in_child`; `change` makes the damage."""
+    from vibroimpact.errors import VibroimpactError
+
+    rng = random.Random(f"{seed} {path.name} {getattr(change, '__name__', '')}")
     counts, faults = [0, 0], {}
     files = [path] if path.is_file() else sorted(item for item in path.rglob("*") if item.is_file())
     for i in range(count):
         chosen = rng.choice(files)
-        data = damage(rng, chosen.read_bytes())
+        whole = chosen.read_bytes()
+        data = (change or ways_of(rng, path))(rng, whole)
         place = Path(f"{path.stem}{path.suffix}")
         if path.is_file():
             place.write_bytes(data)

@@ -110,6 +110,17 @@ def test_its_own_names_are_answered(address):
         assert opened(address, token_of(body), Host=host, Origin=f"http://{host}") == 101
 
 
+@pytest.mark.parametrize("path", [
+    "/components/../../etc/passwd", "/components/%2e%2e/a/b/c", "/components/..%5c..%5cetc", "/components/this/a/b/c",
+    "/components/panel/Row/__css__/a", "/static/../x", "/static/%2e%2e/x", "/static/js/%00", "/../x", "/%0a"])
+def test_what_no_page_has(path, address):
+    """Paths that lead upwards, and those by which Panel would import any module: 404, and the server says nothing
+    (the fixture looks at what it printed)."""
+    assert answer(address, path)[0] == 404
+    assert answer(address, path, "evil.example")[0] == 403
+    assert answer(address)[0] == 200
+
+
 @pytest.mark.parametrize("origin", [
     "http://evil.example", "http://evil.example:{}", "https://127.0.0.1:{}", "http://127.0.0.1", "null",
     "http://localhost:3000", "http://[", "file://", "http://127.0.0.1:{}.evil.example"])  # fmt: skip

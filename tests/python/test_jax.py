@@ -137,14 +137,21 @@ def test_rest_resets_the_velocity():
 
 
 def test_where_there_is_no_motion(uneven):
-    """NaN, also where it would pass through a wall, and an error for a value that is not allowed."""
+    """NaN, also where it would pass through a wall, and where a parameter is outside its range."""
     function = vi.jax.motion(uneven, ["x_max"])
     slopes = jax.grad(lambda d: function(clearance=d)["x_max"])
     for clearance in (200.0, 12.0):
         assert np.isnan(function(clearance=clearance)["x_max"])
         assert np.isnan(slopes(clearance))
-    with pytest.raises(Exception, match="mu"):
-        function(mu=-1.0)["x_max"].block_until_ready()
+    for outside in ({"mu": -1.0}, {"r": 0.0}, {"R1": 1.5}, {"xi": math.nan}, {"clearance": -3.0}):
+        assert np.isnan(function(**outside)["x_max"])
+        ((name, value),) = outside.items()
+        assert np.isnan(jax.jit(jax.grad(lambda x, name=name: function(**{name: x})["x_max"]))(value))
+    points = jax.vmap(lambda mu: function(mu=mu)["x_max"])(jnp.array([0.042, -1.0, 0.042]))
+    assert np.isfinite(points).tolist() == [True, False, True]
+    final = vi.jax.final_state(TABLE, 0.9, 6.0, 1)
+    for outside in ({"r": -1.0}, {"load": 1e13}, {"state": {"t": math.inf}}):
+        assert np.isnan(final(**outside)["x"])
     assert np.isfinite(slopes(37.0))
 
 
@@ -171,6 +178,10 @@ def test_refused_arguments(uneven):
         vi.jax.motion(uneven)(k=1.0)
     with pytest.raises(vi.ParameterError, match="state 'v': must be one of t"):
         vi.jax.final_state(TABLE, 0.9, 6.0, 1)({"v": 1.0})
+    with pytest.raises(vi.ParameterTypeError, match=r"parameter r = \[1, 2\]: must be a real number"):
+        vi.jax.motion(uneven)(r=[1, 2])
+    with pytest.raises(vi.ParameterTypeError, match="state = 3: must be a mapping of t"):
+        vi.jax.final_state(TABLE, 0.9, 6.0, 1)(3)
     jax.config.update("jax_enable_x64", False)
     with pytest.raises(vi.ParameterError, match="jax_enable_x64 = False: must be True"):
         vi.jax.motion(uneven)(r=0.94)

@@ -381,10 +381,16 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
             dashboard = "127.0.0.1:0" if find_spec("bokeh") else None
             # workers have no pages
             stack.enter_context(dask.config.set({"distributed.worker.http.routes": []}))
-            address: Any = stack.enter_context(
-                distributed.LocalCluster(n_workers=os.cpu_count(), threads_per_worker=1, host="127.0.0.1",
-                                         dashboard_address=dashboard, security=True, local_directory=folder)
-            )  # fmt: skip
+            try:
+                address: Any = stack.enter_context(
+                    distributed.LocalCluster(n_workers=os.cpu_count(), threads_per_worker=1, host="127.0.0.1",
+                                             dashboard_address=dashboard, security=True, local_directory=folder)
+                )  # fmt: skip
+            except Exception as error:  # a worker that was killed, ports or memory that are used up
+                raise ClusterError(
+                    f"client = 'local': its processes did not start ({type(error).__name__}: {error}); nothing was "
+                    "computed: run the campaign again"
+                ) from error
             if dashboard:
                 port = urlsplit(address.dashboard_link).port
                 protect(address.scheduler.http_application, ("127.0.0.1", "localhost"), port)

@@ -19,6 +19,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import checks
 from ..errors import ParameterError, ParameterTypeError
 from ..libraries import zarr
 from ..sizes import NUMBERS, TEXT, check_file, check_size
@@ -52,9 +53,9 @@ class Store:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        if not isinstance(folder, (str, os.PathLike)) or not str(folder) or "\0" in str(folder):
+        if not isinstance(folder, (str, os.PathLike)) or not str(folder):
             raise ParameterTypeError(f"store = {folder!r}: must be the path of a folder")
-        self.folder = Path(folder)
+        self.folder = checks.path(folder, "store")
         self.chunks = self.folder / "results.zarr"
         self.sums = self.folder / "sums"
         self.failures = self.folder / "failures"
@@ -76,7 +77,7 @@ class Store:
             raise ParameterError(
                 f"store = {str(self.folder)!r}: must be a folder; it is a file"
             ) from None
-        except ValueError:
+        except (IsADirectoryError, ValueError):
             raise ParameterError(f"{path}: is damaged; restore it, or use another store") from None
         return found
 
@@ -92,9 +93,7 @@ class Store:
                     raise ParameterError(f"{place}: must be a folder; it is a link")
                 for part in place.glob("*.part"):
                     if PART.fullmatch(part.name):
-                        shutil.rmtree(
-                            part
-                        ) if part.is_dir() and not part.is_symlink() else part.unlink()
+                        remove(part)
             if path.exists():
                 self._compare(plan)
             else:
@@ -155,10 +154,11 @@ class Store:
                 (part / path).parent.mkdir(parents=True, exist_ok=True)
                 (part / path).write_bytes(content)
                 sums[path] = hashlib.sha256(content).hexdigest()
+            if self._sums(name).is_dir():
+                remove(self._sums(name))
             write_whole(self._sums(name), json.dumps(dict(sorted(sums.items())), indent=1))
             place = self.chunks / name
-            if place.exists():  # damaged
-                shutil.rmtree(place)
+            remove(place)  # what is damaged
             os.replace(part, place)
         except BaseException as error:
             shutil.rmtree(part, ignore_errors=True)
@@ -400,6 +400,14 @@ def checksums(folder: Path) -> dict[str, str]:
         path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in folder.rglob("*") if path.is_file()
     }  # fmt: skip
+
+
+def remove(path: Path) -> None:
+    """Remove a file or a folder, if it is there."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def write_whole(path: Path, text: str, lasting: bool = False) -> None:

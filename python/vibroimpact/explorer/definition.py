@@ -18,6 +18,7 @@ from .. import (
     simulate,
 )
 from ..errors import ParameterError, SingularError
+from ..model import pattern_of
 from .limits import Progress, shown
 
 __all__ = ["Definition", "definition_of", "start_of"]
@@ -89,7 +90,7 @@ class Definition:
         wanted = "SIDES/CYCLES/KIND/NUMBERS as a share link of the explorer has it"
         try:
             sides, cycles, kind, words = text.split("/")
-            pattern = Pattern(sides, int(cycles))
+            pattern = pattern_of(f"{sides}/{cycles}")
             numbers = tuple(checks.read_number(word) for word in words.split(","))
         except ValueError:
             raise ParameterError(f"motion = {shown(text)}: must be {wanted}") from None

@@ -1,10 +1,11 @@
-"""Requests that the server refuses: under a foreign host name, of pages of other sites, and without a token."""
+"""Requests that the server refuses: under a foreign host name, of pages of other sites, without a token, and for
+what no page has."""
 
 from __future__ import annotations
 
 import hmac
 from typing import Any
-from urllib.parse import urlencode, urlsplit
+from urllib.parse import unquote, urlencode, urlsplit
 
 from tornado.httputil import HTTPServerRequest
 from tornado.routing import Matcher, Rule
@@ -24,6 +25,8 @@ HEADERS = {
 def protect(application: Application, names: tuple[str, ...], port: int, token: str = "") -> None:
     """Make a server answer only its own page and links to it, by one of its names; others get status 403.
 
+    Paths that lead upwards, and those of Panel's components, which import the module that they name, get 404.
+
     A name of another site can be made to lead to this machine (DNS rebinding), so the name counts that was asked
     for, not the address that was reached. With a token only a browser is answered that has opened a link with it:
     the browser keeps it as a cookie, and the page's own address is without it.
@@ -42,6 +45,7 @@ def protect(application: Application, names: tuple[str, ...], port: int, token: 
     if token:
         key = Key(token, f"vibroimpact-{port}")
         rules += [Rule(Opening(key), Opened, {"key": key}), Rule(Unknown(key), Refusal)]
+    rules.append(Rule(Stray(), Nothing))
     application.default_router.rules[:0] = rules
     application.add_transform(Headers)
 
@@ -146,6 +150,25 @@ class Refusal(RequestHandler):  # type: ignore[misc]
 
     def _log(self) -> None:
         """Print nothing: another site could flood the terminal."""
+
+
+class Stray(Matcher):  # type: ignore[misc]
+    """Matches paths that no page has: upwards, with control characters, and those of components."""
+
+    def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
+        path = unquote(request.path).replace("\\", "/")
+        parts = path.split("/")
+        stray = ".." in parts or not path.isprintable() or "components" in parts[1:2]
+        return {} if stray else None
+
+
+class Nothing(Refusal):
+    """Status 404 for every method."""
+
+    def prepare(self) -> None:
+        self.set_status(404)
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish("404: there is no such page\n")
 
 
 class Headers(OutputTransform):  # type: ignore[misc]

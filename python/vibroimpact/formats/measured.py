@@ -405,6 +405,8 @@ def number(text: str) -> float | None:
     """The number in a cell, NaN in an empty one; None for other text."""
     if text == "":
         return math.nan
+    if "_" in text or not text.isascii():  # which only Python reads as numbers
+        return None
     try:
         return float(text)
     except ValueError:

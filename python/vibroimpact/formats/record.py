@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
@@ -16,6 +17,12 @@ from ..errors import ParameterError, VibroimpactError
 from ..tables import STORED, Column, Found, Result, Table, column_from, language
 from .rows import places_of
 
+#: Characters that no word has: the core keeps words as lines.
+CONTROL = re.compile(r"[\0-\x1f\x7f]")
+#: Columns of words that every row has.
+NEEDED = ("kind", "law", "moment", "run")
+#: Largest number of dimensions of a table.
+MOST_DIMENSIONS = 3
 #: The least and the greatest code of verdicts and of logical values.
 LIMITS = {"verdict": (-1, 1), "truth": (0, 1)}
 #: The fields of a record besides its tables, with their types.
@@ -88,8 +95,11 @@ def from_dict(kind: Any, data: Any) -> Any:
     study = language()["results"][kind.study]
     for item in study["columns"]:
         declared.setdefault(item["table"], {})[item["name"]] = item
+    for key in ("case", "cut", "remarks", "notes"):
+        check_texts(key, data[key])
     tables = {}
     for name, table in mapping(data.get("tables"), "tables").items():
+        check_name(name, "tables")
         tables[name] = table_of(name, mapping(table, name), declared.get(name, {}))
     widen_empty(tables)
     check_sizes(tables)
@@ -107,6 +117,7 @@ def from_dict(kind: Any, data: Any) -> Any:
         check_rows(result, study["columns"])
     try:
         noun = kind.of_result(result)
+        noun._check_read()
         repr(noun)  # which needs the columns that all its tables share
     except VibroimpactError:
         raise
@@ -192,20 +203,44 @@ def mapping(data: Any, name: str) -> dict[str, Any]:
     return data
 
 
+def check_name(name: str, label: str) -> str:
+    """The name of a table or of a dimension, for which the core has some letters."""
+    if not re.fullmatch("[a-z][a-z_]{0,14}", name):
+        raise ParameterError(f"{label}: {name[:40]!r} must be a name of 1 to 15 small letters")
+    return name
+
+
+def check_texts(label: str, item: Any) -> None:
+    """An error if a text, or one of a list, cannot be written to a file."""
+    for inner in item if isinstance(item, list) else ():
+        check_texts(label, inner)
+    if isinstance(item, str):
+        try:
+            item.encode(errors="surrogateescape")
+        except UnicodeEncodeError:
+            raise ParameterError(f"{label} = {item[:60]!r}: must be a text of Unicode") from None
+
+
 def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table:
     """A table from its record."""
     dims = {
-        str(key): checks.integer(size, f"{name}.dims.{key}", 0, 2**31 - 1)
+        check_name(key, f"{name}.dims"): checks.integer(size, f"{name}.dims.{key}", 0, 2**31 - 1)
         for key, size in mapping(data.get("dims"), f"{name}.dims").items()
     }
     shape = tuple(dims.values())
     owners = None
     if data.get("parent"):
         owners = array_of(f"{name}.owners", data.get("owners"), shape, "<i4")
+    if len(dims) > MOST_DIMENSIONS:
+        raise ParameterError(
+            f"{name}.dims = {list(dims)}: must be at most {MOST_DIMENSIONS} dimensions"
+        )
     columns = {}
     for key, values in mapping(data.get("columns"), f"{name}.columns").items():
         if key not in declared:
             raise ParameterError(f"{name}.{key}: must be one of {', '.join(declared)}")
+        if declared[key]["label"] == "=" and not dims:
+            raise ParameterError(f"{name}.dims: must hold the dimension along which {key} names rows")
         columns[key] = column_of(f"{name}.{key}", declared[key], values, shape)
     return Table(dims, str(data.get("parent", "")), owners, Found(columns, name))
 
@@ -237,18 +272,43 @@ def check_words(label: str, values: NDArray[Any], known: list[str] | None) -> No
     strange = [text for text in texts if not isinstance(text, str)]
     if strange:
         raise ParameterError(f"{label} = {strange[0]!r}: must be a text")
-    strange = [] if known is None else sorted(set(texts) - {"", *known})
+    check_texts(label, texts)
+    strange = sorted({text for text in texts if CONTROL.search(text)})
+    if strange:
+        raise ParameterError(f"{label} = {strange[0]!r}: must be a text without line ends")
+    absent = set() if label.rpartition(".")[2] in NEEDED else {""}
+    strange = [] if known is None else sorted(set(texts) - absent.union(known))
     if strange:
         raise ParameterError(f"{label} = {strange[0]!r}: must be one of {', '.join(known or ())}")
+
+
+def numbers_of(data: Any, stored: str) -> NDArray[Any]:
+    """An array of numbers, of which none is rounded, and none read from a text but those that JSON lacks.
+
+    Raises
+    ------
+    ValueError, TypeError, OverflowError
+        If something else is among them.
+    """
+    array = np.array(data)
+    if array.size == 0 or array.dtype.kind in ("iuf" if stored == "<f8" else "iub"):
+        found = array.astype(stored)
+        if stored == "<i4" and (found != array).any():
+            raise OverflowError
+        return found
+    if stored == "<i4":
+        raise TypeError
+    array = np.array(data, dtype=object)
+    for item in array.ravel().tolist():
+        if not (item is None or type(item) in (int, float) or item in ("inf", "-inf")):
+            raise TypeError
+    return np.where(array == None, np.nan, array).astype(stored)  # noqa: E711 (elementwise)
 
 
 def array_of(label: str, data: Any, shape: tuple[int, ...], stored: Any) -> NDArray[Any]:
     """An array of a shape, -1 where any size will do."""
     try:
-        if stored == "<f8":
-            data = np.array(data, dtype=object)
-            data = np.where(data == None, np.nan, data)  # noqa: E711 (elementwise)
-        array = np.array(data, dtype=stored)
+        array = np.array(data, dtype=object) if stored is object else numbers_of(data, stored)
         fits = array.ndim == len(shape) and all(
             want in (-1, size) for want, size in zip(shape, array.shape, strict=True)
         )

@@ -60,7 +60,7 @@ def check_written(message: Any, path: Path) -> None:
 
 def restored(result: Result) -> Handle:
     """A result that the core does not hold, put into it."""
-    study = characters(f"{result.study:20}")
+    study = characters(f"{result.study:24}")
     number, status = _core.new_result(characters(result.case or " "), study)
     handle = Handle(number)
     if status:
@@ -83,8 +83,8 @@ def restored(result: Result) -> Handle:
 
 
 def characters(text: str) -> Any:
-    """A text in the form that the core takes."""
-    return np.frombuffer(text.encode(), "S1")
+    """A text in the form that the core takes; a name of the core that is not UTF-8 has its bytes."""
+    return np.frombuffer(text.encode(errors="surrogateescape"), "S1")
 
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {

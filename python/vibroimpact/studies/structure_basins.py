@@ -79,6 +79,10 @@ class StructureBasins(StructureNoun, study="basins_structure"):
         if not hasattr(self, "_attractors"):
             motions = motions_of(self)
             names, numbers = (self._table("attractors", name) for name in ("name", "number"))
+            if numbers.size and numbers.max() >= len(motions):
+                raise ParameterError(
+                    f"attractors.number = {numbers.max()}: must be below {len(motions)}, the number of motions"
+                )
             found = [
                 StructureAttractor(str(name), motions[i] if i >= 0 else None)
                 for name, i in zip(names, numbers.tolist(), strict=True)
