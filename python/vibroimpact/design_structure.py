@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -12,6 +13,9 @@ from .design_order import Order
 from .design_problem import Problem
 from .distribution import Uncertain, uncertain
 from .errors import ParameterError, ParameterTypeError
+
+#: Arguments of a host that it always gets.
+TAKEN = ("r", "load")
 
 
 def asked_of(
@@ -29,6 +33,21 @@ def asked_of(
         raise ParameterTypeError(
             f"host = {host!r}: must be an Oscillator, or a function that returns a Structure and its load"
         )
+    for group, names in (("free", free), ("tolerance", tolerance)):
+        for name in names:
+            if not isinstance(name, str) or not name.isidentifier() or name in TAKEN:
+                raise ParameterError(
+                    f"{group}: parameter {name!r}: must be the name of an argument of host, not r or load"
+                )
+    given = {*TAKEN, *free, *tolerance}
+    try:
+        inspect.signature(host).bind(**dict.fromkeys(given))
+    except TypeError as error:
+        raise ParameterTypeError(
+            f"host = {host!r}: must take the arguments {', '.join(sorted(given))}; {error}"
+        ) from None
+    except ValueError:  # a function without a signature
+        pass
     target = checks.choice(keys["target"], "target", TARGETS)
     checks.choice(keys["over"], "over", ("worst", "basins"))
     for name in limits:

@@ -26,6 +26,7 @@ from .model import Oscillator, Pattern
 from .noun import Noun, Savable
 from .period_gradient import period_gradient
 from .quantities import Quantities, quantities_of
+from .sizes import memory_for
 from .status import NO_MOTION, VERDICT, raise_status
 from .tables import Result, Table, made, runs
 
@@ -175,6 +176,7 @@ class Motion(Savable, study="motion"):
             return "complex"
         return "positive" if leading.real >= 0 else "negative"
 
+    @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike) -> Sample:
         """Positions, velocities, accelerations and load at any times, from the closed form.
 
@@ -209,6 +211,7 @@ class Motion(Savable, study="motion"):
         wrapped = np.mod(times, self.period)
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, wrapped)
 
+    @memory_for("quantities, by their window and harmonics")
     def quantities(self, harmonics: int = 10) -> Quantities:
         """Response quantities over a period: rms, extremes and harmonics, impacts and energies.
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
-from .errors import ParameterError
+from .errors import OutOfMemoryError, ParameterError, VibroimpactError
 
 #: Bytes of memory that may be needed for each byte of a text, and for each byte of packed numbers.
 TEXT, NUMBERS = 16, 4
@@ -70,3 +72,28 @@ def check_file(path: Path, each: int = TEXT, what: str = "it") -> None:
         If there is no such file, or it is too large.
     """
     check_size(path.stat().st_size, each, what)
+
+
+@contextlib.contextmanager
+def memory_for(what: str) -> Iterator[None]:
+    """One error of the package where arrays do not fit into memory; `what` says what they are for, and by which
+    argument they can be smaller.
+
+    Raises
+    ------
+    OutOfMemoryError
+
+    Examples
+    --------
+    >>> from vibroimpact.sizes import memory_for
+    >>> with memory_for("all of it"):
+    ...     raise MemoryError("Unable to allocate 1 PiB")
+    Traceback (most recent call last):
+    vibroimpact.errors.OutOfMemoryError: all of it: takes more memory than there is; Unable to allocate 1 PiB
+    """
+    try:
+        yield
+    except VibroimpactError:
+        raise
+    except MemoryError as error:
+        raise OutOfMemoryError(f"{what}: takes more memory than there is; {error}") from None

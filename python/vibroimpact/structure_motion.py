@@ -16,6 +16,7 @@ from .gradient import Gradient
 from .interrupt import with_stack
 from .noun import Savable
 from .restitution import PowerLaw, TabulatedRestitution
+from .sizes import memory_for
 from .status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
 from .structure import Load, Structure
 from .structure_gradient import Wanted, structure_gradient
@@ -119,6 +120,7 @@ class StructureMotion(Savable, study="motion_structure"):
         """Its period, in time."""
         return 2 * np.pi * self.cycles / self.load.frequency
 
+    @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike) -> tuple[_Array, _Array]:
         """Coordinates and velocities at given times.
 
@@ -137,6 +139,7 @@ class StructureMotion(Savable, study="motion_structure"):
         run = self._run()
         return run.sample(run.start + np.mod(times - run.start, self.period))
 
+    @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike) -> _Array:
         """Accelerations (n, m) at any times, between the impacts, as of `StructureTrajectory.acceleration`."""
         run = self._run()
@@ -144,6 +147,7 @@ class StructureMotion(Savable, study="motion_structure"):
         self.sample(times)  # checks them
         return run.acceleration(run.start + np.mod(times - run.start, self.period))
 
+    @memory_for("quantities, by their window and harmonics")
     def quantities(self, harmonics: int = 10) -> StructureQuantities:
         """Response quantities over a period, as of `StructureTrajectory.quantities`."""
         return structure_quantities(self._run(), None, harmonics, closed=True)

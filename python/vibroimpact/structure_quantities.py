@@ -25,6 +25,8 @@ _Array = NDArray[np.float64]
 #: Gauss's rule on a panel of at most one radian of the fastest mode or load, and the largest number of panels.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 MOST = 500_000
+#: Numbers of the table of harmonics that is made at a time.
+MOST_TURNED = 2 * 10**7
 #: Columns of the impacts.
 IMPACT_TYPE = np.dtype(
     [("time", "f8"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"), ("loss", "f8")]
@@ -182,8 +184,15 @@ def structure_quantities(
     rms = np.sqrt(values**2 @ weight / whole)
     frequency = run.load.frequency if isinstance(run.load, Load) else 0.0
     orders = np.arange(1, harmonics + 1 if frequency else 1)
-    turned = np.exp(-1j * frequency * np.outer(t, orders))
-    parts = 2 / whole * (values * weight) @ turned
+    blocks = max(1, math.ceil(t.size * orders.size / MOST_TURNED))
+    weighted = 2 / whole * (values * weight)
+    parts = np.concatenate(
+        [
+            weighted @ np.exp(-1j * frequency * np.outer(t, some))
+            for some in np.array_split(orders, blocks)
+        ],
+        axis=-1,
+    )
     # the accelerations with the impulses of the impacts
     mean[2] += change.sum(axis=1) / whole
     parts[2] += 2 / whole * change @ np.exp(-1j * frequency * np.outer(events["time"], orders))

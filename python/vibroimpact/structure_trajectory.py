@@ -16,6 +16,7 @@ from .gradient import Gradient
 from .noun import Noun, Savable
 from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
+from .sizes import memory_for
 from .states import MOST, SPAN
 from .status import GAP_CLOSED, MORE_EVENTS, raise_status, sentence
 from .structure import Gap, Load, Structure
@@ -76,6 +77,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     request: dict[str, Any] | None = None
     cut: str = ""
 
+    @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike) -> tuple[_Array, _Array]:
         """Coordinates and velocities at given times, exactly.
 
@@ -116,6 +118,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         found[:, order] = values
         return found[:n], found[n:]
 
+    @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike) -> _Array:
         """Accelerations at given times, between the impacts, which change the velocities at once.
 
@@ -136,6 +139,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         q, rate = self.sample(t)
         return accelerations(self, np.atleast_1d(np.asarray(t, dtype=np.float64)), q, rate)
 
+    @memory_for("quantities, by their window and harmonics")
     def quantities(
         self, window: ArrayLike | None = None, harmonics: int = 10
     ) -> StructureQuantities:
@@ -536,6 +540,7 @@ def core_arrays(
     return matrices, directions, values, frequency, harmonics, constant, step, record
 
 
+@memory_for("events of a simulation, by max_events")
 def simulate_structure(
     structure: Structure,
     load: Load | Record | None = None,

@@ -19,6 +19,7 @@ from .motion import osc_of, units_of
 from .noun import Noun, Savable
 from .period import MOST_CYCLES, TOLERANCE, Period, last_period
 from .quantities import Quantities, quantities_of
+from .sizes import memory_for
 from .states import NEEDED, Moment, State, System, as_numbers, later, moments_of, start_of, state_of
 from .status import MORE_EVENTS, raise_status
 from .structure import or_structure, state_by_coordinates
@@ -74,6 +75,7 @@ class Trajectory(Savable, study="simulate"):
     request: dict[str, Any] | None = None
     cut: str = ""
 
+    @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike) -> Sample:
         """Positions, velocities, accelerations and load at times within the trajectory, from the closed form.
 
@@ -107,6 +109,7 @@ class Trajectory(Savable, study="simulate"):
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
+    @memory_for("quantities, by their window and harmonics")
     def quantities(self, cycles: float | None = None, harmonics: int = 10) -> Quantities:
         """Response quantities over the last load cycles, as of `Motion.quantities`.
 
@@ -364,6 +367,7 @@ class Simulation(Noun, study="simulate"):
 
 
 @or_structure(simulate_structure, of_law=state_by_coordinates)
+@memory_for("events of a simulation, by max_events")
 def simulate(
     osc: Oscillator,
     r: float,

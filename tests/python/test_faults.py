@@ -456,3 +456,43 @@ def test_a_cluster_that_is_killed(scheduler, tmp_path):
         vi.campaign(sweep, tmp_path / "store", address, chunk=8)
     vi.campaign(sweep, tmp_path / "store", chunk=8)
     assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("place", ["sums/{}.json", "results.zarr/{}"])
+@pytest.mark.parametrize("kind", ["folder", "file"])
+def test_something_else_in_place_of_a_file(place, kind, undisturbed, tmp_path):
+    """A folder in place of a checksum, or a file in place of a chunk, is damage: what it belongs to is computed
+    again."""
+    vi.campaign(small_sweep(), tmp_path / "store", chunk=20)
+    expected = files_of(tmp_path / "store")
+    name = next(iter((tmp_path / "store" / "sums").iterdir())).stem
+    path = tmp_path / "store" / place.format(name)
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink()
+    if kind == "folder":
+        (path / "inner").mkdir(parents=True)
+    else:
+        path.write_text("x")
+    campaign = vi.Campaign(tmp_path / "store")
+    with pytest.raises(vi.ParameterError):
+        campaign.values("motions", "attenuation")
+    vi.campaign(small_sweep(), tmp_path / "store", chunk=20)
+    assert files_of(tmp_path / "store") == expected
+    (tmp_path / "store" / "campaign.json").unlink()
+    (tmp_path / "store" / "campaign.json").mkdir()
+    with pytest.raises(vi.ParameterError, match="campaign.json: is damaged"):
+        vi.Campaign(tmp_path / "store")
+
+
+def test_a_cluster_that_does_not_start(tmp_path, monkeypatch):
+    """A worker that is killed at its start is one error of the package."""
+    distributed = pytest.importorskip("distributed")
+
+    def killed(**_):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr(distributed, "LocalCluster", killed)
+    with pytest.raises(vi.ClusterError, match=r"client = 'local': its processes did not start \(RuntimeError: Nanny"):
+        vi.campaign(small_sweep(), tmp_path / "store", "local", chunk=20)

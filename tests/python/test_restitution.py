@@ -270,3 +270,13 @@ def test_a_constant_law_of_an_oscillator_is_its_number():
 def test_what_takes_no_law_says_so(call, words):
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=words):
         call(oscillator(vi.PowerLaw(0.75, 20, 0.25)))
+
+
+def test_a_function_is_no_law():
+    """The message names the classes of laws."""
+    for make in (
+        lambda law: vi.Gap([1.0], 1.0, law), lambda law: vi.Oscillator(xi=0.1, mu=0.1, restitution=law),
+        lambda law: vi.Oscillator(xi=0.1, mu=0.1, restitution=(0.5, law)),
+    ):  # fmt: skip
+        with pytest.raises(vi.ParameterTypeError, match="PowerLaw or TabulatedRestitution"):
+            make(lambda v: 0.5)

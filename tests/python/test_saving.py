@@ -1,5 +1,6 @@
 """Saving files: whole or not at all, with concurrent threads, links, limits and interrupts."""
 
+import csv
 import os
 import secrets
 import stat
@@ -154,3 +155,30 @@ def test_interrupt_stops_the_writing_of_a_csv(tmp_path):
     first, second = done.stdout.splitlines()
     assert first.startswith("stopped")
     assert second == "[]"
+
+
+@pytest.mark.parametrize("word", [" ", "  ", "a ", "a,b", 'say "a"', "=1+1", "+1", "-1", "@a", "'a", "\u03be", "=a,b"])
+def test_words_of_any_characters_in_a_csv(word, tmp_path):
+    """Each stays one cell, as the csv module reads it; one that a spreadsheet would compute as a formula has an
+    apostrophe before it. A blank word ended the interpreter, and left a part of the file."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    data = vi.branch(vi.equispaced(osc, 0.94, 37.0)[0], "clearance", (36.0, 38.0)).to_dict()
+    details = data["tables"]["points"]["columns"]["detail"]
+    details[:] = [word] * len(details)
+    branch = vi.Branch.from_dict(data)
+    branch.save(tmp_path / "branch.csv")
+    lines = [line for line in (tmp_path / "branch.csv").read_text().splitlines() if line[:1] != "#"]
+    rows = list(csv.DictReader(lines))
+    assert len(rows) == len(details)
+    assert {row["detail"] for row in rows} == {f"'{word}" if word[0] in "=+-@" else word}
+    assert [item.name for item in tmp_path.iterdir()] == ["branch.csv"]
+
+
+@pytest.mark.parametrize("word", ["a\nb", "a\tb", "\ud800", "\x00"])
+def test_words_that_no_file_holds_are_refused(word):
+    """The core keeps words as lines."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    data = vi.branch(vi.equispaced(osc, 0.94, 37.0)[0], "clearance", (36.0, 38.0)).to_dict()
+    data["tables"]["points"]["columns"]["detail"][0] = word
+    with pytest.raises(vi.ParameterError, match=r"points.detail = .*: must be a text"):
+        vi.Branch.from_dict(data)

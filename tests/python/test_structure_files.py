@@ -313,3 +313,81 @@ def test_structures_are_compared_by_value():
         )
         assert other != structure
         assert structure != load
+
+
+def moving():
+    """A trajectory, a motion, the motions of a search, a branch, a zone, and two sweeps."""
+    gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    cell = vi.Structure([1, 0.042], [0.01, 0], [1, 0], gaps)
+    load = vi.Load(0.94, sine=[1.0, 0.0])
+    motion = vi.exact(cell, load, ([1.6250583, 5.9668230], [0, 1]))
+    return [
+        vi.simulate(cell, load, cycles=5, state=([0, 0], [1, -3])), motion,
+        vi.branch(motion, "frequency", (0.939, 0.941)),
+        vi.zone(motion, ("frequency", 0.93, 0.95), ("load", 0.95, 1.05), lines=5),
+        vi.find(cell, load, guesses=2, states=2, settling=20),
+        vi.bifurcation_diagram(cell, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
+    ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def results():
+    return moving()
+
+
+@pytest.mark.parametrize("number", [2, 10**6, -5, -1])
+def test_gap_numbers_are_checked_when_they_are_read(results, number):
+    """The core would read beyond its arrays: samples, quantities and derivatives ended the interpreter."""
+    tried = 0
+    for result in results:
+        for name, table in result.to_dict()["tables"].items():
+            for key in {"gap", "gaps"} & set(table["columns"]):
+                data = result.to_dict()
+                inner = data["tables"][name]["columns"]
+                while isinstance(inner[key], list) and inner[key]:
+                    inner, key = inner[key], 0
+                if isinstance(inner[key], list):
+                    continue
+                inner[key], tried = number, tried + 1
+                with pytest.raises(vi.ParameterError, match=rf"{name}\.gaps? = {number}: must be the number of one"):
+                    type(result).from_dict(data)
+    assert tried >= 5
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: t["events"]["columns"]["time"].reverse(), r"events.time\[\d\] = .*: must be in ascending order"),
+        (lambda t: t["moments"]["columns"]["time"].reverse(), "moments.time = .*: must be finite, and in order"),
+        (lambda t: t["events"]["columns"]["kind"].__setitem__(0, ""), "events.kind = '': must be one of impact"),
+        (lambda t: t["events"]["columns"]["gap"].__setitem__(0, 0.5), "events.gap = .*: must be numbers of shape"),
+        (lambda t: t["events"]["columns"]["gap"].__setitem__(0, "1"), "events.gap = .*: must be numbers of shape"),
+        (lambda t: t["events"]["columns"]["speed"].__setitem__(0, "1_00"), "events.speed = .*: must be numbers"),
+        (lambda t: t["moments"]["columns"]["q"][0].__setitem__(0, None), "moments.q: must be finite numbers"),
+        (lambda t: t["events"]["dims"].update({"x" * 20: 1}), "events.dims: 'xxx.*' must be a name of 1 to 15"),
+    ],
+)  # fmt: skip
+def test_trajectories_of_files_are_checked(results, change, message):
+    """What does not fit is named, before the core computes with it."""
+    data = results[0].to_dict()
+    change(data["tables"])
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.StructureTrajectory.from_dict(data)
+
+
+def test_a_loaded_diagram_is_saved_as_the_first_one(results, tmp_path):
+    """The name of its study is the longest one."""
+    diagram = results[-1]
+    again = type(diagram).from_json(diagram.to_json())
+    again.save(tmp_path / "run.csv")
+    diagram.save(tmp_path / "other.csv")
+    other = (tmp_path / "other.csv").read_text().replace("name = 'other'", "name = 'run'")
+    assert (tmp_path / "run.csv").read_text() == other
+
+
+@pytest.mark.parametrize("case", ["", "&load\n  frequency = 1_0\n/\n", "&structure\n  mass = 9999999999*1.0\n/\n"])
+def test_results_of_structures_need_their_case(results, case):
+    """One that is not that of a structure is an error of the package."""
+    data = results[-1].to_dict() | {"case": case}
+    with pytest.raises(vi.ParameterError, match=r"case|a list of 9999999999 numbers"):
+        type(results[-1]).from_dict(data)

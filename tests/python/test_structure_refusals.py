@@ -123,3 +123,46 @@ def test_a_gap_that_is_less_than_closed():
 def test_bad_loads(words, message):
     with pytest.raises(vi.ParameterError, match=message):
         vi.Load(**words)
+
+
+@pytest.mark.parametrize("n", [501, 100_000])
+def test_sizes_are_checked_before_matrices_are_made(n):
+    """A diagonal of 100000 numbers would be a matrix of 75 GB."""
+    with pytest.raises(vi.ParameterError, match=rf"mass of shape \({n},\): must be for 1 to 500 coordinates"):
+        vi.Structure(np.ones(n), np.zeros(n), np.ones(n))
+    with pytest.raises(vi.ParameterError, match=rf"frequencies of shape \({n},\): must be for 1 to 500"):
+        vi.Structure.from_modes(np.ones(n), np.zeros(n), np.ones((1, n)))
+
+
+@pytest.mark.parametrize("gaps", [None, 3, [3]])
+def test_gaps_of_modes_are_a_list_of_gaps(gaps):
+    """As those of matrices."""
+    with pytest.raises(vi.ParameterTypeError, match="gaps"):
+        vi.Structure.from_modes([1.0], [0.01], [[1.0]], gaps)
+
+
+def test_events_that_do_not_fit_into_memory(monkeypatch):
+    """One error of the package that says what there is too much of; samples and quantities as well."""
+    wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
+    run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
+
+    def none(*_, **__):
+        raise MemoryError("Unable to allocate 3 GiB")
+
+    monkeypatch.setattr(np, "empty", none)
+    message = "by max_events: takes more memory than there is; Unable to allocate 3 GiB"
+    with pytest.raises(vi.OutOfMemoryError, match=message):
+        vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
+    with pytest.raises(vi.OutOfMemoryError, match=message):
+        vi.simulate(vi.Oscillator(xi=0.01, mu=0.05, restitution=0.7), 1.0, 20.0, 5)
+    with pytest.raises(vi.OutOfMemoryError, match="a sample at the times t: takes more memory"):
+        run.sample([0.0])
+
+
+def test_quantities_of_many_harmonics_are_those_of_few(monkeypatch):
+    """The table of harmonics is made in blocks."""
+    wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
+    run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
+    whole = run.quantities(harmonics=40).q.harmonics
+    monkeypatch.setattr("vibroimpact.structure_quantities.MOST_TURNED", 3000)
+    np.testing.assert_allclose(run.quantities(harmonics=40).q.harmonics, whole, rtol=1e-13, atol=1e-15)
