@@ -18,7 +18,6 @@ from .. import (
     simulate,
 )
 from ..errors import ParameterError, SingularError
-from ..model import pattern_of
 from .limits import Progress, shown
 
 __all__ = ["Definition", "definition_of", "start_of"]
@@ -90,7 +89,9 @@ class Definition:
         wanted = "SIDES/CYCLES/KIND/NUMBERS as a share link of the explorer has it"
         try:
             sides, cycles, kind, words = text.split("/")
-            pattern = pattern_of(f"{sides}/{cycles}")
+            if not (cycles.isascii() and cycles.isdecimal()):
+                raise ValueError
+            pattern = Pattern(sides, int(cycles))
             numbers = tuple(checks.read_number(word) for word in words.split(","))
         except ValueError:
             raise ParameterError(f"motion = {shown(text)}: must be {wanted}") from None
