@@ -33,18 +33,18 @@ def asked_of(
         raise ParameterTypeError(
             f"host = {host!r}: must be an Oscillator, or a function that returns a Structure and its load"
         )
-    for group, names in (("free", free), ("tolerance", tolerance)):
-        for name in names:
+    for group, given in (("free", [*free]), ("tolerance", [*tolerance])):
+        for name in given:
             if not isinstance(name, str) or not name.isidentifier() or name in TAKEN:
                 raise ParameterError(
                     f"{group}: parameter {name!r}: must be the name of an argument of host, not r or load"
                 )
-    given = {*TAKEN, *free, *tolerance}
+    needed = {*TAKEN, *free, *tolerance}
     try:
-        inspect.signature(host).bind(**dict.fromkeys(given))
+        inspect.signature(host).bind(**dict.fromkeys(needed))
     except TypeError as error:
         raise ParameterTypeError(
-            f"host = {host!r}: must take the arguments {', '.join(sorted(given))}; {error}"
+            f"host = {host!r}: must take the arguments {', '.join(sorted(needed))}; {error}"
         ) from None
     except ValueError:  # a function without a signature
         pass

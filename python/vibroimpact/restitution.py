@@ -164,9 +164,10 @@ def checked(restitution: Restitution, label: str | None = None) -> Restitution:
     if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
         return restitution
     if callable(restitution):
+        wanted = checks.allowed("restitution", label)
         raise ParameterTypeError(
-            f"{label or 'restitution'} = {restitution!r}: must be {checks.allowed('restitution', label)}, or a law: a "
-            "vibroimpact.PowerLaw or TabulatedRestitution"
+            f"{label or 'restitution'} = {restitution!r}: must be {wanted}, or a law: a vibroimpact.PowerLaw or "
+            "TabulatedRestitution"
         )
     return checks.number(restitution, "restitution", label)
 

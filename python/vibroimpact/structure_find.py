@@ -124,7 +124,10 @@ def _motion_of(
     states = np.stack(rows("impacts", impacts, "q", "q_dot"), axis=1)
     gap, begin, end = rows("rests", rests, "gap", "begin", "end")
     table = _rests(gap, (begin, end))
-    matrix, values = rows("derivative", derivative, "P")[0], rows("multipliers", multipliers, "multiplier")[0]
+    matrix, values = (
+        rows("derivative", derivative, "P")[0],
+        rows("multipliers", multipliers, "multiplier")[0],
+    )
     check_numbers(own["cycles"], phases, states, values, matrix)
     for array in (states, table):
         array.flags.writeable = False

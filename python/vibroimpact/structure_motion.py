@@ -585,7 +585,8 @@ def check_numbers(
     n = 2 * states.shape[-1]
     if matrix.shape != (n, n) or multipliers.shape != (n,):
         raise ParameterError(
-            f"derivative.P of shape {matrix.shape}, {multipliers.size} multipliers: must be for {n} numbers of a state"
+            f"derivative.P of shape {matrix.shape}, {multipliers.size} multipliers: must be for {n} numbers of a "
+            "state"
         )
     good = phases.size and np.isfinite(phases).all() and np.abs(phases).max() <= MOST_PHASE
     if not good or (np.diff(phases) < 0).any() or np.ptp(phases) > 2 * np.pi * cycles:

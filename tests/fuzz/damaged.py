@@ -1,16 +1,16 @@
 """Damaged files of all formats: an error of the package, or a result that can be used."""
 
+import contextlib
 import copy
 import functools
 import inspect
 import json
 import random
 import shutil
-import tempfile
-from pathlib import Path
-
 import struct
+import tempfile
 import zlib
+from pathlib import Path
 
 import numpy as np
 from child import in_child, limited, where
@@ -20,8 +20,8 @@ from language import Language
 COUNT = 500
 #: Values in place of others in a record of JSON.
 ODD = [
-    None, True, -1, 0, 1, 2, 5, 1000, 2**31, 2**70, 1e300, 1e-300, -5, 0.5, float("nan"), "inf", "", " ", "x", "=1",
-    "R", "a,b", 'a"b', "a\nb", "\ud800", "R*", [], {}, [[]], [1, [2]], [None], "constant", "power", "stick",
+    None, True, -1, 0, 1, 2, 5, 1000, 2**31, 2**70, 1e300, 1e-300, -5, 0.5, float("nan"), "inf", "", " ", "x",
+    "=1", "R", "a,b", 'a"b', "a\nb", "\ud800", "R*", [], {}, [[]], [1, [2]], [None], "constant", "power", "stick",
 ]  # fmt: skip
 #: Methods of results that draw, or take long.
 LEFT_OUT = {"animate", "confirm", "plot", "report", "require", "nearest_boundary", "index"}
@@ -36,7 +36,9 @@ def fuzz(report, options):
             in_child(report, f"files {path.suffix or 'zarr'}", path.name, work)
         for path in sorted(Path(name).glob("*.json")):
             if path.name != "sep005.json":
-                work = functools.partial(damaged, path, use_all, count, options.seed, change=changed)
+                work = functools.partial(
+                    damaged, path, use_all, count, options.seed, change=changed
+                )
                 in_child(report, "records", path.name, work)
 
 
@@ -110,7 +112,16 @@ def others(vi, osc, motion):
     shaken = vi.Load(1.0, cosine=[1.0])
     pulse = vi.Record(0.1, np.sin(np.arange(60) / 9)[:, None], constant=[0.1])
     rig = vi.virtual_record(
-        duration=1.5, seed=3, M=2.7, K=42e3, m=0.11, d=0.006, xi=0.0114, restitution=0.7, F0=6.0, frequency=19.5
+        duration=1.5,
+        seed=3,
+        M=2.7,
+        K=42e3,
+        m=0.11,
+        d=0.006,
+        xi=0.0114,
+        restitution=0.7,
+        F0=6.0,
+        frequency=19.5,
     )
     return {
         "rest": vi.simulate(table_top, shaken, cycles=3), "record": vi.simulate(table_top, pulse),
@@ -130,7 +141,8 @@ def others(vi, osc, motion):
         "atlas": vi.atlas(osc, (0.93, 0.95), (36, 38), max_impacts=2, survey=1, lines=5, guesses=1, settling=10),
         "motions": vi.find_structure(walls, load, guesses=2, states=2, settling=20),
         "design": vi.design(
-            osc, r=(1.0, 1.02), free={"clearance": (20, 40)}, samples=20, evaluations=8, specimens=2, nodes=2, states=1,
+            osc, r=(1.0, 1.02), free={"clearance": (20, 40)}, samples=20, evaluations=8, specimens=2, nodes=2,
+            states=1,
             settling=20, keep=8,
         ),
         "fit": vi.identify(rig, known={"M": 2.7, "K": 42e3, "m": 0.11}),
@@ -215,7 +227,10 @@ def changed(rng, data):
     for _ in range(rng.choice((1, 1, 1, 2, 4))):
         inner, key = data, None
         while isinstance(inner, (dict, list)) and inner and (key is None or rng.random() < 0.95):
-            above, key = inner, rng.choice([*inner] if isinstance(inner, dict) else range(len(inner)))
+            above, key = (
+                inner,
+                rng.choice([*inner] if isinstance(inner, dict) else range(len(inner))),
+            )
             inner = inner[key]
         if key is None:
             continue
@@ -249,10 +264,8 @@ def use_all(path):
             if "has no Oscillator" not in str(error):
                 raise
     for suffix in (".csv", ".json"):
-        try:
+        with contextlib.suppress(VibroimpactError):
             found.save(path.with_name(f"saved{suffix}"))
-        except VibroimpactError:
-            pass
     left = [item.name for item in path.parent.iterdir() if ".part" in item.name]
     assert not left, left
 

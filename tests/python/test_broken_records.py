@@ -298,7 +298,11 @@ def test_matlab_variables_are_those_of_scipy(compressed, tmp_path):
             continue
         assert np.array_equal(found[name], value), name
     assert found["none"].size == 0
-    assert (found["text"], found["rows"], found["s"]["record"]) == ("acc \u03be", ["ab", "cd"], "{}")
+    assert (found["text"], found["rows"], found["s"]["record"]) == (
+        "acc \u03be",
+        ["ab", "cd"],
+        "{}",
+    )
     assert found["s"]["inner"]["a"].tolist() == [[1], [2]]
     assert found["c"][0].ravel().tolist() == [0, 1, 2]
     assert found["c"][1] == "word"

@@ -135,7 +135,9 @@ def test_without_scipy_the_extra_is_named(monkeypatch):
 
 def wall(r, load, m=0.1):
     """A host that is a function."""
-    return vi.Structure([1, m], [0.1, 0], [1, 0], [vi.Gap([-1, 1], 5.0, 0.7)]), vi.Load(r, sine=[load, 0])
+    return vi.Structure([1, m], [0.1, 0], [1, 0], [vi.Gap([-1, 1], 5.0, 0.7)]), vi.Load(
+        r, sine=[load, 0]
+    )
 
 
 @pytest.mark.parametrize("group", ["free", "tolerance"])
@@ -143,11 +145,16 @@ def wall(r, load, m=0.1):
 def test_names_of_parameters_of_a_function(group, name):
     """They are those of its arguments, and none that it gets anyway; the function is not called."""
     words = {"free": {"m": (0.1, 0.2)}} | {group: {name: (0.1, 0.2)}}
-    with pytest.raises(vi.ParameterError, match=f"{group}: parameter {name!r}: must be the name of an arg".replace("+", ".")):
+    with pytest.raises(
+        vi.ParameterError,
+        match=f"{group}: parameter {name!r}: must be the name of an arg".replace("+", "."),
+    ):
         vi.design(wall, r=(0.9, 1.1), **words)
 
 
 def test_a_function_without_a_parameter():
     """One that does not take what is free is refused before the search."""
-    with pytest.raises(vi.ParameterTypeError, match="must take the arguments k, load, r; got an unexpected"):
+    with pytest.raises(
+        vi.ParameterTypeError, match="must take the arguments k, load, r; got an unexpected"
+    ):
         vi.design(wall, r=(0.9, 1.1), free={"k": (0.1, 0.2)})

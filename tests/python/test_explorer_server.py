@@ -110,9 +110,21 @@ def test_its_own_names_are_answered(address):
         assert opened(address, token_of(body), Host=host, Origin=f"http://{host}") == 101
 
 
-@pytest.mark.parametrize("path", [
-    "/components/../../etc/passwd", "/components/%2e%2e/a/b/c", "/components/..%5c..%5cetc", "/components/this/a/b/c",
-    "/components/panel/Row/__css__/a", "/static/../x", "/static/%2e%2e/x", "/static/js/%00", "/../x", "/%0a"])
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/components/../../etc/passwd",
+        "/components/%2e%2e/a/b/c",
+        "/components/..%5c..%5cetc",
+        "/components/this/a/b/c",
+        "/components/panel/Row/__css__/a",
+        "/static/../x",
+        "/static/%2e%2e/x",
+        "/static/js/%00",
+        "/../x",
+        "/%0a",
+    ],
+)
 def test_what_no_page_has(path, address):
     """Paths that lead upwards, and those by which Panel would import any module: 404, and the server says nothing
     (the fixture looks at what it printed)."""

@@ -482,7 +482,7 @@ def test_something_else_in_place_of_a_file(place, kind, undisturbed, tmp_path):
     assert files_of(tmp_path / "store") == expected
     (tmp_path / "store" / "campaign.json").unlink()
     (tmp_path / "store" / "campaign.json").mkdir()
-    with pytest.raises(vi.ParameterError, match="campaign.json: is damaged"):
+    with pytest.raises(vi.ParameterError, match=r"campaign\.json: is damaged"):
         vi.Campaign(tmp_path / "store")
 
 
@@ -494,5 +494,8 @@ def test_a_cluster_that_does_not_start(tmp_path, monkeypatch):
         raise RuntimeError("Nanny failed to start.")
 
     monkeypatch.setattr(distributed, "LocalCluster", killed)
-    with pytest.raises(vi.ClusterError, match=r"client = 'local': its processes did not start \(RuntimeError: Nanny"):
+    with pytest.raises(
+        vi.ClusterError,
+        match=r"client = 'local': its processes did not start \(RuntimeError: Nanny",
+    ):
         vi.campaign(small_sweep(), tmp_path / "store", "local", chunk=20)

@@ -146,7 +146,9 @@ def test_where_there_is_no_motion(uneven):
     for outside in ({"mu": -1.0}, {"r": 0.0}, {"R1": 1.5}, {"xi": math.nan}, {"clearance": -3.0}):
         assert np.isnan(function(**outside)["x_max"])
         ((name, value),) = outside.items()
-        assert np.isnan(jax.jit(jax.grad(lambda x, name=name: function(**{name: x})["x_max"]))(value))
+        assert np.isnan(
+            jax.jit(jax.grad(lambda x, name=name: function(**{name: x})["x_max"]))(value)
+        )
     points = jax.vmap(lambda mu: function(mu=mu)["x_max"])(jnp.array([0.042, -1.0, 0.042]))
     assert np.isfinite(points).tolist() == [True, False, True]
     final = vi.jax.final_state(TABLE, 0.9, 6.0, 1)
@@ -178,7 +180,9 @@ def test_refused_arguments(uneven):
         vi.jax.motion(uneven)(k=1.0)
     with pytest.raises(vi.ParameterError, match="state 'v': must be one of t"):
         vi.jax.final_state(TABLE, 0.9, 6.0, 1)({"v": 1.0})
-    with pytest.raises(vi.ParameterTypeError, match=r"parameter r = \[1, 2\]: must be a real number"):
+    with pytest.raises(
+        vi.ParameterTypeError, match=r"parameter r = \[1, 2\]: must be a real number"
+    ):
         vi.jax.motion(uneven)(r=[1, 2])
     with pytest.raises(vi.ParameterTypeError, match="state = 3: must be a mapping of t"):
         vi.jax.final_state(TABLE, 0.9, 6.0, 1)(3)

@@ -157,7 +157,9 @@ def test_interrupt_stops_the_writing_of_a_csv(tmp_path):
     assert second == "[]"
 
 
-@pytest.mark.parametrize("word", [" ", "  ", "a ", "a,b", 'say "a"', "=1+1", "+1", "-1", "@a", "'a", "\u03be", "=a,b"])
+@pytest.mark.parametrize(
+    "word", [" ", "  ", "a ", "a,b", 'say "a"', "=1+1", "+1", "-1", "@a", "'a", "\u03be", "=a,b"]
+)
 def test_words_of_any_characters_in_a_csv(word, tmp_path):
     """Each stays one cell, as the csv module reads it; one that a spreadsheet would compute as a formula has an
     apostrophe before it. A blank word ended the interpreter, and left a part of the file."""

@@ -193,10 +193,10 @@ def test_faults_of_tables_are_named(text, options, message, tmp_path):
         ({"time": [0, 1]}, "channel 'load' of 20 samples: must have as many as times, 2"),
         ({"time": np.arange(20) / 500}, "channels 'acceleration' and 'load': must both have times, or a rate, or "
          "none of them"),
-        ({"fs": 500, "time": np.arange(20) / 501}, "channel 'load': its rate is 500 Hz and that of its times 501 Hz; "
-         "must be the same"),
-        ({"fs": 500, "start_timestamp": "yesterday"}, "start_timestamp of 'load' = 'yesterday': must be a date and "
-         "time such as '2026-01-31T12:00:00'"),
+        ({"fs": 500, "time": np.arange(20) / 501}, "channel 'load': its rate is 500 Hz and that of its times 501 "
+         "Hz; must be the same"),
+        ({"fs": 500, "start_timestamp": "yesterday"}, "start_timestamp of 'load' = 'yesterday': must be a date "
+         "and time such as '2026-01-31T12:00:00'"),
         ({"name": ["load"], "data": np.ones((2, 20)), "fs": 500},
          "name = ['load']: must be 2 names, one for each channel of data"),
     ],
@@ -264,7 +264,12 @@ def test_channels_of_other_start_times_are_joined_by_time(shift):
 
 def test_start_timestamps_are_times():
     """Signals with rates that begin at other moments."""
-    first = {"name": "load", "data": np.sin(5 * SLOW), "fs": 100, "start_timestamp": "2026-01-31T12:00:00"}
+    first = {
+        "name": "load",
+        "data": np.sin(5 * SLOW),
+        "fs": 100,
+        "start_timestamp": "2026-01-31T12:00:00",
+    }
     other = {
         "name": "a", "data": np.sin(5 * (SLOW + 0.25)), "fs": 100, "start_timestamp": "2026-01-31T12:00:00.25",
     }  # fmt: skip
@@ -289,7 +294,9 @@ def test_channels_that_do_not_fit_together_are_refused(form, times, message, tmp
     signals = [signal("load", SLOW), signal("a", times)]
     path = tmp_path / f"bench.{form}"
     if form == "json":
-        listed = [{key: x if key == "name" else x.tolist() for key, x in one.items()} for one in signals]
+        listed = [
+            {key: x if key == "name" else x.tolist() for key, x in one.items()} for one in signals
+        ]
         path.write_text(json.dumps(listed))
     elif form == "nc":
         xarray = pytest.importorskip("xarray")
@@ -301,8 +308,8 @@ def test_channels_that_do_not_fit_together_are_refused(form, times, message, tmp
         pyuff = pytest.importorskip("pyuff")
         for code, one in zip((9, 12), signals, strict=True):
             data = pyuff.prepare_58(
-                binary=0, func_type=1, rsp_node=1, rsp_dir=1, ref_dir=1, ref_node=1, data=one["data"], x=one["time"],
-                id1=one["name"], ordinate_spec_data_type=code, ordinate_axis_units_lab="NONE",
+                binary=0, func_type=1, rsp_node=1, rsp_dir=1, ref_dir=1, ref_node=1, data=one["data"],
+                x=one["time"], id1=one["name"], ordinate_spec_data_type=code, ordinate_axis_units_lab="NONE",
                 orddenom_spec_data_type=0, abscissa_inc=one["time"][1] - one["time"][0], abscissa_spacing=1,
                 abscissa_min=one["time"][0], num_pts=one["data"].size, ord_data_type=4,
             )  # fmt: skip
@@ -320,7 +327,9 @@ def test_a_rate_does_not_override_times(tmp_path):
     path = tmp_path / "bench.csv"
     path.write_text(rows_of(np.arange(40) / 1000))
     assert vi.read_record(path, rate=1000).rate == pytest.approx(1000)
-    with pytest.raises(vi.ParameterError, match=r"rate = 500: must be left out, or be that of the record, 1000 Hz"):
+    with pytest.raises(
+        vi.ParameterError, match=r"rate = 500: must be left out, or be that of the record, 1000 Hz"
+    ):
         vi.read_record(path, rate=500)
     with pytest.raises(vi.ParameterError, match=r"rate = 500: must be left out, or .* 1000 Hz"):
         vi.read_record({"name": "load", "data": RECORD.load, "fs": 1000}, rate=500)
@@ -336,7 +345,9 @@ def test_times_of_a_matlab_file_count(tmp_path):
 
     path = tmp_path / "a.mat"
     savemat(path, {"t": np.arange(100) / 50, "load": RECORD.load})
-    with pytest.raises(vi.ParameterError, match="channel 'load' of 200 samples: must have as many as times, 100"):
+    with pytest.raises(
+        vi.ParameterError, match="channel 'load' of 200 samples: must have as many as times, 100"
+    ):
         vi.read_record(path)
     savemat(path, {"t": np.arange(200) / 50, "load": RECORD.load, "fs": 51.0})
     with pytest.raises(vi.ParameterError, match="its rate is 51 Hz and that of its times 50 Hz"):

@@ -128,9 +128,13 @@ def test_bad_loads(words, message):
 @pytest.mark.parametrize("n", [501, 100_000])
 def test_sizes_are_checked_before_matrices_are_made(n):
     """A diagonal of 100000 numbers would be a matrix of 75 GB."""
-    with pytest.raises(vi.ParameterError, match=rf"mass of shape \({n},\): must be for 1 to 500 coordinates"):
+    with pytest.raises(
+        vi.ParameterError, match=rf"mass of shape \({n},\): must be for 1 to 500 coordinates"
+    ):
         vi.Structure(np.ones(n), np.zeros(n), np.ones(n))
-    with pytest.raises(vi.ParameterError, match=rf"frequencies of shape \({n},\): must be for 1 to 500"):
+    with pytest.raises(
+        vi.ParameterError, match=rf"frequencies of shape \({n},\): must be for 1 to 500"
+    ):
         vi.Structure.from_modes(np.ones(n), np.zeros(n), np.ones((1, n)))
 
 
@@ -165,4 +169,6 @@ def test_quantities_of_many_harmonics_are_those_of_few(monkeypatch):
     run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
     whole = run.quantities(harmonics=40).q.harmonics
     monkeypatch.setattr("vibroimpact.structure_quantities.MOST_TURNED", 3000)
-    np.testing.assert_allclose(run.quantities(harmonics=40).q.harmonics, whole, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(
+        run.quantities(harmonics=40).q.harmonics, whole, rtol=1e-13, atol=1e-15
+    )

@@ -388,8 +388,8 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
                 )  # fmt: skip
             except Exception as error:  # a worker that was killed, ports or memory that are used up
                 raise ClusterError(
-                    f"client = 'local': its processes did not start ({type(error).__name__}: {error}); nothing was "
-                    "computed: run the campaign again"
+                    f"client = 'local': its processes did not start ({type(error).__name__}: {error}); nothing "
+                    "was computed: run the campaign again"
                 ) from error
             if dashboard:
                 port = urlsplit(address.dashboard_link).port

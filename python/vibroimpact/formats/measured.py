@@ -95,7 +95,8 @@ def read_record(
         .mat (extra `identify`), .nc (extra `data`), .json (SEP005), .uff, .unv, .uf (universal files, sets 58;
         extra `uff`). Or signals in memory by SDyPy's SEP005: dicts with name, data, unit_str, and fs or time.
     rate : float, optional
-        Sampling rate (Hz) of a file that has neither times nor a rate; another one than that of the file is refused.
+        Sampling rate (Hz) of a file that has neither times nor a rate; one that differs from that of the file is
+        refused.
     channels : str or sequence of str, optional
         What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
@@ -265,8 +266,8 @@ def joined(
         shift = (other.start - clock.start) * clock.rate
         if abs(shift - round(shift)) > SHIFT:
             raise ParameterError(
-                f"{pair}: start at {clock.start:.9g} and {other.start:.9g} s, {abs(shift):.6g} samples apart; must "
-                "be sampled at the same times"
+                f"{pair}: start at {clock.start:.9g} and {other.start:.9g} s, {abs(shift):.6g} samples apart; "
+                "must be sampled at the same times"
             )
         places.append(round(shift))
     if not places:
@@ -277,7 +278,8 @@ def joined(
         raise ParameterError(
             f"channels {', '.join(repr(channel.name) for channel in channels)}: must have times in common"
         )
-    assert clock.start is not None and clock.rate is not None
+    assert clock.start is not None
+    assert clock.rate is not None
     return (
         [
             channel.values[begin - place : end - place]
@@ -535,9 +537,10 @@ def of_sep005(signals: Any) -> Content:
             if times is None:
                 times = np.arange(data.shape[-1] if data.ndim else 0) / positive(rate, "fs")
             times = times + since
-        names = [signal["name"]]
+        names: Sequence[Any] = [signal["name"]]
         if data.ndim == 2:  # several channels in one signal
-            names = signal["name"] if isinstance(signal["name"], (list, tuple)) else names * len(data)
+            listed = isinstance(signal["name"], (list, tuple))
+            names = signal["name"] if listed else [signal["name"]] * len(data)
         rows = data if data.ndim == 2 else [data]
         if len(names) != len(rows):
             raise ParameterError(

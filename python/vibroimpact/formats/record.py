@@ -240,7 +240,9 @@ def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table
         if key not in declared:
             raise ParameterError(f"{name}.{key}: must be one of {', '.join(declared)}")
         if declared[key]["label"] == "=" and not dims:
-            raise ParameterError(f"{name}.dims: must hold the dimension along which {key} names rows")
+            raise ParameterError(
+                f"{name}.dims: must hold the dimension along which {key} names rows"
+            )
         columns[key] = column_of(f"{name}.{key}", declared[key], values, shape)
     return Table(dims, str(data.get("parent", "")), owners, Found(columns, name))
 
