@@ -11,6 +11,7 @@ import numpy as np
 from .design_hosts import DecayHost
 from .design_problem import LIMITED, Host, OscillatorHost, Problem
 from .distribution import Uncertain
+from .errors import ParameterError
 from .model import Oscillator
 
 #: Parameters of an oscillator that can be free or uncertain.
@@ -63,6 +64,8 @@ def asked_by(
         for name in NAMES
         if f"tolerance_{name.lower()}" in keys
     }
+    if keys.get("clearance") is None and "clearance" not in {*free, *tolerance}:
+        raise ParameterError("clearance: must be given, or be free")
     limits = {name: keys[f"limit_{name}"] for name in LIMITED if f"limit_{name}" in keys}
     target = keys["target"]
     host: Host

@@ -240,8 +240,9 @@ def flights(
             resting = tuple(sorted({*resting, gap}))
         cuts = [begin, end]
         if record:
-            numbers = np.arange(np.floor(begin / record.step), np.ceil(end / record.step) + 1)
-            numbers = numbers[numbers < len(record.force)]
+            # after its last sample a record may be followed by any time
+            stop = min(np.ceil(end / record.step) + 1, len(record.force))
+            numbers = np.arange(np.floor(begin / record.step), stop)
             cuts[1:1] = [t for t in (numbers * record.step).tolist() if begin < t < end]
         for low, high in pairwise(cuts):
             interval = int(0.5 * (low + high) // record.step) if record else -1

@@ -90,6 +90,10 @@ class Basins(Noun, study="basins"):
         """Whether its states are those of a plane."""
         return self.axes is not None
 
+    def _check_read(self) -> None:
+        if "run" in self._result.tables and not np.isfinite(self._run("events")).all():
+            raise ParameterError(f"run.events = {self._run('events')}: must be a finite number")
+
     @property
     def impacts(self) -> int:
         return round(float(self._run("events")))
