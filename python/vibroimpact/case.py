@@ -195,19 +195,21 @@ def _structure_case(text: str) -> Case:
     return Case(name, kind, None, None, keys | output, text, structure, load)
 
 
-def path_bytes(path: str | os.PathLike[str]) -> bytes:
-    """A path as the compiled reader takes it."""
+def path_bytes(path: str | os.PathLike[str], name: str = "path") -> bytes:
+    """A path as the compiled reader takes it; `name` is that of the argument."""
     try:
-        name = os.fsencode(path)
+        found = os.fsencode(path)
     except TypeError:
         raise ParameterTypeError(
-            f"path = {path!r}: must be a path, not {type(path).__name__}"
+            f"{name} = {path!r}: must be a path, not {type(path).__name__}"
         ) from None
     except UnicodeEncodeError:
-        raise ParameterError(f"path = {path!r}: must be text that a path can have") from None
-    if not name or b"\0" in name:
-        raise ParameterError(f"path = {os.fsdecode(name)!r}: must not be empty or hold a null byte")
-    return name
+        raise ParameterError(f"{name} = {path!r}: must be text that a path can have") from None
+    if not found or b"\0" in found:
+        raise ParameterError(
+            f"{name} = {os.fsdecode(found)!r}: must not be empty or hold a null byte"
+        )
+    return found
 
 
 def characters(text: bytes) -> NDArray[np.bytes_]:

@@ -86,7 +86,7 @@ def run_namelists(
             raise
         raise ParameterTypeError(f"paths = {paths!r}: must be a list of files") from None
     checks.progress(progress)
-    target = path_bytes(folder)
+    target = path_bytes(folder, "folder")
     if not files:
         raise ParameterError("paths = []: must name at least one file")
     kind = "" if only is None else checks.choice(only, "only", kinds())
