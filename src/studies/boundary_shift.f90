@@ -26,7 +26,8 @@ module vi_boundary_shift
 
    !> The types of conditions, by the numbers that callers use.
    character(14), parameter, public :: shift_types(*) = [character(14) :: 'fold', 'flip', &
-      'neimark_sacker', 'zero_approach', 'grazing', 'pitchfork', 'rest_vanishes']
+      'neimark_sacker', 'zero_approach', 'grazing', 'pitchfork', 'rest_vanishes', &
+      'rest_splits']
 
    !> Outcomes of a displaced vertex: found, on the boundary; found, but another condition fails
    !! there; not found.

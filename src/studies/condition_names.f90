@@ -1,7 +1,7 @@
 !> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
    use vi_frame, only: edge, flip, fold, grazing, joint, neimark_sacker, repetition, &
-      rest_vanishes, together, zero_approach
+      rest_splits, rest_vanishes, together, zero_approach
    implicit none (type, external)
    private
 
@@ -45,6 +45,8 @@ contains
          name = 'bound'
       case (rest_vanishes)
          name = 'rest_vanishes'
+      case (rest_splits)
+         name = 'rest_splits'
       case (joint)
          name = 'joint'
       case default

@@ -1,7 +1,7 @@
 !> Zeros of a condition on a step along a curve of motions.
 module vi_crossing
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, grazing, is_inside, rest_vanishes
+   use vi_frame, only: condition_type, grazing, is_inside, rest_splits, rest_vanishes
    use vi_kinds, only: wp
    use vi_steps, only: place_type, survey
    implicit none (type, external)
@@ -61,7 +61,7 @@ contains
 
       ! the details of a touch are taken from the end where the gap is less
       extra(1) = to%conditions(which)
-      if (any(extra(1)%kind == [grazing, rest_vanishes]) .and. &
+      if (any(extra(1)%kind == [grazing, rest_splits, rest_vanishes]) .and. &
          from%values(which) < to%values(which)) then
          extra(1) = from%conditions(which)
       end if

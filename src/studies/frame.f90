@@ -20,6 +20,9 @@ module vi_frame
    !> Not a condition: the straight piece between two loose ends of a boundary that were joined.
    integer, parameter, public :: joint = 9
 
+   !> Grazing of a motion with rest where the contact force touches zero before the release.
+   integer, parameter, public :: rest_splits = 10
+
    integer, parameter, public :: together = 1, alike = 2
 
    !> One condition. `index` is the impact, the flight, the repetition or the parameter.

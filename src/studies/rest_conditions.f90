@@ -2,7 +2,7 @@
 module vi_rest_conditions
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_frame, only: condition_at, condition_type, edge, flip, fold, frame_type, grazing, &
-      neimark_sacker, rest_vanishes, zero_approach
+      neimark_sacker, rest_splits, rest_vanishes, zero_approach
    use vi_kinds, only: wp
    use vi_rest_family, only: measure_type, rest_period, rest_period_type, rest_stability
    implicit none (type, external)
@@ -33,6 +33,7 @@ contains
          if (period%right .and. found(j)%kind == grazing) then
             found(j)%side = period%touched(found(j)%index)
             found(j)%share = period%touched_at(found(j)%index)
+            if (found(j)%share < 0) found(j)%kind = rest_splits
          end if
          measure = measure_in_period(period, c, found(j))
          values(j) = measure%value
@@ -84,7 +85,7 @@ contains
             measure%value = stability(condition%kind)
          case (zero_approach)
             measure = period%approach(i)
-         case (grazing)
+         case (grazing, rest_splits)
             measure = period%gap(i)
          case (rest_vanishes)
             measure = period%rest(i)

@@ -11,15 +11,24 @@
 !! The equations stay smooth where the free mass touches a wall during a flight and where an
 !! approach speed falls to zero. An accumulation that just fails to complete is still treated as
 !! complete. The ends of the family are zeros of smooth measures: the gap of a flight, an approach
-!! speed, and the duration of the rest after an accumulation. Derivatives with respect to the
-!! unknowns, r and log D are computed along with them (vi_variation).
+!! speed, the duration of the rest after an accumulation, and the contact force before a release.
+!! Derivatives with respect to the unknowns, r and log D are computed along with them
+!! (vi_variation).
+!!
+!! A rest splits into two where the contact force touches zero before the release, or where the gap
+!! closes again after it. Both meet at a cusp, where the force has an inflection at the release. With
+!! t before the release the force is F(-t), and with t after it the gap is g(t), whose second
+!! derivative is -F at first: F(-t)/t and 6 g(t)/t**3 begin with the same value and rate of change,
+!! so the lesser of their minima is a measure that is smooth across the cusp.
+!!
+!! Without restitution (R = 0) the first impact of an accumulation is also the last one.
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
    use vi_forced_system, only: forced_system_type, event_type, new_forced_system, release_event, &
       two_pi
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
-   use vi_bounce, only: bounce
+   use vi_bounce, only: bounce, series
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillation, only: derivatives, oscillation_type
@@ -57,11 +66,13 @@ module vi_rest_family
       !! each symbol.
       type(measure_type), allocatable :: equations(:)
       !> For each symbol: approach speed of its first impact over D; a measure of the duration of
-      !! the rest, negative where the accumulation is not completed (1 for an impact); least gap
-      !! over D at a stationary point of its flights, to either wall.
+      !! the rest, negative where the accumulation is not completed (for an impact 1 or, without
+      !! restitution, the acceleration with which the masses separate); least gap over D at a
+      !! stationary point of its flights, to either wall, or the measure of a rest that splits.
       type(measure_type), allocatable :: approach(:), rest(:), gap(:)
       !> Where that gap is: the wall, and the flight (0 after the last event of the symbol, 1, 2 ..
-      !! after its impacts) plus the share of its duration.
+      !! after its impacts) plus the share of its duration; for a force that touches zero, minus the
+      !! share of the rest that is left.
       integer, allocatable :: touched(:)
       real(wp), allocatable :: touched_at(:)
       !> Whether all accumulations are completed, so that the other components are defined.
@@ -75,9 +86,21 @@ module vi_rest_family
       type(variation_type) :: change
       !> Relative speed at which the masses separate.
       real(wp) :: speed = 0
-      !> Whether a rest has just ended.
+      !> Whether a rest has just ended, and how much later in phase the contact force passes zero.
       logical :: released = .false.
+      real(wp) :: lag = 0
    end type place_type
+
+   !> What is known of the release that ends a rest: its own load phase (side 0), or the wall and
+   !! the load phase of the impact after it.
+   type :: ending_type
+      integer :: side = 0
+      real(wp) :: phase = 0
+   end type ending_type
+
+   !> Time after a release (over the shortest time scale) until which the gap is followed by its
+   !! series.
+   real(wp), parameter :: soon = 0.1_wp
 
 contains
 
@@ -115,6 +138,7 @@ contains
       type(rest_period_type), intent(out) :: period
       type(forced_system_type) :: system
       type(place_type) :: here
+      type(ending_type) :: end_of
       real(wp) :: last
       logical :: good
       integer :: i, n, m, before
@@ -136,13 +160,21 @@ contains
          call fly(system, sign(1, family%symbols(i)), 2 + i, unknowns(2 + i), here, &
             period%equations(2 + i), period%approach(i), period%gap(before), &
             period%touched(before), period%touched_at(before))
-         if (abs(family%symbols(i)) == 1) cycle
+         if (abs(family%symbols(i)) == 1) then
+            if (.not. here%speed > 0) period%rest(i) = departure_of(system, here)
+            cycle
+         end if
+         if (i < n) then
+            end_of = ending_type(sign(1, family%symbols(i + 1)), unknowns(3 + i))
+         else
+            end_of = ending_type(0, unknowns(1) + two_pi*family%cycles)
+         end if
          call accumulate(system, last, here, period%rest(i), period%gap(i), period%touched(i), &
-            period%touched_at(i), good)
+            period%touched_at(i), good, end_of)
          if (.not. good) return
       end do
-      period%equations(1) = measure_type(here%at%phase - two_pi*family%cycles - unknowns(1), &
-         here%change%state(4, :))
+      period%equations(1) = measure_type(here%at%phase + here%lag - two_pi*family%cycles &
+         - unknowns(1), here%change%state(4, :))
       associate (d => system%clearance, v => here%at%x_dot)
          period%equations(2) = measure_type(asinh(v/d) - unknowns(2), (here%change%state(2, :) &
             - v/d*here%change%clearance)/hypot(v, d))
@@ -440,7 +472,7 @@ contains
    !!
    !! The accumulation is cut off where this changes the state by less than rounding, or, if it is
    !! not completed, where it comes nearest to that.
-   pure subroutine accumulate(system, last, here, rest, gap, touched, touched_at, good)
+   pure subroutine accumulate(system, last, here, rest, gap, touched, touched_at, good, end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Load phase (rad) at which the search ends.
@@ -457,6 +489,8 @@ contains
       real(wp), intent(inout) :: touched_at
       !> False if the accumulation does not come near to completion, or the rest does not end.
       logical, intent(out) :: good
+      !> What is known of the release; without it the rest ends where the contact force first does.
+      type(ending_type), intent(in), optional :: end_of
       !> Largest relative error of cutting off: for a motion, and beyond the end of the family.
       real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
       type(place_type) :: best
@@ -467,6 +501,10 @@ contains
       least = huge(1.0_wp)
       good = here%speed >= 0
       if (.not. good) return
+      if (.not. restitution > 0) then
+         call rest_on(system, restitution, last, here, rest, gap, touched, touched_at, good, end_of)
+         return
+      end if
       do bounces = 1, most_hops
          closing = closing_acceleration(system, here%at)
          cost = huge(1.0_wp)
@@ -493,7 +531,7 @@ contains
       good = least <= coarse*(system%clearance + abs(best%at%x) + abs(best%at%x_dot))
       if (.not. good) return
       here = best
-      call rest_on(system, restitution, last, here, rest, good)
+      call rest_on(system, restitution, last, here, rest, gap, touched, touched_at, good, end_of)
    end subroutine accumulate
 
    !> The acceleration that closes the gap after an impact.
@@ -546,7 +584,8 @@ contains
    !!
    !! The measure of its duration passes zero almost linearly where the accumulation just fails to
    !! complete (see `critical`).
-   pure subroutine rest_on(system, restitution, last, here, rest, good)
+   pure subroutine rest_on(system, restitution, last, here, rest, gap, touched, touched_at, good, &
+      end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Coefficient of restitution of the wall, and load phase (rad) at which the search ends.
@@ -555,12 +594,19 @@ contains
       type(place_type), intent(inout) :: here
       !> Measure of the duration of the rest.
       type(measure_type), intent(out) :: rest
+      !> As in `accumulate`: lowered where the rest splits, or nearly does.
+      type(measure_type), intent(inout) :: gap
+      integer, intent(inout) :: touched
+      real(wp), intent(inout) :: touched_at
       !> False if the rest does not end before `last`, or its end has no derivative.
       logical, intent(out) :: good
+      !> What is known of the release.
+      type(ending_type), intent(in), optional :: end_of
       type(oscillation_type) :: joint
+      type(moment_type) :: from
+      type(variation_type) :: start
       real(wp), dimension(columns) :: closing_by, speed_by, instant
-      real(wp) :: closing, speed, time, d(0:5), limit, power, share
-      logical :: complete
+      real(wp) :: closing, speed, time, duration, d(0:5), limit, power, share
 
       associate (at => here%at, change => here%change, side => here%at%side, mu => system%osc%mu)
          closing = closing_acceleration(system, at)
@@ -572,9 +618,10 @@ contains
          at%x_dot = at%x_dot - side*mu/(1 + mu)*speed
          at%z_dot = at%x_dot
          joint = new_rest(system%osc%xi, mu, system%r, system%load, at%phase, at%x, at%x_dot)
-         call release_time(joint, side, (last - at%phase)/system%r, time, complete)
-         good = complete .and. time <= (last - at%phase)/system%r
+         call find_release(system, joint, here, restitution, last, time, good, end_of)
          if (.not. good) return
+         from = at
+         start = change
          call through_rest(system, at, time, change)
          d = derivatives(joint, time)
          at%x = d(0)
@@ -582,18 +629,282 @@ contains
          at%z_dot = d(1)
          at%phase = at%phase + system%r*time
          call release(system, at, change, instant, good)
+         if (.not. good) return
          here%speed = 0
          here%released = .true.
+         ! the force passes zero so much later than at the given phase
+         duration = time - d(2)/d(3)
+         here%lag = system%r*(duration - time)
+         if (present(end_of)) call note_force(system, joint, from, start, time, here, instant, gap, &
+            touched, touched_at)
          call critical(restitution, limit, power)
          rest%value = 0
-         if (.not. time > 0) return
+         if (.not. restitution > 0) then
+            rest = measure_type(duration, instant)
+            return
+         end if
+         if (.not. duration > 0) return
          share = 0
-         if (speed > 0) share = speed/(closing*time)/limit
-         rest%value = (1 - share)*time**power
-         rest%by = (power*(1 - share) + share)*time**(power - 1)*instant
-         if (speed > 0) rest%by = rest%by - share*time**power*(speed_by/speed - closing_by/closing)
+         if (speed > 0) share = speed/(closing*duration)/limit
+         rest%value = (1 - share)*duration**power
+         rest%by = (power*(1 - share) + share)*duration**(power - 1)*instant
+         if (speed > 0) rest%by = rest%by - share*duration**power*(speed_by/speed &
+            - closing_by/closing)
       end associate
    end subroutine rest_on
+
+   !> The duration of a rest.
+   !!
+   !! Beyond the end of the family the contact force may pass zero several times. The release is then
+   !! the passage that belongs to the unknowns. A given phase at which the force is nearly zero is
+   !! taken as it is, so that the equations remain smooth where several passages merge.
+   pure subroutine find_release(system, joint, here, restitution, last, time, good, end_of)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The common motion of both masses, and the state with which it begins.
+      type(oscillation_type), intent(in) :: joint
+      type(place_type), intent(in) :: here
+      !> Coefficient of restitution of the wall, and load phase (rad) at which the search ends.
+      real(wp), intent(in) :: restitution, last
+      !> Time from the start of the rest (1/omega); negative for a release without restitution that
+      !! precedes the impact.
+      real(wp), intent(out) :: time
+      !> Whether there is a release.
+      logical, intent(out) :: good
+      !> What is known of the release.
+      type(ending_type), intent(in), optional :: end_of
+      real(wp), parameter :: near = 0.05_wp
+      real(wp) :: d(0:5), limit, before, other, miss, least
+      integer :: i
+
+      associate (at => here%at, side => here%at%side)
+         if (present(end_of)) then
+            time = (end_of%phase - at%phase)/system%r
+            good = end_of%side == 0 .and. (time > 0 .or. .not. restitution > 0)
+            if (good) then
+               d = derivatives(joint, time)
+               good = system%r*min(abs(d(2)/d(3)), (6*abs(d(2)/d(5)))**(1.0_wp/3)) < near .and. &
+                  side*d(3) > -near*abs(d(5))
+               if (good) return
+            end if
+         end if
+         limit = (last - at%phase)/system%r
+         call next_release(system, joint, at, 0.0_wp, limit, time, good)
+         d = derivatives(joint, 0.0_wp)
+         if (.not. restitution > 0 .and. side*d(2) >= 0) then
+            ! without restitution the force at the impact has to be positive; beyond that limit the
+            ! common motion is continued backward
+            if (.not. present(end_of)) good = .false.
+            if (good .and. side*d(3) > 0) time = -d(2)/d(3)
+         end if
+         if (.not. (good .and. present(end_of))) return
+         other = time
+         if (end_of%side == 0) then
+            least = abs(end_of%phase - at%phase - system%r*time)
+         else
+            least = miss_at(time)
+            limit = (end_of%phase - at%phase)/system%r
+         end if
+         do i = 1, 4
+            before = other
+            call next_release(system, joint, at, before, limit, other, good)
+            if (.not. good) exit
+            if (end_of%side == 0) then
+               miss = abs(end_of%phase - at%phase - system%r*other)
+            else
+               miss = miss_at(other)
+            end if
+            if (miss >= least) cycle
+            least = miss
+            time = other
+         end do
+         good = .true.
+      end associate
+   contains
+      !> How far the free mass is from the wall at the next impact.
+      pure real(wp) function miss_at(duration) result(miss)
+         !> Duration of the rest.
+         real(wp), intent(in) :: duration
+         type(moment_type) :: at
+         type(flight_type) :: flight
+         real(wp) :: state(0:5), span
+
+         miss = huge(1.0_wp)
+         state = derivatives(joint, duration)
+         at = moment_type(state(0), state(1), state(1), here%at%phase + system%r*duration, &
+            here%at%side)
+         span = (end_of%phase - at%phase)/system%r
+         if (.not. span > 0) return
+         flight = flight_from(system, at, span)
+         state = derivatives(flight, span)
+         miss = abs(flight_position(flight, span) - state(0) - 0.5_wp*end_of%side*system%clearance)
+      end function miss_at
+   end subroutine find_release
+
+   !> The next instant at which the contact force falls through zero in the common motion.
+   pure subroutine next_release(system, joint, from, after, limit, time, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The common motion, and the state at its time 0.
+      type(oscillation_type), intent(in) :: joint
+      type(moment_type), intent(in) :: from
+      !> Time of the previous such instant, 0 for the first one, and end of the search.
+      real(wp), intent(in) :: after, limit
+      !> The instant.
+      real(wp), intent(out) :: time
+      !> Whether there is one.
+      logical, intent(out) :: good
+      type(oscillation_type) :: moved
+      real(wp) :: begin, rise
+
+      begin = after
+      if (after > 0) then
+         ! the force has to become positive first
+         moved = shifted(begin)
+         call release_time(moved, -from%side, limit - begin, rise, good)
+         good = good .and. begin + rise <= limit
+         if (.not. good) return
+         begin = begin + rise
+      end if
+      moved = joint
+      if (begin > 0) moved = shifted(begin)
+      call release_time(moved, from%side, limit - begin, time, good)
+      time = begin + time
+      good = good .and. time <= limit
+   contains
+      !> The common motion, from a later time.
+      pure type(oscillation_type) function shifted(begin)
+         !> That time.
+         real(wp), intent(in) :: begin
+         real(wp) :: d(0:5)
+
+         d = derivatives(joint, begin)
+         shifted = new_rest(system%osc%xi, system%osc%mu, system%r, system%load, from%phase &
+            + system%r*begin, d(0), d(1))
+      end function shifted
+   end subroutine next_release
+
+   !> Lowers the least gap of a symbol to the least ratio of the contact force to the time left
+   !! before the release, at a minimum of that ratio or at the start of the rest.
+   pure subroutine note_force(system, joint, from, start, time, here, instant, gap, touched, &
+      touched_at)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The common motion, its state at the start and the changes there, and its duration.
+      type(oscillation_type), intent(in) :: joint
+      type(moment_type), intent(in) :: from
+      type(variation_type), intent(in) :: start
+      real(wp), intent(in) :: time
+      !> The place of the release, and changes of its instant.
+      type(place_type), intent(in) :: here
+      real(wp), intent(in) :: instant(columns)
+      !> In: least gap so far. Out: lowered if this is less.
+      type(measure_type), intent(inout) :: gap
+      !> Wall and place of that gap, see `rest_period_type`.
+      integer, intent(inout) :: touched
+      real(wp), intent(inout) :: touched_at
+      type(variation_type) :: change
+      real(wp) :: at_release(0:5), left, before, step, slope, slope_before, ratio, least
+      real(wp) :: low, high, best, phase
+      integer :: i, n, pass
+
+      at_release = derivatives(joint, time)
+      n = 0
+      step = 0
+      if (time > 0) then
+         n = ceiling(4*max(1.0_wp, system%r)*time)
+         step = time/n
+      end if
+      least = side_by(at_release(3))
+      best = 0
+      before = 0
+      slope_before = -0.5_wp*side_by(at_release(4))
+      do i = 1, n
+         left = i*step
+         if (i == n) left = time
+         call at_left(left, ratio, slope)
+         if (i == n .and. ratio < least) then
+            least = ratio
+            best = time
+         end if
+         if (slope_before < 0 .and. slope > 0) then
+            low = before
+            high = left
+            do pass = 1, 60
+               left = 0.5_wp*(low + high)
+               call at_left(left, ratio, slope_before)
+               if (slope_before < 0) low = left
+               if (.not. slope_before < 0) high = left
+               if (high - low < 1.0e-9_wp*step) exit
+            end do
+            if (ratio < least) then
+               least = ratio
+               best = left
+            end if
+            left = i*step
+         end if
+         before = left
+         slope_before = slope
+      end do
+      if (least >= gap%value) return
+      gap%value = least
+      touched = from%side
+      touched_at = 0
+      associate (state => here%change%state)
+         if (.not. best > 0) then
+            gap%by = from%side*(system%load*cos(here%at%phase)*here%change%r - system%load &
+               *system%r*sin(here%at%phase)*state(4, :) - state(2, :))
+            return
+         end if
+      end associate
+      touched_at = -best/time
+      change = start
+      call through_rest(system, from, time - best, change)
+      phase = from%phase + system%r*(time - best)
+      gap%by = (-from%side*(system%load*cos(phase)*change%state(4, :) - 2*system%osc%xi &
+         *change%state(2, :) - change%state(1, :)) - least*instant)/best
+   contains
+      !> A derivative of the acceleration of the primary mass, as one of the force on the wall's
+      !! side that opens the gap.
+      pure real(wp) function side_by(derivative)
+         !> The derivative.
+         real(wp), intent(in) :: derivative
+
+         side_by = from%side*(1 + system%osc%mu)*derivative
+      end function side_by
+
+      !> The ratio of the force to the time left, and its slope.
+      pure subroutine at_left(left, ratio, slope)
+         !> Time left before the release.
+         real(wp), intent(in) :: left
+         !> The ratio and its derivative with respect to that time.
+         real(wp), intent(out) :: ratio, slope
+         real(wp) :: d(0:5)
+
+         if (left < 1.0e-4_wp) then
+            ratio = side_by(at_release(3) + left*(-at_release(4)/2 + left*at_release(5)/6))
+            slope = side_by(-at_release(4)/2 + left*at_release(5)/3)
+            return
+         end if
+         d = derivatives(joint, time - left)
+         ratio = -side_by(d(2) - at_release(2))/left
+         slope = (side_by(d(3)) - ratio)/left
+      end subroutine at_left
+   end subroutine note_force
+
+   !> The acceleration with which the masses separate after an impact without restitution.
+   pure type(measure_type) function departure_of(system, here) result(departure)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The place just after the impact.
+      type(place_type), intent(in) :: here
+
+      associate (at => here%at, state => here%change%state)
+         departure%value = -closing_acceleration(system, at)
+         departure%by = at%side*(system%load*cos(at%phase)*state(4, :) - 2*system%osc%xi*state(2, :) &
+            - state(1, :))
+      end associate
+   end function departure_of
 
    !> The limit between accumulations that are and are not completed before the gap's acceleration a
    !! changes sign.
@@ -659,7 +970,6 @@ contains
       integer, intent(inout) :: touched
       !> Flight of that gap, and share of its duration.
       real(wp), intent(inout) :: touched_at
-      real(wp), parameter :: early = 1.0e-3_wp
       type(flight_type) :: flight
       real(wp) :: extreme(2), at(2), x, x_dot, x_ddot, least, begin, y, d(0:5)
       logical :: complete
@@ -667,13 +977,19 @@ contains
 
       flight = flight_from(system, here%at, duration)
       begin = 0
-      if (here%released .and. duration > 2*early) then
-         ! a release is itself a stationary point, but not another touch of the wall
-         begin = early
-         call flight_state(flight, early, x, x_dot, x_ddot)
+      if (here%released) then
+         ! a release is itself a stationary point
+         begin = min(0.9_wp*soon/max(1.0_wp, system%r), 0.5_wp*duration)
+         call note_opening(system, here, duration, gap, touched, touched_at)
+      else if (.not. here%speed > 0) then
+         ! so is an impact without restitution
+         begin = min(1.0e-3_wp, 0.5_wp*duration)
+      end if
+      if (begin > 0) then
+         call flight_state(flight, begin, x, x_dot, x_ddot)
          flight = new_flight(system%osc%xi, system%r, system%amplitude, flight%phase &
-            + system%r*early, x, x_dot, flight_position(flight, early), flight%z_dot, &
-            duration - early)
+            + system%r*begin, x, x_dot, flight_position(flight, begin), flight%z_dot, &
+            duration - begin)
       end if
       call relative_extrema(flight, extreme(2), extreme(1), complete, at(2), at(1))
       do i = 1, 2
@@ -691,6 +1007,63 @@ contains
          touched_at = flight_number + (begin + at(i))/duration
       end do
    end subroutine note_gap
+
+   !> Lowers the least gap of a symbol to that of the flight soon after its release, as 6 g/t**3.
+   pure subroutine note_opening(system, here, duration, gap, touched, touched_at)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The release.
+      type(place_type), intent(in) :: here
+      !> Duration of the flight after it (1/omega).
+      real(wp), intent(in) :: duration
+      !> In: least gap so far. Out: lowered if this is less.
+      type(measure_type), intent(inout) :: gap
+      !> Wall and place of that gap, see `rest_period_type`.
+      integer, intent(inout) :: touched
+      real(wp), intent(inout) :: touched_at
+      real(wp) :: k(0:8), t, low, high, value, by(columns)
+      integer :: i
+
+      associate (at => here%at, state => here%change%state)
+         k = 6*series(system%transition, system%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
+            at%side, 0.0_wp)
+         high = min(soon/max(1.0_wp, system%r), duration)
+         ! the ratio is k(2) + k(3) t + ...
+         if (.not. (k(3) < 0 .and. slope(high) > 0)) return
+         low = 0
+         do i = 1, 60
+            t = 0.5_wp*(low + high)
+            if (slope(t) < 0) low = t
+            if (.not. slope(t) < 0) high = t
+            if (high - low < 1.0e-12_wp) exit
+         end do
+         value = 0
+         do i = 8, 2, -1
+            value = value*t + k(i)
+         end do
+         if (value >= gap%value) return
+         by = at%side*(system%load*cos(at%phase)*here%change%r - system%load*system%r &
+            *sin(at%phase)*state(4, :) - state(2, :))
+         ! rounding spoils the ratio at short times, where it is that of the third derivatives
+         if (t > 3.0e-4_wp) by = 6*(0.5_wp*here%change%clearance - at%side*gap_change(system, at, t, &
+            here%change))/t**3
+         gap = measure_type(value, by)
+         touched = at%side
+         touched_at = t/duration
+      end associate
+   contains
+      !> The rate of change of the ratio.
+      pure real(wp) function slope(t)
+         !> Time after the release.
+         real(wp), intent(in) :: t
+         integer :: j
+
+         slope = 0
+         do j = 8, 3, -1
+            slope = slope*t + (j - 2)*k(j)
+         end do
+      end function slope
+   end subroutine note_opening
 
    !> The last release from a wall in a list of events, as unknowns.
    pure subroutine last_release(side, events, clearance, unknowns, found)

@@ -8,7 +8,7 @@ module vi_trace
    use vi_crossing, only: hidden_zero, locate
    use vi_curve, only: condition_slope, correct, curve_type, distance_from, parameters_of, &
       tangent_at, unknowns_of
-   use vi_frame, only: condition_type, grazing, wrap_phases
+   use vi_frame, only: condition_type, grazing, rest_splits, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type
    use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
@@ -83,10 +83,16 @@ contains
             if (loop%closed) return
             before = now%values
          else
-            call refresh(next, active)
             before(:) = now%values
             call exchange(now, next)
-            call append(loop, now, active, 0)
+            if (loop%n < most - 1 .and. renamed(active, now)) then
+               call append(loop, now, active, ends)
+               call refresh(now, active)
+               call append(loop, now, active, begins)
+            else
+               call refresh(now, active)
+               call append(loop, now, active, 0)
+            end if
          end if
       end do
    end subroutine trace_loop
@@ -205,9 +211,30 @@ contains
       !> The conditions.
       type(condition_type), intent(in) :: a, b
 
-      same_condition = a%kind == b%kind .and. a%index == b%index .and. a%side == b%side
-      if (a%kind == grazing) same_condition = same_condition .and. abs(a%share - b%share) < 0.2_wp
+      same_condition = (a%kind == b%kind .or. (is_touch(a) .and. is_touch(b))) .and. &
+         a%index == b%index .and. a%side == b%side
+      if (is_touch(a)) same_condition = same_condition .and. abs(a%share - b%share) < 0.2_wp
    end function same_condition
+
+   !> Whether a condition is a touch, of a wall in a flight or of zero by the contact force of a
+   !! rest: where the rest splits, one turns into the other.
+   pure elemental logical function is_touch(condition)
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+
+      is_touch = condition%kind == grazing .or. condition%kind == rest_splits
+   end function is_touch
+
+   !> Whether the touch that is zero along a boundary has become one of the other kind at a place.
+   pure logical function renamed(active, place)
+      !> The condition.
+      type(condition_type), intent(in) :: active
+      !> The place.
+      type(place_type), intent(in) :: place
+
+      renamed = is_touch(active) .and. any(same_condition(active, place%conditions) .and. &
+         place%conditions%kind /= active%kind)
+   end function renamed
 
    !> The first condition that a step violates, if any, and where.
    !!
@@ -304,17 +331,20 @@ contains
       if (values(2) > values(1)) uphill = -1
    end function uphill
 
-   !> Updates the time of a grazing touch from the conditions at a place.
+   !> Updates the kind and the time of a touch from the conditions at a place.
    pure subroutine refresh(place, active)
       !> The place.
       type(place_type), intent(in) :: place
-      !> In and out: a condition; only the share of a grazing flight changes.
+      !> In and out: a condition; only a touch changes.
       type(condition_type), intent(inout) :: active
       integer :: j
 
-      if (active%kind /= grazing) return
+      if (.not. is_touch(active)) return
       do j = 1, size(place%conditions)
-         if (same_condition(active, place%conditions(j))) active%share = place%conditions(j)%share
+         if (.not. same_condition(active, place%conditions(j))) cycle
+         active%kind = place%conditions(j)%kind
+         active%share = place%conditions(j)%share
+         return
       end do
    end subroutine refresh
 

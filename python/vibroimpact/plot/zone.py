@@ -19,7 +19,8 @@ LINES = {
     "flip": ((0, (3, 1.2)), style.FREE), "neimark_sacker": ((0, (5, 1, 1, 1)), style.REST),
     "grazing": ((0, (1, 1)), style.IMPACT), "zero_approach": ((0, (1, 2)), "0.4"),
     "simultaneous": ((0, (2, 1, 2, 3)), "#E69F00"), "branch_point": ((0, (3, 4)), "#000000"),
-    "rest_vanishes": ((0, (4, 1, 1, 1, 1, 1)), "#56B4E9"), "window": ("-", "0.8"),
+    "rest_vanishes": ((0, (4, 1, 1, 1, 1, 1)), "#56B4E9"), "rest_splits": ((0, (4, 1, 1, 1)), "#CC79A7"),
+    "window": ("-", "0.8"),
     "joint": ((0, (1, 4)), "#000000"),
 }  # fmt: skip
 

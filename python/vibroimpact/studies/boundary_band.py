@@ -24,6 +24,7 @@ _Array = NDArray[np.float64]
 #: The conditions whose boundaries move, in the order of the core's numbers from 1.
 TYPES = (
     "fold", "flip", "neimark_sacker", "zero_approach", "grazing", "pitchfork", "rest_vanishes",
+    "rest_splits",
 )  # fmt: skip
 #: Difference of the two bands, over the width of the sampled one, up to which they agree.
 AGREEMENT = 0.1
