@@ -1,7 +1,8 @@
 !> Lines over the surface of motions in a window, along which one parameter is constant.
 module vi_net_line
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, edge, grazing, repetition, rest_vanishes, zero_approach
+   use vi_frame, only: condition_type, edge, grazing, repetition, rest_splits, &
+      rest_vanishes, zero_approach
    use vi_kinds, only: wp
    use vi_steps, only: place_type
    implicit none (type, external)
@@ -53,7 +54,8 @@ contains
          leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
             any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
             any(v < -depth .and. kind == grazing) .or. &
-            (line%frame%resting .and. any(v < 0 .and. kind == rest_vanishes))
+            (line%frame%resting .and. any(v < 0 .and. (kind == rest_vanishes .or. &
+            kind == rest_splits)))
       end associate
    end function leaves
 

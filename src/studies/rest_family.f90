@@ -673,20 +673,21 @@ contains
       logical, intent(out) :: good
       !> What is known of the release.
       type(ending_type), intent(in), optional :: end_of
-      real(wp), parameter :: near = 0.05_wp
-      real(wp) :: d(0:5), limit, before, other, miss, least
+      !> Time (over the shortest time scale) within which passages are about to merge.
+      real(wp), parameter :: near = 0.1_wp
+      real(wp) :: d(0:5), limit, before, other, miss, least, span
       integer :: i
 
       associate (at => here%at, side => here%at%side)
-         if (present(end_of)) then
+         good = .false.
+         if (present(end_of)) good = end_of%side == 0
+         if (good) then
             time = (end_of%phase - at%phase)/system%r
-            good = end_of%side == 0 .and. (time > 0 .or. .not. restitution > 0)
-            if (good) then
-               d = derivatives(joint, time)
-               good = system%r*min(abs(d(2)/d(3)), (6*abs(d(2)/d(5)))**(1.0_wp/3)) < near .and. &
-                  side*d(3) > -near*abs(d(5))
-               if (good) return
-            end if
+            span = near/max(1.0_wp, system%r)
+            d = derivatives(joint, time)
+            good = time > 0 .and. abs(d(3)) < 0.5_wp*span**2*abs(d(5)) .and. &
+               6*abs(d(2)) < span**3*abs(d(5))
+            if (good) return
          end if
          limit = (last - at%phase)/system%r
          call next_release(system, joint, at, 0.0_wp, limit, time, good)
@@ -699,29 +700,29 @@ contains
          end if
          if (.not. (good .and. present(end_of))) return
          other = time
-         if (end_of%side == 0) then
-            least = abs(end_of%phase - at%phase - system%r*time)
-         else
-            least = miss_at(time)
-            limit = (end_of%phase - at%phase)/system%r
-         end if
+         miss = miss_at(time)
          do i = 1, 4
+            least = miss
+            if (end_of%side == 0) then
+               ! a nearer one is not farther beyond the given phase
+               limit = (end_of%phase - at%phase)/system%r
+               limit = limit + (limit - time)
+               if (least < 1.0e-4_wp) exit
+            else
+               limit = (end_of%phase - at%phase)/system%r
+               if (least < 1.0e-4_wp*system%clearance) exit
+            end if
             before = other
+            if (.not. limit > before) exit
             call next_release(system, joint, at, before, limit, other, good)
             if (.not. good) exit
-            if (end_of%side == 0) then
-               miss = abs(end_of%phase - at%phase - system%r*other)
-            else
-               miss = miss_at(other)
-            end if
-            if (miss >= least) cycle
-            least = miss
-            time = other
+            miss = min(least, miss_at(other))
+            if (miss < least) time = other
          end do
          good = .true.
       end associate
    contains
-      !> How far the free mass is from the wall at the next impact.
+      !> How far a release is from the given phase, or the free mass from the wall at the next impact.
       pure real(wp) function miss_at(duration) result(miss)
          !> Duration of the rest.
          real(wp), intent(in) :: duration
@@ -729,6 +730,8 @@ contains
          type(flight_type) :: flight
          real(wp) :: state(0:5), span
 
+         miss = abs(end_of%phase - here%at%phase - system%r*duration)
+         if (end_of%side == 0) return
          miss = huge(1.0_wp)
          state = derivatives(joint, duration)
          at = moment_type(state(0), state(1), state(1), here%at%phase + system%r*duration, &

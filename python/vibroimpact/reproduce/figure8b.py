@@ -18,12 +18,13 @@ R, CLEARANCE = (0.55, 1.5), (0.4, 60.0)
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
     """Zones of each pattern with rest found at the ends of the simulated holds; the paper had no theory for these.
 
-    The scan continues a motion from point to point, and stops a little before the boundaries that `zone` traces.
+    The scan continues a motion from point to point through the window of the figure, which contains loads above
+    those of the simulated sweeps.
     """
     found = seeds(read_sweeps(folder, "unequal"), UNEQUAL)
     r, count = ratios(*R, 0.7 * resolution), max(40, round(200 * resolution))
     return {
-        sides: traced_zone(UNEQUAL, motions, r, count)
+        sides: traced_zone(UNEQUAL, motions, r, count, CLEARANCE)
         for sides, motions in sorted(found.items(), key=lambda item: (len(item[0]), item[0]))
         if sides.endswith("RL*") and set(sides[:-2]) == {"R"}
     }

@@ -75,9 +75,9 @@ def equispaced_verdict(osc: Oscillator, precision: str = "double") -> Test:
     return test
 
 
-def grid(count: int) -> Array:
-    """Logarithms of d K/F0 in units of 1/scale(r), over the range of all zones."""
-    return np.linspace(-math.log(LOADS[1]), -math.log(LOADS[0]), count)
+def grid(count: int, loads: tuple[float, float] = LOADS) -> Array:
+    """Logarithms of d K/F0 in units of 1/scale(r); by default over the loads of the sweeps."""
+    return np.linspace(-math.log(loads[1]), -math.log(loads[0]), count)
 
 
 def clearance(r: Any, p: Any) -> Any:
@@ -115,14 +115,37 @@ def pair_zone(osc: Oscillator, r: Array, count: int = 1200) -> list[Strip]:
 
 
 def traced_zone(
-    osc: Oscillator, seeds: Iterable[Motion], r: Array, count: int = 240
+    osc: Oscillator,
+    seeds: Iterable[Motion],
+    r: Array,
+    count: int = 240,
+    window: tuple[float, float] | None = None,
 ) -> list[Strip]:
-    """The zone of stable motions of the seeds' pattern, continued from the seeds over a grid."""
+    """The zone of stable motions of the seeds' pattern, continued from the seeds over a grid.
+
+    Parameters
+    ----------
+    count : int
+        Points of the grid over the loads of the sweeps.
+    window : (float, float), optional
+        Lowest and highest clearance of the grid; without it the grid ends with the loads of the sweeps.
+    """
     points = grid(count)
+    if window is not None:
+        ends = np.log(np.outer(window, scale(r)))
+        step = float(points[1] - points[0])
+        below, above = (
+            math.ceil(max(0.0, float(beyond)) / step)
+            for beyond in (points[0] - ends.min(), ends.max() - points[-1])
+        )
+        points = points[0] + step * np.arange(-below, points.size + above)
+    count = points.size
     seeds = list(seeds)
     sides = seeds[0].pattern.sides if seeds else ""
 
     def at(guess: Motion | Trajectory, i: int, p: float) -> Motion | None:
+        if window is not None and not window[0] <= clearance(r[i], p) <= window[1]:
+            return None
         try:
             motion = exact(osc, float(r[i]), float(clearance(r[i], p)), guess)
         except VibroimpactError:
