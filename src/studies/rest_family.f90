@@ -758,12 +758,16 @@ contains
       !> Whether there is one.
       logical, intent(out) :: good
       type(oscillation_type) :: moved
-      real(wp) :: begin, rise
+      real(wp) :: begin, rise, d(0:5)
+      logical :: opens
 
       begin = after
-      if (after > 0) then
+      d = derivatives(joint, begin)
+      opens = from%side*d(2) > 0 .and. from%side*d(3) < 0
+      if (after > 0 .or. opens) then
          ! the force has to become positive first
-         moved = shifted(begin)
+         moved = joint
+         if (begin > 0) moved = shifted(begin)
          call release_time(moved, -from%side, limit - begin, rise, good)
          good = good .and. begin + rise <= limit
          if (.not. good) return
