@@ -43,7 +43,7 @@ module vi_seeds
 contains
 
    !> Unknowns, or guesses of them, of the motions of a family at a point.
-   subroutine motions_at(frame, pattern, c, guesses, skip, found, releases, progress)
+   subroutine motions_at(frame, pattern, c, guesses, skip, found, releases, progress, longer)
       !> The family.
       type(frame_type), intent(in) :: frame
       !> All sides of its pattern, and the load cycles.
@@ -61,6 +61,8 @@ contains
       type(release_type), intent(in), optional :: releases(:)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> Factor of the load cycles simulated to find a release; 1 by default.
+      integer, intent(in), optional :: longer
       type(release_type) :: simulated(min(guesses, most_simulations))
       real(wp) :: whole(2*size(pattern%sides), capacity)
       integer :: k, n, tried
@@ -69,7 +71,7 @@ contains
          if (present(releases)) then
             call releases_at(frame, c, releases, found)
          else
-            call simulate_releases(c, simulated, progress=progress)
+            call simulate_releases(c, simulated, progress=progress, longer=longer)
             call releases_at(frame, c, simulated, found)
          end if
          return
@@ -130,7 +132,7 @@ contains
    end subroutine releases_at
 
    !> The last releases of simulations from some initial states; they do not depend on the family.
-   subroutine simulate_releases(c, releases, longest, progress)
+   subroutine simulate_releases(c, releases, longest, progress, longer)
       !> r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
       !> (simulations) Out: the last releases of each; none if it failed.
@@ -139,12 +141,16 @@ contains
       integer, intent(in), optional :: longest(2)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> Factor of the load cycles simulated; 1 by default.
+      integer, intent(in), optional :: longer
       integer, parameter :: chunk = 4000
       type(forced_system_type) :: system
       type(state_type) :: state, final
       type(event_type), allocatable :: events(:)
-      integer :: k, n, status, events_left
+      integer :: k, n, status, events_left, cycles
 
+      cycles = settling
+      if (present(longer)) cycles = longer*settling
       system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
          c(by_r), 1.0_wp, exp(c(by_clearance)))
       allocate (events(chunk))
@@ -154,7 +160,7 @@ contains
          status = stat%more_events
          events_left = 10*chunk
          do while (status == stat%more_events)
-            call simulate_on(system, state, int(settling, int64), 0.0_wp, events, n, final, &
+            call simulate_on(system, state, int(cycles, int64), 0.0_wp, events, n, final, &
                events_left, status, progress)
          end do
          ! where accumulations are long, the limit of events is reached after fewer load cycles

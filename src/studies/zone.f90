@@ -260,7 +260,9 @@ contains
    !!
    !! The first pass takes every second node in each direction with all guesses; the second pass
    !! takes the other nodes with few guesses, since near resonance motions may exist on a strip of
-   !! the window that the first pass misses.
+   !! the window that the first pass misses. Motions with rest are found by simulation; if none is
+   !! found, the second pass simulates longer at a few nodes, since with little damping the first
+   !! one ends long before the motion is reached.
    subroutine search_window(request, net, reported, progress, releases)
       !> The request.
       type(zone_request_type), intent(in) :: request
@@ -274,17 +276,24 @@ contains
       type(release_type), intent(in), optional :: releases(:, :, :)
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2), c(n_parameters)
-      integer :: i, j, k, first, guesses, pass, passes, skip
-      logical :: at_node
+      integer, parameter :: longer = 10
+      integer :: i, j, k, first, guesses, pass, passes, skip, stride
+      logical :: at_node, resting
 
       skip = 0
-      ! motions with rest are found by simulation, which takes longer and needs no second pass
-      passes = merge(1, 2, net%surface%frame%resting)
+      resting = net%surface%frame%resting
+      passes = merge(1, 2, resting .and. present(releases))
+      stride = 2
       do pass = 1, passes
-         guesses = merge(request%guesses, request%guesses/4, pass == 1)
+         if (resting .and. pass == 2) then
+            if (net%n > 0) exit
+            stride = 4
+         end if
+         guesses = merge(request%guesses, request%guesses/4, pass == 1 .or. resting)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
-               if ((mod(i, 2) == 1 .and. mod(j, 2) == 1) .neqv. pass == 1) cycle
+               if ((mod(i, stride) == 1 .and. mod(j, stride) == 1) .neqv. (pass == 1 .or. resting)) &
+                  cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
                c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
                if (present(releases)) then
@@ -292,7 +301,7 @@ contains
                      releases(:, i, j), progress)
                else
                   call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
-                     progress=progress)
+                     progress=progress, longer=merge(longer, 1, pass == 2))
                end if
                skip = skip + guesses
                first = net%n + 1

@@ -5,7 +5,7 @@ module studies_joints
    use vi_borders, only: zone_type
    use vi_condition_names, only: condition_detail, condition_name
    use vi_frame, only: alike, condition_type, edge, flip, fold, grazing, joint, neimark_sacker, &
-      repetition, rest_vanishes, together, zero_approach
+      repetition, rest_splits, rest_vanishes, together, zero_approach
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type, picked, reversed
@@ -189,10 +189,10 @@ contains
 
    !> The name and the detail of each kind of condition.
    subroutine test_condition_names()
-      integer, parameter :: plain(6) = [neimark_sacker, zero_approach, grazing, edge, &
-         rest_vanishes, joint]
-      character(14), parameter :: names(6) = [character(14) :: 'neimark_sacker', 'zero_approach', &
-         'grazing', 'bound', 'rest_vanishes', 'joint']
+      integer, parameter :: plain(7) = [neimark_sacker, zero_approach, grazing, edge, &
+         rest_vanishes, rest_splits, joint]
+      character(14), parameter :: names(7) = [character(14) :: 'neimark_sacker', 'zero_approach', &
+         'grazing', 'bound', 'rest_vanishes', 'rest_splits', 'joint']
       logical :: symmetric, mirrored
       integer :: i, k
 

@@ -28,7 +28,7 @@ from vibroimpact.reproduce import (
     tasks,
 )
 from vibroimpact.reproduce.digits import upper_boundary
-from vibroimpact.reproduce.paper import EQUAL, MASRI, UNEQUAL, kind_of
+from vibroimpact.reproduce.paper import EQUAL, LOADS, MASRI, UNEQUAL, kind_of
 from vibroimpact.reproduce.phases import curve
 
 RATIOS = np.array([0.7, 0.9, 1.0, 1.1, 1.3])
@@ -119,6 +119,27 @@ def test_traced_zone_is_the_scanned_one():
     assert traced.contains(1.1, 20.0)
     assert not traced.contains(1.1, 1.01 * float(traced.high[2]))
     assert not traced.contains(1.2, 20.0)
+
+
+def test_a_scan_continues_beyond_the_loads_of_the_sweeps():
+    """The scan of motions with rest ends on the traced boundary, at loads that no sweep reaches."""
+    r = np.linspace(0.84, 0.86, 5)
+    state = {"t": 0.0, "x": 0.0, "x_dot": 0.0, "z": 0.0, "z_dot": 1.0}
+    runs = (
+        vi.simulate(UNEQUAL, 0.85, gap, 8, state, discard=800) for gap in np.linspace(1.3, 2, 8)
+    )
+    seeds = []
+    for run in runs:
+        with contextlib.suppress(vi.errors.VibroimpactError):  # one that does not settle
+            motion = vi.exact(UNEQUAL, run.r, run.clearance, run)
+            seeds += [standard_motion(motion)] if motion.pattern.sides in ("RRL*", "L*RR") else []
+    assert seeds
+    window = (0.4, 60.0)
+    (scanned,) = scan.traced_zone(UNEQUAL, seeds, r, 60, window)
+    assert np.all(scanned.low < 0.99 / (LOADS[1] * scan.scale(r)))
+    found = vi.zone(UNEQUAL, vi.Pattern("RRL*"), (0.83, 0.87), window)
+    for factor, inside in ((0.998, False), (1.002, True)):
+        assert np.all(found.contains(r, factor * scanned.low) == inside)
 
 
 def test_join_follows_slopes_and_splits():

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from shared_simulations import state
 from shared_systems import RIG
@@ -112,6 +113,129 @@ def test_the_rest_vanishes_on_the_boundary():
         for distance in (1e-9, 1e-6):
             with pytest.raises(vi.errors.SingularError):
                 vi.exact(RIG, r, edge * (1 - way * distance), motion)
+
+
+def settled(motion, r, clearance, discard=400):
+    """Return the letters of the period on which a simulation from a release of a motion settles."""
+    release = motion.events[motion.events["kind"] == "release"][0]
+    unit = clearance / motion.clearance
+    x, v = unit * float(release["x"]), unit * float(release["x_dot_after"])
+    y = clearance / 2 if release["side"] == "R" else -clearance / 2
+    start = state(float(release["phase"]) / r, x, v, x + y, v)
+    run = vi.simulate(motion.osc, r, clearance, 10, start, discard=discard)
+    return run.period(1, 1e-6).pattern.symbols
+
+
+def least_force(motion):
+    """Return the least contact force inside the rests of a motion, over the greatest one, by samples."""
+    events = motion.events
+    least = 1.0
+    for i in np.flatnonzero(events["kind"] == "stick"):
+        begin, end = float(events["time"][i]), float(events["time"][(i + 1) % len(events)])
+        end += motion.period if end < begin else 0.0
+        time = np.linspace(begin, end, 4001)
+        x, x_dot = motion.sample(np.mod(time, motion.period))[:2]
+        phase = motion.r * time + float(events["phase"][0]) - motion.r * float(events["time"][0])
+        force = np.sin(phase) - 2 * motion.osc.xi * x_dot - x  # of the load, spring and dashpot
+        force *= -1 if events["side"][i] == "R" else 1
+        dips = force[1:-1][(force[1:-1] < force[:-2]) & (force[1:-1] < force[2:])]
+        if dips.size:
+            least = min(least, float(dips.min() / force.max()))
+    return least
+
+
+def test_a_rest_splits_on_the_boundary():
+    """A zone closes where the contact force touches zero inside a rest, and the rest becomes two beyond.
+
+    That boundary meets the one where the gap closes again after the release in a cusp.
+    """
+    osc = vi.Oscillator(
+        xi=0.0061398624765195324, mu=0.016622360910071847,
+        restitution=(0.5106197889349746, 0.9046394803234539),
+    )  # fmt: skip
+    zone = vi.zone(osc, vi.Pattern("R*LL"), (0.32, 0.33), (0.28, 0.3693374205997))
+    assert zone.closed
+    kinds = [piece.type for piece in zone.boundary]
+    assert "rest_splits" in kinds
+    assert "joint" not in kinds
+    piece = max((p for p in zone.boundary if p.type == "rest_splits"), key=len)
+    # towards the cusp both boundaries are ever nearer to each other
+    for i in np.argsort(-piece.r)[[2, 5, 8]]:
+        r, edge = float(piece.r[i]), float(piece.clearance[i])
+        low, high = zone.count(r, [edge * (1 - 1e-4), edge * (1 + 1e-4)])
+        assert abs(int(high) - int(low)) == 1
+        way = 1 if high > low else -1
+        clearance = edge * (1 + way * 1e-4)
+        release = np.array([[1.0], [piece.theta[0, i]], [piece.x[0, i] * clearance]])
+        motion = release_motion(osc, r, clearance, 1.0, 1, release)
+        assert motion.stable
+        assert motion.admissible
+        force = least_force(motion)
+        assert 0 < force < 0.01
+        nearer = vi.exact(osc, r, edge * (1 + way * 1e-6), motion)
+        assert 0 < least_force(nearer) < 0.1 * force
+        beyond = "".join(settled(nearer, r, edge * (1 - way * 1e-4)))
+        assert "R*R*" in 2 * beyond
+
+
+@pytest.mark.parametrize("walls", [(0.75, 0.0), (0.0, 0.0)])
+def test_zones_of_rest_without_restitution(walls):
+    """With R = 0 one impact is the accumulation; the boundary where its rest vanishes has two sides.
+
+    There the masses stay together on one side and part on the other one: the zone of the pattern without this
+    rest, which comes from the equations of motions without rest, has the same boundary.
+    """
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=walls)
+    sides = "RL*" if walls[0] else "R*L*"
+    resting = vi.zone(osc, vi.Pattern(sides), (0.8, 1.2), (2, 100))
+    assert resting.closed
+    rng = np.random.default_rng(3)
+    inside = 0
+    for _ in range(12):
+        r, clearance = float(rng.uniform(0.8, 1.2)), float(np.exp(rng.uniform(*np.log((2, 100)))))
+        motions = attractors(osc, r, clearance, 6, inside)
+        simulated = any(
+            m.stable and set(m.pattern.symbols) == set(vi.Pattern(sides).symbols)
+            and len(m.pattern.symbols) == 2 and m.pattern.cycles == 1 for m in motions
+        )  # fmt: skip
+        assert bool(resting.contains(r, clearance)) == simulated
+        inside += simulated
+    assert 0 < inside < 12
+    if not walls[0]:
+        return
+    parting = vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 100))
+    curves = [
+        max((p for p in zone.boundary if p.type == "rest_vanishes"), key=len)
+        for zone in (resting, parting)
+    ]
+    one, two = curves
+    assert np.all(np.diff(two.r) < 0) or np.all(np.diff(two.r) > 0)
+    way = 1 if two.r[-1] > two.r[0] else -1
+    spline = CubicSpline(two.r[::way], np.log(two.clearance[::way]))
+    common = (one.r > two.r.min()) & (one.r < two.r.max())
+    assert common.sum() > 20
+    np.testing.assert_allclose(np.log(one.clearance[common]), spline(one.r[common]), atol=2e-6)
+
+
+def test_a_zone_that_simulations_reach_slowly():
+    """With little damping and impacts without restitution the motion is reached after hundreds of cycles."""
+    osc = vi.Oscillator(
+        xi=0.0009677178408478815, mu=0.0012020140301225988, restitution=(0.0, 0.0)
+    )  # fmt: skip
+    zone = vi.zone(osc, vi.Pattern("R*L*"), (0.22, 0.26), (0.04, 0.07))
+    assert zone.closed
+    assert zone.contains(0.2382373870261574, 0.05465576996014399)
+
+
+@pytest.mark.slow
+def test_long_accumulations():
+    """A zone is found although an accumulation of R = 0.98 has 800 impacts a cycle."""
+    osc = vi.Oscillator(
+        xi=0.027702308414662674, mu=1.1994445585977482,
+        restitution=(0.9771757564531268, 0.2980283841557604),
+    )  # fmt: skip
+    zone = vi.zone(osc, vi.Pattern("L*R*"), (0.62, 0.74), (0.008, 0.016))
+    assert zone.contains(0.6794256273928386, 0.011559364174016444)
 
 
 def test_a_narrow_zone_closes_where_a_fold_meets_the_end_of_rest():
