@@ -16,8 +16,8 @@
 !! (vi_variation).
 !!
 !! A rest splits into two where the contact force touches zero before the release, or where the gap
-!! closes again after it. Both meet at a cusp, where the force has an inflection at the release. With
-!! t before the release the force is F(-t), and with t after it the gap is g(t), whose second
+!! closes again after it. Both meet at a cusp, where the force has an inflection at the release.
+!! With t before the release the force is F(-t), and with t after it the gap is g(t), whose second
 !! derivative is -F at first: F(-t)/t and 6 g(t)/t**3 begin with the same value and rate of change,
 !! so the lesser of their minima is a measure that is smooth across the cusp.
 !!
@@ -635,8 +635,8 @@ contains
          ! the force passes zero so much later than at the given phase
          duration = time - d(2)/d(3)
          here%lag = system%r*(duration - time)
-         if (present(end_of)) call note_force(system, joint, from, start, time, here, instant, gap, &
-            touched, touched_at)
+         if (present(end_of)) call note_force(system, joint, from, start, time, here, instant, &
+            gap, touched, touched_at)
          call critical(restitution, limit, power)
          rest%value = 0
          if (.not. restitution > 0) then
@@ -655,9 +655,9 @@ contains
 
    !> The duration of a rest.
    !!
-   !! Beyond the end of the family the contact force may pass zero several times. The release is then
-   !! the passage that belongs to the unknowns. A given phase at which the force is nearly zero is
-   !! taken as it is, so that the equations remain smooth where several passages merge.
+   !! Beyond the end of the family the contact force may pass zero several times. The release is
+   !! then the passage that belongs to the unknowns. A given phase at which the force is nearly zero
+   !! is taken as it is, so that the equations remain smooth where several passages merge.
    pure subroutine find_release(system, joint, here, restitution, last, time, good, end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -722,7 +722,8 @@ contains
          good = .true.
       end associate
    contains
-      !> How far a release is from the given phase, or the free mass from the wall at the next impact.
+      !> How far a release is from the given phase, or the free mass from the wall at the next
+      !! impact.
       pure real(wp) function miss_at(duration) result(miss)
          !> Duration of the rest.
          real(wp), intent(in) :: duration
@@ -908,8 +909,8 @@ contains
 
       associate (at => here%at, state => here%change%state)
          departure%value = -closing_acceleration(system, at)
-         departure%by = at%side*(system%load*cos(at%phase)*state(4, :) - 2*system%osc%xi*state(2, :) &
-            - state(1, :))
+         departure%by = at%side*(system%load*cos(at%phase)*state(4, :) - 2*system%osc%xi &
+            *state(2, :) - state(1, :))
       end associate
    end function departure_of
 
@@ -1032,8 +1033,8 @@ contains
       integer :: i
 
       associate (at => here%at, state => here%change%state)
-         k = 6*series(system%transition, system%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
-            at%side, 0.0_wp)
+         k = 6*series(system%transition, system%load, sin(at%phase), cos(at%phase), at%x, &
+            at%x_dot, at%side, 0.0_wp)
          high = min(soon/max(1.0_wp, system%r), duration)
          ! the ratio is k(2) + k(3) t + ...
          if (.not. (k(3) < 0 .and. slope(high) > 0)) return
@@ -1052,8 +1053,8 @@ contains
          by = at%side*(system%load*cos(at%phase)*here%change%r - system%load*system%r &
             *sin(at%phase)*state(4, :) - state(2, :))
          ! rounding spoils the ratio at short times, where it is that of the third derivatives
-         if (t > 3.0e-4_wp) by = 6*(0.5_wp*here%change%clearance - at%side*gap_change(system, at, t, &
-            here%change))/t**3
+         if (t > 3.0e-4_wp) by = 6*(0.5_wp*here%change%clearance - at%side*gap_change(system, at, &
+            t, here%change))/t**3
          gap = measure_type(value, by)
          touched = at%side
          touched_at = t/duration

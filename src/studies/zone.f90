@@ -278,7 +278,7 @@ contains
       real(wp) :: q(2), c(n_parameters)
       integer, parameter :: longer = 10
       integer :: i, j, k, first, guesses, pass, passes, skip, stride
-      logical :: at_node, resting
+      logical :: at_node, chosen, resting
 
       skip = 0
       resting = net%surface%frame%resting
@@ -292,8 +292,8 @@ contains
          guesses = merge(request%guesses, request%guesses/4, pass == 1 .or. resting)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
-               if ((mod(i, stride) == 1 .and. mod(j, stride) == 1) .neqv. (pass == 1 .or. resting)) &
-                  cycle
+               chosen = mod(i, stride) == 1 .and. mod(j, stride) == 1
+               if (chosen .neqv. (pass == 1 .or. resting)) cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
                c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
                if (present(releases)) then

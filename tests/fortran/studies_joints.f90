@@ -202,7 +202,7 @@ contains
          do i = 1, size(plain)
             call named(plain(i), 1, names(i))
          end do
-         call named(joint + 1, 1, 'unknown')
+         call named(rest_splits + 1, 1, 'unknown')
          call named(fold, 0, 'fold')
          call named(fold, together, 'pitchfork')
          call named(fold, alike, 'branch_point')

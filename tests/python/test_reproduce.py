@@ -125,13 +125,13 @@ def test_a_scan_continues_beyond_the_loads_of_the_sweeps():
     """The scan of motions with rest ends on the traced boundary, at loads that no sweep reaches."""
     r = np.linspace(0.84, 0.86, 5)
     state = {"t": 0.0, "x": 0.0, "x_dot": 0.0, "z": 0.0, "z_dot": 1.0}
-    runs = (
+    trajectories = (
         vi.simulate(UNEQUAL, 0.85, gap, 8, state, discard=800) for gap in np.linspace(1.3, 2, 8)
     )
     seeds = []
-    for run in runs:
+    for end in trajectories:
         with contextlib.suppress(vi.errors.VibroimpactError):  # one that does not settle
-            motion = vi.exact(UNEQUAL, run.r, run.clearance, run)
+            motion = vi.exact(UNEQUAL, end.r, end.clearance, end)
             seeds += [standard_motion(motion)] if motion.pattern.sides in ("RRL*", "L*RR") else []
     assert seeds
     window = (0.4, 60.0)
