@@ -30,7 +30,7 @@ module vi_attractor_diagram
    end type path_type
 
    !> The motions on which the runs settle: arrays (..., values, runs), contents as of
-   !! `settle_chains`.
+   !! `settle_chains`; load cycles of a period are 0 where none is confirmed.
    type, public :: diagram_type
       real(wp), allocatable :: impacts(:, :, :, :)
       integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
@@ -86,6 +86,8 @@ contains
       status(1:links, 1:chains) => result%status
       call settle_chains(chain_parameters, path%load, starts, settling, keep, kick, max_events, &
          threads, impacts, labels, found, periods, extremes, ends, status, progress)
+      ! one that seems to repeat itself but is not confirmed has no period
+      periods(1, :, :) = max(0, periods(1, :, :))
       do j = 1, runs
          if (directions(j) < 0) call turn_round(result, j)
       end do

@@ -9,21 +9,24 @@ module vi_attractor_known
    use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues, solve
+   use vi_oscillator, only: eta
    use vi_symbols, only: standard_symbols
    use vi_simulate, only: simulate
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: alike, ball, exact_period, identify, periods_in, shortest_period, within
+   public :: alike, ball, exact_period, identify, is_free, periods_in, shortest_period, within
 
    !> Kinds of attractors. The last one is a simulation that repeats itself although no stable
    !! motion is confirmed.
    integer, parameter, public :: periodic = 1, resting = 2, quasi_periodic = 3, chaotic = 4, &
       no_impacts = 5, repeating = 6
 
-   !> Largest number of events of a period.
+   !> Largest number of events of a period, and largest distance of Newton's solution from a state
+   !! that has settled: over the clearance, and of the phase (rad).
    integer, parameter :: capacity = 2048
+   real(wp), parameter :: near = 1.0e-2_wp
 
    !> An attractor.
    type, public :: known_type
@@ -65,7 +68,7 @@ contains
 
    !> The stable periodic motion on which a state lies, with its shortest period: while a simulation
    !! still approaches a motion, it may seem to repeat itself only after several periods.
-   pure subroutine shortest_period(system, end, cycles, known, good)
+   pure subroutine shortest_period(system, end, cycles, known, good, farthest)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
@@ -76,9 +79,11 @@ contains
       type(known_type), intent(out) :: known
       !> False if there is none.
       logical, intent(out) :: good
+      !> As in `exact_period`.
+      real(wp), intent(in), optional :: farthest
       integer :: parts
 
-      call exact_period(system, end, cycles, known, good)
+      call exact_period(system, end, cycles, known, good, farthest)
       if (.not. good) return
       parts = periods_in(system, known)
       known%cycles = known%cycles/parts
@@ -105,7 +110,7 @@ contains
    end function periods_in
 
    !> The stable periodic motion on which a state lies.
-   pure subroutine exact_period(system, end, cycles, known, good)
+   pure subroutine exact_period(system, end, cycles, known, good, farthest)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
@@ -116,11 +121,14 @@ contains
       type(known_type), intent(out) :: known
       !> False if there is none.
       logical, intent(out) :: good
+      !> How far the motion may be from the state, over the clearance and in phase (rad); by default
+      !! as near as to a state that has settled.
+      real(wp), intent(in), optional :: farthest
       type(event_type), allocatable :: events(:)
       type(state_type) :: state, final
       type(target_type) :: target
       complex(wp) :: lambda(4)
-      real(wp) :: p(4, 4), phase
+      real(wp) :: p(4, 4), phase, distance
       integer, allocatable :: ring(:)
       integer :: n, i, status, turns
       logical :: mirrored
@@ -136,7 +144,9 @@ contains
       good = status == stat%ok .and. i > 0
       if (.not. good) return
       call start_target(system, events(i), cycles, target)
-      call converge(system, target, events, n, p, good)
+      distance = near
+      if (present(farthest)) distance = farthest
+      call converge(system, target, distance, events, n, p, good)
       if (.not. good) return
       call eigenvalues(p, lambda, status)
       known%largest = maxval(abs(lambda))
@@ -156,6 +166,27 @@ contains
       end do
    end subroutine exact_period
 
+   !> Whether the free mass is at rest and no wall ever reaches it.
+   !!
+   !! The primary mass moves as A sin(rt - lag) plus a decaying free vibration: the sum of their
+   !! present amplitudes bounds |x| from now on.
+   pure logical function is_free(system, state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The present state.
+      type(state_type), intent(in) :: state
+      real(wp) :: x, x_dot, most
+
+      is_free = .false.
+      if (state%side /= 0 .or. state%resting .or. abs(state%z_dot) > 0) return
+      associate (osc => system%osc, angle => state%phase - system%lag)
+         x = state%x - system%amplitude*sin(angle)
+         x_dot = state%x_dot - system%r*system%amplitude*cos(angle)
+         most = system%amplitude + hypot(x, (x_dot + osc%xi*x)/eta(osc%xi))
+      end associate
+      is_free = abs(state%z) + most < 0.5_wp*system%clearance
+   end function is_free
+
    !> A state with its free mass moved back between the walls if rounding has put it outside.
    pure function within(state, clearance) result(inside)
       !> t, x, x', z, z'
@@ -169,11 +200,13 @@ contains
    end function within
 
    !> Newton's method on the map over a period, from a state that is almost periodic.
-   pure subroutine converge(system, target, events, n, p, good)
+   pure subroutine converge(system, target, farthest, events, n, p, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: event and period of a motion that is almost periodic. Out: of the exact motion.
       type(target_type), intent(inout) :: target
+      !> How far the motion may be from the start.
+      real(wp), intent(in) :: farthest
       !> Out: events 1 to n of the period.
       type(event_type), intent(inout) :: events(:)
       !> Number of events of the period.
@@ -213,7 +246,7 @@ contains
          end do
          begin = begin - target%middle
          begin(m) = begin(m) - two_pi*anint(begin(m)/two_pi)
-         good = off < 1.0e-9_wp .and. all(abs(begin(:m)) < 1.0e-2_wp*scale(:m))
+         good = off < 1.0e-9_wp .and. all(abs(begin(:m)) < farthest*scale(:m))
       end associate
    end subroutine converge
 

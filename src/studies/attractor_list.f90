@@ -1,13 +1,16 @@
 !> The attractors at a point (r, D), and the initial states in the basin of each.
 module vi_attractor_list
    use vi_attractor_basin, only: decide, event_limited, not_reached
-   use vi_attractor_known, only: alike, identify, known_type, no_impacts, repeating, &
+   use vi_attractor_known, only: alike, identify, is_free, known_type, no_impacts, repeating, &
       shortest_period, within
+   use vi_attractor_neighbourhood, only: find_neighbourhoods
    use vi_attractor_settled, only: settle_chains
-   use vi_attractor_target, only: target_type
-   use vi_attractor_wandering, only: group_type, separate_groups
-   use vi_forced_system, only: forced_system_type
+   use vi_attractor_target, only: target_state, target_type
+   use vi_attractor_wandering, only: find_cells, group_of, group_type, measure_kind, search_near
+   use vi_event_symbols, only: symbol_endings
+   use vi_forced_system, only: event_type, forced_system_type, initial_state, state_type
    use vi_kinds, only: wp
+   use vi_simulate, only: simulate_cycles
    use vi_status, only: stat
    use vi_progress, only: add_expected_work, is_stopped
    implicit none (type, external)
@@ -23,6 +26,17 @@ module vi_attractor_list
    real(wp), parameter :: lively = 0.02_wp
    !> States that are described at a time, and impacts kept of each.
    integer, parameter :: block = 2000, impacts_kept = 200
+   !> Largest number of attractors that are not periodic; states that are followed without a decision
+   !! before the others are left undecided too.
+   integer, parameter :: most_groups = 30, most_undecided = 8
+   !> Load cycles of the first average of a state that is followed, which doubles from one to the
+   !! next, and those after which it is left undecided; decay of a disturbance, as a logarithm, by
+   !! which a motion that is approached must have been reached.
+   integer, parameter :: first_average = 4000, most_followed = 1000000
+   real(wp), parameter :: decay = 40
+   !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts as
+   !! an attractor of its own.
+   integer, parameter :: least_repeated = 12000
 
    !> The attractors known so far, and the settings of the search.
    type, public :: attractor_list_type
@@ -84,12 +98,7 @@ contains
          if (list%n == i .and. .not. known > lively*(known + size(open_ones))) exit
          call add_expected_work(size(open_ones), progress)
       end do
-      do i = 1, size(open_ones), block
-         if (is_stopped(progress)) exit
-         associate (own => open_ones(i:min(i + block - 1, size(open_ones))))
-            call describe(list, ends(:, i:i + size(own) - 1), labels, own, progress)
-         end associate
-      end do
+      call examine(list, ends, cycles*min(round, rounds), labels, open_ones, progress)
       call order_by_share(list, labels)
    end subroutine label_states
 
@@ -175,7 +184,7 @@ contains
       call find_ends(list, starts, settling, 1, found, progress)
       n = 0
       do j = 1, size(starts, 2)
-         if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) == 0 .or. &
+         if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) <= 0 .or. &
             found%periods(3, 1, j) == 0 .or. list%n == most_attractors) cycle
          ! a state with the same numbers as an earlier one is on the same motion
          do i = 1, n
@@ -197,7 +206,7 @@ contains
    end subroutine discover
 
    !> Adds an attractor.
-   subroutine add(list, new)
+   pure subroutine add(list, new)
       !> In and out: the attractors known so far, with room for one more.
       type(attractor_list_type), intent(inout) :: list
       !> The attractor.
@@ -244,6 +253,73 @@ contains
    end subroutine decide_known
 
    !> Determines the attractors of states that approach no known motion.
+   !!
+   !! One state is followed until it is decided. What is found then may explain the others, once they
+   !! have been simulated for as long.
+   subroutine examine(list, ends, simulated, labels, open_ones, progress)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> In: (5, m) t, x, x', z, z' of each. Out: changed.
+      real(wp), allocatable, intent(inout) :: ends(:, :)
+      !> Load cycles for which they were simulated.
+      integer, intent(in) :: simulated
+      !> (all states) In and out: the numbers of the attractors of these states are set.
+      integer, intent(inout) :: labels(:)
+      !> In: (m) the numbers of the states among all. Out: those of states that are not decided.
+      integer, allocatable, intent(inout) :: open_ones(:)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      integer, allocatable :: found(:), counts(:)
+      real(wp), allocatable :: after(:, :)
+      integer :: before, undecided, i, spent
+
+      before = simulated
+      undecided = 0
+      do
+         do i = 1, size(open_ones), block
+            if (is_stopped(progress)) return
+            associate (last => min(i + block - 1, size(open_ones)))
+               call describe(list, ends(:, i:last), labels, open_ones(i:last), progress)
+            end associate
+         end do
+         call drop_decided(labels, open_ones, ends)
+         if (size(open_ones) == 0 .or. undecided == most_undecided) return
+         call follow_on(list, ends(:, 1), before, labels(open_ones(1)), spent, progress)
+         if (is_stopped(progress)) return
+         if (labels(open_ones(1)) == 0) undecided = undecided + 1
+         open_ones = open_ones(2:)
+         ends = ends(:, 2:)
+         if (spent <= before .or. size(open_ones) == 0) cycle
+         call add_expected_work(size(open_ones), progress)
+         allocate (found(size(open_ones)), counts(size(open_ones)), after(5, size(open_ones)))
+         call decide_known(list, ends, spent, found, counts, after, progress)
+         labels(open_ones) = merge(0, found, found == not_reached)
+         call keep_open(found, after, open_ones, ends)
+         deallocate (found, counts, after)
+         before = before + spent
+      end do
+   end subroutine examine
+
+   !> Keeps only the states that are not decided.
+   pure subroutine drop_decided(labels, open_ones, ends)
+      !> (all states) Numbers of their attractors.
+      integer, intent(in) :: labels(:)
+      !> In: (m) the numbers of the states among all, 0 for one that cannot be decided. Out: those of
+      !! the states kept.
+      integer, allocatable, intent(inout) :: open_ones(:)
+      !> In and out: (5, m) their present values.
+      real(wp), allocatable, intent(inout) :: ends(:, :)
+      integer, allocatable :: still(:)
+      integer :: i
+
+      still = pack([(i, i=1, size(open_ones))], open_ones > 0)
+      still = pack(still, labels(open_ones(still)) == 0)
+      open_ones = open_ones(still)
+      ends = ends(:, still)
+   end subroutine drop_decided
+
+   !> Determines the attractors of states that have settled, or whose impacts are those of a known
+   !! attractor that is not periodic.
    subroutine describe(list, starts, labels, members, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
@@ -251,53 +327,226 @@ contains
       real(wp), intent(in) :: starts(:, :)
       !> (all states) In and out: the numbers of the attractors of these states are set.
       integer, intent(inout) :: labels(:)
-      !> (m) The numbers of the states among all.
-      integer, intent(in) :: members(:)
+      !> (m) In: the numbers of the states among all. Out: 0 for a state whose simulation failed.
+      integer, intent(inout) :: members(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(ends_type) :: found
-      type(known_type) :: new
-      integer :: i, j, kind, n
+      integer :: j, n
 
       call find_ends(list, starts, 0, impacts_kept, found, progress)
       do j = 1, size(members)
          if (found%status(1, j) == stat%event_limit) labels(members(j)) = event_limited
-         if (found%status(1, j) /= stat%ok) cycle
-         new%state = within(found%ends(:, 1, j), list%system%clearance)
-         associate (period => found%periods(:, 1, j))
-            if (period(1) == 0) then
-               n = found%found(1, j)
-               i = list%n + 1
-               if (i > most_attractors) cycle
-               call separate_groups(list%system, found%values(:, :n, 1, j), &
-                  found%labels(2, :n, 1, j), new, list%groups, i, list%max_events, &
-                  labels(members(j)), progress)
-               if (labels(members(j)) == i) call add_described(list, new)
-               cycle
-            end if
-            kind = merge(no_impacts, repeating, period(3) == 0)
-            if (kind == repeating) then
-               i = place_of(list, found%ends(:, 1, j), period(1))
-               if (i > 0) labels(members(j)) = i
-               if (i > 0) cycle
-            end if
-            do i = 1, list%n
-               associate (known => list%known(i))
-                  if (known%kind /= kind) cycle
-                  if (kind == no_impacts) exit
-                  if (known%cycles == period(1) .and. size(known%symbols) == period(2)) exit
-               end associate
-            end do
-            new%kind = kind
-            new%cycles = merge(0, period(1), kind == no_impacts)
-            new%largest = 0
-            if (allocated(new%symbols)) deallocate (new%symbols)
-            allocate (new%symbols(merge(0, period(2), kind == no_impacts)), source=0)
-            if (i > list%n) call add_described(list, new)
-            if (i <= list%n) labels(members(j)) = i
-         end associate
+         if (found%status(1, j) /= stat%ok) members(j) = 0
+         if (members(j) == 0) cycle
+         n = found%found(1, j)
+         if (found%periods(1, 1, j) > 0) then
+            call place_settled(list, found%ends(:, 1, j), found%periods(:, 1, j), &
+               labels(members(j)), progress)
+         else if (n > 0) then
+            labels(members(j)) = group_of(list%system, found%values(:, :n, 1, j), &
+               found%labels(2, :n, 1, j), list%groups)
+         end if
       end do
    end subroutine describe
+
+   !> The attractor of a state that has settled; it may be a new one.
+   subroutine place_settled(list, end, period, label, progress)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: end(5)
+      !> As of `settle_chains`; the period is confirmed.
+      integer, intent(in) :: period(4)
+      !> The number of the attractor; 0 if there is no room for it.
+      integer, intent(out) :: label
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(known_type) :: new
+      logical :: good
+
+      label = 0
+      if (period(3) == 0) then
+         call add_free(list, end, label)
+         return
+      end if
+      label = place_of(list, end, period(1))
+      if (label > 0 .or. list%n == most_attractors) return
+      call identify(list%system, end, period(1), list%threads, new, good, progress)
+      if (.not. good) return
+      call add(list, new)
+      label = list%n
+   end subroutine place_settled
+
+   !> The attractor without impacts.
+   pure subroutine add_free(list, end, label)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> t, x, x', z, z' of a state on it.
+      real(wp), intent(in) :: end(5)
+      !> Its number; 0 if there is no room for it.
+      integer, intent(out) :: label
+      type(known_type) :: new
+
+      do label = 1, list%n
+         if (list%known(label)%kind == no_impacts) return
+      end do
+      new%kind = no_impacts
+      new%state = within(end, list%system%clearance)
+      call add_described(list, new, label)
+   end subroutine add_free
+
+   !> Follows one state until its attractor is known.
+   !!
+   !! Motions near it are looked for by Newton's method. Where it does not reach one, the kind of its
+   !! attractor follows from its largest exponent, as soon as this is certain.
+   subroutine follow_on(list, start, before, label, spent, progress)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> t, x, x', z, z'
+      real(wp), intent(in) :: start(5)
+      !> Load cycles for which it was simulated.
+      integer, intent(in) :: before
+      !> The number of the attractor, `event_limited`, or 0 if it cannot be decided.
+      integer, intent(out) :: label
+      !> Load cycles for which states with the same attractor may have to be simulated.
+      integer, intent(out) :: spent
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(known_type) :: motion, new
+      type(state_type) :: state
+      real(wp) :: end(5)
+      integer :: average, kind, left, repeats, status, settling
+      logical :: good
+
+      label = 0
+      spent = 0
+      left = list%max_events
+      average = first_average
+      end = within(start, list%system%clearance)
+      do while (spent + average <= most_followed)
+         state = initial_state(list%system, end)
+         call search_near(list%system, state, list%max_cycles, left, motion, good, repeats, status, &
+            progress)
+         end = numbers_of(list%system, state)
+         if (status == stat%ok .and. is_free(list%system, state)) call add_free(list, end, label)
+         if (status == stat%ok .and. good) call approach(list, motion, end, left, spent, label, &
+            progress)
+         if (label == 0 .and. status == stat%ok) then
+            state = initial_state(list%system, end)
+            call measure_kind(list%system, state, average, before + spent, left, kind, &
+               new%largest, settling, status, progress)
+            spent = spent + average
+            end = numbers_of(list%system, state)
+            ! the impacts may have ended meanwhile
+            if (status == stat%no_motion) status = stat%ok
+         end if
+         if (status == stat%event_limit .or. left <= 0) label = event_limited
+         if (is_stopped(progress)) return
+         if (status /= stat%ok .or. label /= 0) return
+         if (kind > 0) then
+            spent = settling
+            new%kind = kind
+            new%state = end
+            call add_group(list, new, left, label, progress)
+            return
+         end if
+         if (repeats > 0 .and. before + spent > least_repeated) then
+            call add_repeating(list, state, repeats, left, label, progress)
+            return
+         end if
+         average = 2*average
+      end do
+   end subroutine follow_on
+
+   !> Simulates a state until it has reached a motion near it, or has certainly missed it.
+   subroutine approach(list, motion, end, left, spent, label, progress)
+      !> In and out: the attractors known so far; the motion is added.
+      type(attractor_list_type), intent(inout) :: list
+      !> In: the motion. Out: with its neighbourhoods, if it is new.
+      type(known_type), intent(inout) :: motion
+      !> In: t, x, x', z, z'. Out: at the end.
+      real(wp), intent(inout) :: end(5)
+      !> In and out: events that the simulation may still have, and load cycles simulated.
+      integer, intent(inout) :: left, spent
+      !> The number of the attractor that was reached, `event_limited`, or 0.
+      integer, intent(out) :: label
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(ends_type) :: found
+      real(wp) :: ends(5, 1)
+      integer :: i, labels(1), counts(1), wait
+
+      label = 0
+      do i = 1, list%n
+         if (alike(motion, list%known(i), list%system%clearance)) exit
+      end do
+      if (i > most_attractors) return
+      if (i > list%n) then
+         associate (system => list%system)
+            call find_neighbourhoods(system%osc, system%r, system%load, system%clearance, &
+               motion%targets, list%threads, progress)
+            ! the state may still be far from it
+            motion%state = numbers_of(system, target_state(system, motion%targets(1), [0.0_wp, &
+               0.0_wp, 0.0_wp, 0.0_wp]))
+         end associate
+         call add(list, motion)
+      end if
+      wait = min(most_followed, ceiling(min(1.0e9_wp, decay*motion%cycles/max(tiny(decay), &
+         -log(motion%largest)))))
+      call decide_known(list, reshape(end, [5, 1]), wait, labels, counts, ends, progress)
+      left = left - counts(1)
+      spent = spent + wait
+      label = labels(1)
+      if (label == not_reached) label = 0
+      if (label /= 0) return
+      ! it may lie on a motion without a neighbourhood
+      call find_ends(list, ends, 0, 1, found, progress)
+      if (found%status(1, 1) == stat%ok .and. found%periods(1, 1, 1) > 0) call place_settled(list, &
+         found%ends(:, 1, 1), found%periods(:, 1, 1), label, progress)
+      end = within(ends(:, 1), list%system%clearance)
+   end subroutine approach
+
+   !> Adds an attractor that is not periodic, unless its impacts are those of a known one.
+   subroutine add_group(list, new, left, label, progress)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> The attractor, with a state on it.
+      type(known_type), intent(inout) :: new
+      !> In and out: events that the simulation may still have.
+      integer, intent(inout) :: left
+      !> Its number; 0 if it is not decided, or `event_limited`.
+      integer, intent(out) :: label
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(group_type) :: own
+      type(group_type), allocatable :: more(:)
+      type(state_type) :: state
+      integer :: status
+
+      state = initial_state(list%system, new%state)
+      call find_cells(list%system, state, left, list%groups, own, label, status, progress)
+      if (status == stat%event_limit) label = event_limited
+      if (status /= stat%ok .or. label > 0 .or. size(list%groups) == most_groups) return
+      call add_described(list, new, label)
+      own%owner = label
+      allocate (more(size(list%groups) + 1))
+      more(:size(list%groups)) = list%groups
+      more(size(more)) = own
+      call move_alloc(more, list%groups)
+   end subroutine add_group
+
+   !> The state as t, x, x', z, z'.
+   pure function numbers_of(system, state) result(numbers)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The state.
+      type(state_type), intent(in) :: state
+      real(wp) :: numbers(5)
+
+      numbers = within([state%phase/system%r, state%x, state%x_dot, state%z, state%z_dot], &
+         system%clearance)
+   end function numbers_of
 
    !> The number of the known periodic motion on which a state lies, although the simulation has not
    !! reached its neighbourhood; 0 if there is none.
@@ -318,17 +567,58 @@ contains
    end function place_of
 
    !> Adds an attractor that has no neighbourhood, if there is room.
-   subroutine add_described(list, new)
+   pure subroutine add_described(list, new, label)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
       !> The attractor; its arrays are allocated if they are not yet.
       type(known_type), intent(inout) :: new
+      !> Its number; 0 if there is no room.
+      integer, intent(out) :: label
 
+      label = 0
       if (list%n == most_attractors) return
       if (.not. allocated(new%targets)) allocate (new%targets(0))
       if (.not. allocated(new%symbols)) allocate (new%symbols(0))
       call add(list, new)
+      label = list%n
    end subroutine add_described
+
+   !> Adds an attractor that repeats itself although no stable motion is confirmed, unless one with
+   !! as many load cycles and symbols is known.
+   subroutine add_repeating(list, state, cycles, left, label, progress)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> In: a state on it. Out: a period later.
+      type(state_type), intent(inout) :: state
+      !> Load cycles of its period.
+      integer, intent(in) :: cycles
+      !> In and out: events that the simulation may still have.
+      integer, intent(inout) :: left
+      !> Its number; 0 if it is not decided.
+      integer, intent(out) :: label
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      integer, parameter :: room = 2048
+      type(event_type), allocatable :: events(:)
+      type(known_type) :: new
+      integer :: n, status
+
+      label = 0
+      new%kind = repeating
+      new%cycles = cycles
+      new%state = numbers_of(list%system, state)
+      allocate (events(room))
+      call simulate_cycles(list%system, state, cycles, left, events, n, status, progress)
+      if (status /= stat%ok) return
+      allocate (new%symbols(count(symbol_endings(events(:n), .true.) /= 0)), source=0)
+      do label = 1, list%n
+         associate (known => list%known(label))
+            if (known%kind == repeating .and. known%cycles == cycles .and. size(known%symbols) == &
+               size(new%symbols)) return
+         end associate
+      end do
+      call add_described(list, new, label)
+   end subroutine add_repeating
 
    !> Renumbers the attractors by decreasing share; those that no state approaches are removed.
    subroutine order_by_share(list, labels)

@@ -26,7 +26,7 @@ module vi_attractor_lyapunov
    implicit none (type, external)
    private
 
-   public :: largest_exponent, lyapunov_points
+   public :: exponents_on, largest_exponent, lyapunov_points
 
    !> Directions at an event, and the sums so far.
    type :: tangent_type
@@ -143,11 +143,14 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      type(state_type) :: state
       real(wp) :: each(4, 0:batches)
-      integer :: rank
+      integer :: left, rank
 
-      call carry_along(system, start, discard, cycles, max_events, each, rank, counts, error, &
-         work, status, progress)
+      state = start
+      left = max_events
+      call carry_along(system, state, discard, cycles, left, each, rank, counts, error, work, &
+         status, progress)
       if (status /= stat%ok) then
          exponents = ieee_value(error, ieee_quiet_nan)
          deviations = exponents
@@ -159,17 +162,48 @@ contains
       dimension = kaplan_yorke(exponents)
    end subroutine exponents_of
 
-   !> The averages over all batches together and over each batch, along a trajectory.
-   subroutine carry_along(system, start, discard, cycles, max_events, exponents, rank, counts, &
-      error, work, status, progress)
+   !> The exponents per load cycle of a trajectory that goes on, and their standard errors.
+   subroutine exponents_on(system, state, cycles, batches, left, exponents, deviations, rank, &
+      status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> State at the start.
-      type(state_type), intent(in) :: start
-      !> Load cycles before the first batch, and in each batch.
+      !> In: state at the start. Out: at the end.
+      type(state_type), intent(inout) :: state
+      !> Load cycles of each batch, and batches that count, at least 2; one more is before them.
+      integer, intent(in) :: cycles, batches
+      !> In: number of events that the simulation may still have. Out: minus those found.
+      integer, intent(inout) :: left
+      !> The exponents per load cycle, the greatest first, and their standard errors; those of lost
+      !! directions are -inf. Undefined if the status is not `stat%ok`.
+      real(wp), intent(out) :: exponents(4), deviations(4)
+      !> Directions that are not lost.
+      integer, intent(out) :: rank
+      !> As in `lyapunov_points`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      real(wp) :: each(4, 0:batches), error
+      integer :: counts(2)
+
+      call carry_along(system, state, 0, cycles, left, each, rank, counts, error, 0, status, &
+         progress)
+      exponents = each(:, 0)
+      call scatter(each(:, 1:), rank, exponents, deviations)
+      exponents = exponents*(two_pi/system%r)
+      deviations = deviations*(two_pi/system%r)
+   end subroutine exponents_on
+
+   !> The averages over all batches together and over each batch, along a trajectory.
+   subroutine carry_along(system, state, discard, cycles, left, exponents, rank, counts, error, &
+      work, status, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In: state at the start. Out: at the end.
+      type(state_type), intent(inout) :: state
+      !> Load cycles before the first batch, and in each.
       integer, intent(in) :: discard, cycles
-      !> Largest number of events.
-      integer, intent(in) :: max_events
+      !> As in `simulate_on`.
+      integer, intent(inout) :: left
       !> (4, 1 + batches): of all batches together, then of each.
       real(wp), intent(out) :: exponents(:, :)
       !> Directions that are not lost; impacts and rests.
@@ -182,20 +216,19 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(state_type) :: state, final
+      type(state_type) :: final
       type(event_type) :: events(chunk)
       type(tangent_type) :: tangent
       integer(int64) :: first, last
-      integer :: n, batch, i, left
-      real(wp) :: done
+      integer :: n, batch, i
+      real(wp) :: begin, done
       real(wp) :: sums(5, 2)
 
       exponents = 0
-      left = max_events
-      state = start
+      begin = state%phase
       last = state%cycle + discard
       do
-         call simulate_on(system, state, last, start%phase, events, n, final, left, status, &
+         call simulate_on(system, state, last, begin, events, n, final, left, status, &
             progress)
          if (status /= stat%more_events) exit
       end do
@@ -206,10 +239,10 @@ contains
          last = last + cycles
          sums(:, 2) = 0
          do
-            call simulate_on(system, state, last, start%phase, events, n, final, left, status, &
+            call simulate_on(system, state, last, begin, events, n, final, left, status, &
                progress)
             do i = 1, n
-               done = real(events(i)%cycle - first, wp) + (events(i)%phase - start%phase)/two_pi
+               done = real(events(i)%cycle - first, wp) + (events(i)%phase - begin)/two_pi
                call carry(system, events(i), [bump(done/(cycles*(size(exponents, 2) - 1))), &
                   bump((done + cycles)/cycles - (batch - 1))], tangent, sums)
             end do
@@ -229,6 +262,7 @@ contains
          end if
          exponents(:, batch) = sums(:4, 2)/sums(5, 2)
       end do
+      state = final
       if (status == stat%ok) exponents(:, 1) = sums(:4, 1)/sums(5, 1)
       rank = tangent%rank
       counts = tangent%counts

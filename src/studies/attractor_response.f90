@@ -30,7 +30,7 @@ contains
       real(wp), intent(out) :: attenuation(:, :)
       !> (2, n): least and greatest over the states; NaN if all failed.
       real(wp), intent(out) :: envelope(:, :)
-      !> (4, states, n): period, symbols, impacts, rests; (states, n): status of each simulation.
+      !> (4, states, n): period (0 where none is confirmed), symbols, impacts, rests; (states, n): status of each simulation.
       integer, intent(out) :: periods(:, :, :), status(:, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
@@ -57,6 +57,7 @@ contains
          impacts, labels, found, counts, extremes, ends, ends_status, progress)
       status = reshape(ends_status, [states, n])
       periods = reshape(counts, [4, states, n])
+      periods(1, :, :) = max(0, periods(1, :, :))
       attenuation = reshape(max(-extremes(1, 1, :), extremes(2, 1, :)), [states, n])
       do j = 1, n
          associate (each => attenuation(:, j), good => status(:, j) == stat%ok)

@@ -5,6 +5,7 @@
 module vi_attractor_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_known, only: is_free, known_type, shortest_period
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
       new_forced_system, state_time, state_type, stick_event
    use vi_event_symbols, only: symbol_endings
@@ -26,7 +27,9 @@ module vi_attractor_settled
 
    !> The end of a simulation.
    type :: settled_type
-      !> Load cycles of the period, 0 if there is none; symbols, impacts and rests in it.
+      !> Load cycles of the period of the motion, 0 if none is confirmed, and minus the cycles after
+      !! which the simulation seems to repeat itself if no stable motion is confirmed there; symbols,
+      !! impacts and rests in it, or in all cycles examined.
       integer :: period = 0, symbols = 0, impacts = 0, rests = 0
       real(wp) :: x_min = 0, x_max = 0
       !> Events of the last cycles.
@@ -58,8 +61,8 @@ contains
       !> (2, capacity, links, chains): kind and side of the kept impacts; (links, chains): their
       !! number.
       integer, intent(inout) :: labels(:, :, :, :), found(:, :)
-      !> (4, links, chains): load cycles of the period (0 if there is none), symbols, impacts,
-      !! rests.
+      !> (4, links, chains): load cycles of the period (0 or negative if none is confirmed, see
+      !! `settled_type`), symbols, impacts, rests.
       integer, intent(inout) :: periods(:, :, :)
       !> (2, links, chains): least and greatest x; NaN where it was not computed.
       real(wp), intent(inout) :: extremes(:, :, :)
@@ -172,19 +175,77 @@ contains
       end do
       if (settled%status == stat%ok) then
          settled%n = stored
-         do k = 1, (keep - 1)/2
-            if (.not. (alike(last(keep), last(keep - k), system%clearance) .and. &
-               alike(last(keep - k), last(keep - 2*k), system%clearance))) cycle
-            settled%period = k
-            exit
-         end do
-         k = merge(keep, settled%period, settled%period == 0)
+         call find_period(system, last, settled%events(:stored), first, settled)
+         k = merge(settled%period, keep, settled%period > 0)
          call read_period(settled, first(keep - k), settled%n)
          call find_extremes(system, last(keep - k), last(keep), &
             settled%events(first(keep - k):settled%n), settled)
       end if
       state = last(merge(keep, 0, settled%status == stat%ok))
    end subroutine settle_on
+
+   !> The shortest period of the motion on which a simulation has settled.
+   !!
+   !! A simulation that approaches a motion slowly, as near a flip, or leaves one that is not stable
+   !! nearly repeats itself, possibly only after several periods. Newton's method has to confirm a
+   !! stable motion there, and its shortest period counts. Near a flip the shorter period also nearly
+   !! repeats itself, but is not stable.
+   pure subroutine find_period(system, last, events, first, settled)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> (0:keep) The states a load cycle apart.
+      type(state_type), intent(in) :: last(0:)
+      !> The events between the first and the last of these states.
+      type(event_type), intent(in) :: events(:)
+      !> (0:keep) The number of the first event after each state.
+      integer, intent(in) :: first(0:)
+      !> In and out: its period is set.
+      type(settled_type), intent(inout) :: settled
+      integer :: k, keep, period, symbols, times
+
+      keep = ubound(last, 1)
+      do k = 1, (keep - 1)/2
+         if (alike(last(keep), last(keep - k), system%clearance) .and. alike(last(keep - k), &
+            last(keep - 2*k), system%clearance)) exit
+      end do
+      if (2*k > keep - 1) return
+      settled%period = -k
+      if (first(keep) == first(keep - k)) then
+         if (is_free(system, last(keep))) settled%period = 1
+         return
+      end if
+      do times = 1, 2
+         if (2*k*times > keep - 1) return
+         call confirm(system, last(keep), k*times, period, symbols)
+         if (period == 0) cycle
+         ! the simulation may still touch a wall more or less often than the motion
+         if (count(symbol_endings(events(first(keep - period):), .true.) /= 0) /= symbols) return
+         settled%period = period
+         return
+      end do
+   end subroutine find_period
+
+   !> The shortest period of the stable motion near a state, 0 if there is none, and its symbols.
+   pure subroutine confirm(system, state, cycles, period, symbols)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The state.
+      type(state_type), intent(in) :: state
+      !> Load cycles of one or more periods.
+      integer, intent(in) :: cycles
+      !> Load cycles of the shortest one, and number of its symbols.
+      integer, intent(out) :: period, symbols
+      type(known_type) :: known
+      logical :: good
+
+      period = 0
+      symbols = 0
+      call shortest_period(system, [state%phase/system%r, state%x, state%x_dot, state%z, &
+         state%z_dot], cycles, known, good)
+      if (.not. good) return
+      period = known%cycles
+      symbols = size(known%symbols)
+   end subroutine confirm
 
    !> Simulates some load cycles; the last events are kept as far as there is room.
    subroutine advance(system, state, final, cycles, events, n, left, status, progress)

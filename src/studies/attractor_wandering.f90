@@ -1,26 +1,27 @@
 !> Attractors that are not periodic, distinguished by where their impacts lie.
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_attractor_basin, only: event_limited
-   use vi_attractor_known, only: chaotic, known_type, quasi_periodic
-   use vi_attractor_lyapunov, only: largest_exponent
-   use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
-      state_type, two_pi
+   use vi_attractor_lyapunov, only: exponents_on
+   use vi_attractor_settled, only: advance
+   use vi_attractor_known, only: chaotic, known_type, quasi_periodic, shortest_period
+   use vi_exponents, only: positive, sign_by_error, zero
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type, two_pi
    use vi_kinds, only: wp
    use vi_simulate, only: simulate_on
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: separate_groups
+   public :: find_cells, group_of, measure_kind, search_near
 
-   !> Largest number of such attractors.
-   integer, parameter :: most_groups = 30
-   !> Load cycles from which the largest Lyapunov exponent is computed, load cycles discarded before
-   !! them, and number of batches.
-   integer, parameter :: exponent_cycles = 4000, exponent_discard = 500, batches = 20
-   !> The motion is chaotic if its largest exponent per load cycle exceeds this value.
-   real(wp), parameter :: least_chaos = 2.0e-3_wp
+   !> Load cycles whose impacts mark the cells of an attractor; number of batches of an average.
+   integer, parameter :: cell_cycles = 4000, batches = 20
+   !> A motion counts as settled after this many of the times in which volumes contract by a factor
+   !! e in each direction, and no sooner than after some load cycles.
+   real(wp), parameter :: contractions = 40
+   integer, parameter :: least_cycles = 12000
+   !> Load cycles of an average with which an exponent may count as zero.
+   integer, parameter :: zero_cycles = 16000
    !> Number of cells of the phase, which is also that of x per clearance, and number of cells of x
    !! on either side of 0.
    integer, parameter :: cells = 24, reach = 240
@@ -33,60 +34,28 @@ module vi_attractor_wandering
 
 contains
 
-   !> The attractor of a trajectory that does not repeat itself; it may be a new one.
-   !!
-   !! A trajectory is on a known attractor if most of its impacts are in cells of that one. The last
-   !! impacts decide if they fit one attractor alone. Otherwise (there are few or none of them while
-   !! the free mass is slow) a simulation as long as that of the known attractors decides.
-   subroutine separate_groups(system, values, sides, known, groups, next, max_events, label, &
-      progress)
+   !> The attractor to which the impacts of a trajectory belong: most of them are in its cells, and
+   !! in those of no other one; 0 if there is none.
+   pure integer function group_of(system, values, sides, groups) result(owner)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> Last impacts of the trajectory, as in `store_events`.
+      !> Impacts of the trajectory, as in `store_events`.
       real(wp), intent(in) :: values(:, :)
       !> (n) Walls of these impacts: +1 right, -1 left.
       integer, intent(in) :: sides(:)
-      !> In: a state of the trajectory. Out: the attractor, if it is new.
-      type(known_type), intent(inout) :: known
-      !> In: cells of the attractors known so far. Out: with those of a new one.
-      type(group_type), allocatable, intent(inout) :: groups(:)
-      !> The number of a new attractor, and the largest number of events of a simulation.
-      integer, intent(in) :: next, max_events
-      !> Out: the number of the attractor, or `event_limited`; not changed if it cannot be
-      !! determined.
-      integer, intent(inout) :: label
-      !> Progress counters, see vi_progress; read to stop.
-      integer, intent(inout), optional :: progress(3)
+      !> Cells of the known attractors.
+      type(group_type), intent(in) :: groups(:)
       type(group_type) :: own
-      type(group_type), allocatable :: more(:)
-      integer :: i, best, n, status
+      integer :: i, best, n
 
+      owner = 0
+      if (size(groups) == 0) return
       do i = 1, size(sides)
          call mark(own, system, values(2, i), values(3, i), sides(i))
       end do
       call compare(own, groups, best, n)
-      if (n /= 1) then
-         own%owner = next
-         own%hits = 0
-         call find_cells(system, known%state, max_events, own, status, progress)
-         if (status == stat%event_limit) label = event_limited
-         if (status /= stat%ok) return
-         call compare(own, groups, best, n)
-      end if
-      if (n > 0) then
-         label = groups(best)%owner
-         return
-      end if
-      if (size(groups) == most_groups) return
-      call find_kind(system, max_events, known, status, progress)
-      if (status == stat%event_limit) label = event_limited
-      if (known%kind == 0) return
-      label = next
-      allocate (more(size(groups) + 1))
-      more(:size(groups)) = groups
-      more(size(more)) = own
-      call move_alloc(more, groups)
-   end subroutine separate_groups
+      if (n == 1) owner = groups(best)%owner
+   end function group_of
 
    !> Compares a trajectory with the known attractors.
    pure subroutine compare(own, groups, best, n)
@@ -125,63 +94,156 @@ contains
       end associate
    end subroutine mark
 
-   !> The cells in which a long simulation has impacts.
-   subroutine find_cells(system, start, max_events, group, status, progress)
+   !> The cells in which a long simulation has impacts, and the known attractor with most of them.
+   subroutine find_cells(system, state, left, groups, own, owner, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> t, x, x', z, z'
-      real(wp), intent(in) :: start(5)
-      !> Largest number of events.
-      integer, intent(in) :: max_events
-      !> In and out: the cells.
-      type(group_type), intent(inout) :: group
+      !> In: state at the start. Out: at the end.
+      type(state_type), intent(inout) :: state
+      !> As in `simulate_on`.
+      integer, intent(inout) :: left
+      !> Cells of the known attractors.
+      type(group_type), intent(in) :: groups(:)
+      !> The cells.
+      type(group_type), intent(out) :: own
+      !> The known attractor whose cells have most of these impacts, and more than half of them; 0 if
+      !! there is none.
+      integer, intent(out) :: owner
       !> As in `simulate_on`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       type(event_type) :: events(64)
-      type(state_type) :: state, final
+      type(state_type) :: final
       integer(int64) :: last
       real(wp) :: phase
-      integer :: n, i, left
+      integer :: n, i, best
 
-      left = max_events
-      state = initial_state(system, start)
-      last = state%cycle + exponent_cycles
+      owner = 0
+      last = state%cycle + cell_cycles
       phase = state%phase
       do
          call simulate_on(system, state, last, phase, events, n, final, left, status, progress)
          do i = 1, n
-            if (events(i)%kind == impact_event) call mark(group, system, events(i)%phase, &
+            if (events(i)%kind == impact_event) call mark(own, system, events(i)%phase, &
                events(i)%x, events(i)%side)
          end do
          if (status /= stat%more_events) exit
       end do
+      state = final
+      if (size(groups) == 0 .or. status /= stat%ok) return
+      call compare(own, groups, best, n)
+      if (n > 0) owner = groups(best)%owner
    end subroutine find_cells
 
-   !> Whether a state is on a chaotic or a quasi-periodic attractor; kind 0 if it is on neither.
-   subroutine find_kind(system, max_events, known, status, progress)
+   !> The kind of a motion, from its largest exponent: chaotic if this is positive by its error,
+   !! quasi-periodic if it is zero by its error, and 0 as long as it is neither.
+   !!
+   !! A transient may look like either for a long time. Volumes contract at a known rate, and nothing
+   !! settles faster: the kind is 0 until the motion has gone on for many times as long. Without
+   !! contraction there are no transients.
+   subroutine measure_kind(system, state, cycles, before, left, kind, largest, settling, status, &
+      progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> Largest number of events of the simulation.
-      integer, intent(in) :: max_events
-      !> In: with its state. Out: kind and largest exponent are set.
-      type(known_type), intent(inout) :: known
+      !> In: state at the start. Out: at the end.
+      type(state_type), intent(inout) :: state
+      !> Load cycles of the average, and those that were simulated before.
+      integer, intent(in) :: cycles, before
+      !> As in `simulate_on`.
+      integer, intent(inout) :: left
+      !> `chaotic`, `quasi_periodic` or 0.
+      integer, intent(out) :: kind
+      !> Largest exponent per load cycle.
+      real(wp), intent(out) :: largest
+      !> Load cycles after which any motion nearby counts as settled.
+      integer, intent(out) :: settling
       !> As in `lyapunov_points`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      real(wp) :: deviation
+      real(wp) :: exponents(4), deviations(4), rate
+      integer :: rank, sign_of_it
 
-      known%kind = 0
-      known%cycles = 0
-      if (allocated(known%symbols)) deallocate (known%symbols)
-      call largest_exponent(system, initial_state(system, known%state), exponent_discard, &
-         exponent_cycles/batches, batches, max_events, known%largest, deviation, status, progress)
-      if (status /= stat%ok) return                        ! for example, the impacts die out
-      ! with a smaller exponent, the motion was a transient that has ended in the meantime
-      if (known%largest > -least_chaos) known%kind = merge(chaotic, quasi_periodic, &
-         known%largest > least_chaos)
-   end subroutine find_kind
+      kind = 0
+      settling = 0
+      call exponents_on(system, state, cycles/batches, batches, left, exponents, deviations, rank, &
+         status, progress)
+      largest = exponents(1)
+      if (status /= stat%ok) return
+      if (rank == 4) then
+         rate = -sum(exponents)/4
+         ! rounding alone contracts nothing
+         if (rate > 1.0e-12_wp) settling = ceiling(min(1.0e9_wp, contractions/rate))
+      end if
+      if (before + cycles < max(settling, least_cycles)) return
+      sign_of_it = sign_by_error(largest, deviations(1), cycles)
+      if (sign_of_it == positive) kind = chaotic
+      if (sign_of_it == zero .and. cycles >= zero_cycles) kind = quasi_periodic
+   end subroutine measure_kind
+
+   !> A stable periodic motion around which a trajectory may wind, by Newton's method from where the
+   !! trajectory nearly returns, and from the mean of its states.
+   subroutine search_near(system, state, max_cycles, left, motion, good, repeats, status, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In: state at the start. Out: at the end.
+      type(state_type), intent(inout) :: state
+      !> Longest period considered, in load cycles.
+      integer, intent(in) :: max_cycles
+      !> As in `simulate_on`.
+      integer, intent(inout) :: left
+      !> The motion; its targets have no neighbourhoods yet.
+      type(known_type), intent(out) :: motion
+      !> Whether there is one.
+      logical, intent(out) :: good
+      !> Load cycles after which the states repeat themselves to rounding; 0 if they do not.
+      integer, intent(out) :: repeats
+      !> As in `advance`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> Returns looked for, for each period; largest number of events of a load cycle; periods that
+      !! are tried.
+      integer, parameter :: returns = 8, room = 2048, most_tries = 6
+      !> How near a trajectory returns to be tried, how far the motion may be from there, and how
+      !! nearly states repeat themselves to rounding, over the clearance.
+      real(wp), parameter :: loose = 0.3_wp, rounding = 1.0e-9_wp
+      type(event_type), allocatable :: events(:)
+      type(state_type) :: final
+      real(wp) :: strobes(5, 0:returns*max_cycles), apart(0:returns*max_cycles - 1), least, most
+      integer :: i, k, m, n, tries
+
+      good = .false.
+      repeats = 0
+      allocate (events(room))
+      final = state
+      m = ubound(strobes, 2)
+      ! a phase unrelated to that of the start, which may be an impact
+      do i = 0, m
+         call advance(system, state, final, merge(1.0_wp, 0.6180339887_wp, i > 0), events, n, left, &
+            status, progress)
+         if (status /= stat%ok) exit
+         strobes(:, i) = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
+      end do
+      state = final
+      if (status /= stat%ok) return
+      tries = 0
+      do k = 1, max_cycles
+         apart(:m - k) = maxval(abs(strobes(2:, k:) - strobes(2:, :m - k)), 1)/system%clearance
+         most = maxval(apart(:m - k))
+         if (repeats == 0 .and. most < rounding) repeats = k
+         i = minloc(apart(:m - k), 1) - 1
+         least = apart(i)
+         if (least > loose .or. tries == most_tries) cycle
+         tries = tries + 1
+         call shortest_period(system, strobes(:, i), k, motion, good, loose)
+         if (good) return
+         i = modulo(i, k)
+         call shortest_period(system, sum(strobes(:, i::k), 2)/size(strobes(1, i::k)), k, motion, &
+            good, loose)
+         if (good) return
+      end do
+   end subroutine search_near
 
 end module vi_attractor_wandering

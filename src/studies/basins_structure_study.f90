@@ -7,7 +7,8 @@ module vi_basins_structure_study
    use vi_progress, only: is_stopped
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_find, only: random_structure_states, settle_states, settling_type
+   use vi_structure_find, only: chaotic, quasi_periodic, random_structure_states, settle_states, &
+      settling_type
    use vi_structure_found, only: found_columns, found_list_type, put_found
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, place_in_state, start_keys
@@ -50,7 +51,8 @@ module vi_basins_structure_study
 
    !> Labels of states without an attractor.
    integer, parameter :: undecided = 0, not_reached = -1, event_limited = -2, closed = -3
-   character(*), parameter :: no_impacts = 'no impacts', not_periodic = 'not periodic'
+   character(14), parameter :: other_names(0:2) = [character(14) :: 'no impacts', 'chaotic', &
+      'quasi-periodic']
 
    type(column_type), parameter :: basins_columns(*) = [ &
       column_type('states', 'q', each='coordinate', label='q_#', &
@@ -158,7 +160,7 @@ contains
       type(found_list_type) :: list
       type(line_type), allocatable :: names(:)
       real(wp), allocatable :: states(:, :)
-      integer, allocatable :: labels(:), numbers(:), status(:)
+      integer, allocatable :: kinds(:), labels(:), numbers(:), status(:)
       integer :: first, i, lost, n, reached
 
       call structure_of(case, structure, load)
@@ -167,7 +169,7 @@ contains
       first = stat%ok
       associate (s => case%study)
          allocate (states(2*n, count_states(s)))
-         allocate (labels(size(states, 2)), status(size(states, 2)))
+         allocate (kinds(size(states, 2)), labels(size(states, 2)), status(size(states, 2)))
          if (s%has('states')) then
             call random_structure_states(structure, load, s%whole_number('seed'), states, first)
          else
@@ -182,9 +184,10 @@ contains
          end if
          call settle_states(structure, load, s%number('start'), states, settling_type( &
             s%whole_number('settling'), s%whole_number('max_cycles'), &
-            s%whole_number('max_events'), threads), list, labels, status, progress)
+            s%whole_number('max_events'), threads), list, labels, kinds, status, &
+            progress)
       end associate
-      call number_attractors(list, status, labels, numbers, names)
+      call number_attractors(list, kinds, status, labels, numbers, names)
       reached = count(labels /= not_reached .and. labels /= closed)
       if (is_stopped(progress)) result%cut = whole(count(labels /= not_reached))//' of '// &
          counted(size(labels), 'state')//' were reached'
@@ -203,13 +206,13 @@ contains
          counted(reached, 'state')//' not decided')
    end subroutine run_basins
 
-   !> Numbers the attractors by decreasing share: motions, the one without impacts, and all that is
-   !! not periodic.
-   pure subroutine number_attractors(list, status, labels, numbers, names)
+   !> Numbers the attractors by decreasing share: motions, the one without impacts, and all that are
+   !! chaotic, and quasi-periodic.
+   pure subroutine number_attractors(list, kinds, status, labels, numbers, names)
       !> The motions on which states settle.
       type(found_list_type), intent(in) :: list
-      !> (states) What became of each.
-      integer, intent(in) :: status(:)
+      !> (states) The kind of a motion that is not periodic, and what became of each.
+      integer, intent(in) :: kinds(:), status(:)
       !> (states) In: the number of the motion of each, or 0. Out: that of its attractor, or the
       !! label of states without.
       integer, intent(inout) :: labels(:)
@@ -217,10 +220,11 @@ contains
       integer, allocatable, intent(out) :: numbers(:)
       !> (attractors) Their names.
       type(line_type), allocatable, intent(out) :: names(:)
-      integer :: counts(list%n + 2), new(list%n + 2), i, j, n
+      integer :: counts(list%n + size(other_names)), new(size(counts)), i, j, n
 
       where (status == stat%no_impacts) labels = list%n + 1
-      where (status == stat%no_period) labels = list%n + 2
+      where (kinds == chaotic) labels = list%n + 1 + chaotic
+      where (kinds == quasi_periodic) labels = list%n + 1 + quasi_periodic
       do i = 1, size(counts)
          counts(i) = count(labels == i)
       end do
@@ -231,8 +235,11 @@ contains
          counts(j) = 0
          new(j) = i
          numbers(i) = merge(j, 0, j <= list%n)
-         names(i)%text = trim(merge(no_impacts//'  ', not_periodic, j == list%n + 1))
-         if (j <= list%n) call name_motion(list%motions(j), names(i)%text)
+         if (j <= list%n) then
+            call name_motion(list%motions(j), names(i)%text)
+         else
+            names(i)%text = trim(other_names(j - list%n - 1))
+         end if
       end do
       do i = 1, size(labels)
          if (labels(i) > 0) labels(i) = new(labels(i))

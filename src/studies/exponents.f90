@@ -6,7 +6,11 @@ module vi_exponents
    implicit none (type, external)
    private
 
-   public :: bump, kaplan_yorke, orthonormalise, scatter
+   public :: bump, kaplan_yorke, orthonormalise, scatter, sign_by_error
+
+   !> The sign of a largest exponent: that which it has by its error, or none as long as the error is
+   !! too large for that.
+   integer, parameter, public :: negative = -1, zero = 0, positive = 1, unclear = 2
 
 contains
 
@@ -95,6 +99,30 @@ contains
       end do
       if (i <= size(exponents)) dimension = dimension - sum_before/exponents(i)
    end function kaplan_yorke
+
+   !> The sign of the largest exponent of an average, by its error.
+   !!
+   !! Besides the scatter of the batches there is an error of the order of 1 over the length of the
+   !! average: on a torus small changes grow as a power of the time.
+   pure integer function sign_by_error(exponent, deviation, periods) result(sign_of_it)
+      !> The exponent per period of the load, and its standard error.
+      real(wp), intent(in) :: exponent, deviation
+      !> Number of periods of the average.
+      integer, intent(in) :: periods
+      !> Standard errors that count as a certain difference; logarithm of a growth as a power of the
+      !! time, and of one that is none; largest error of a zero.
+      real(wp), parameter :: certain = 4, slow = 8, still = 1, coarse = 2.0e-3_wp
+
+      if (exponent > certain*deviation + slow/periods) then
+         sign_of_it = positive
+      else if (exponent < -certain*deviation - still/periods) then
+         sign_of_it = negative
+      else if (certain*deviation + slow/periods < coarse) then
+         sign_of_it = zero
+      else
+         sign_of_it = unclear
+      end if
+   end function sign_by_error
 
    !> A weight that rises smoothly from 0 and falls smoothly back to 0 over [0, 1].
    !!

@@ -6,8 +6,8 @@ module vi_find_structure_study
    use vi_progress, only: is_stopped
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_find, only: count_orders, orders_type, random_structure_states, search_orders, &
-      settle_states, settling_type
+   use vi_structure_find, only: chaotic, count_orders, orders_type, quasi_periodic, &
+      random_structure_states, search_orders, settle_states, settling_type
    use vi_structure_found, only: found_columns, found_list_type, put_found
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: needs_frequency
@@ -42,8 +42,15 @@ module vi_find_structure_study
       found_columns(4:), &
       column_type('search', 'states', wholes, listed=.false., &
       meaning='initial states that were simulated'), &
+      column_type('search', 'without_impacts', wholes, listed=.false., &
+      meaning='states after which no impacts are left: all gaps stay open, or some rest for good'), &
+      column_type('search', 'chaotic', wholes, listed=.false., &
+      meaning='states whose largest Lyapunov exponent is positive by its error'), &
+      column_type('search', 'quasi_periodic', wholes, listed=.false., &
+      meaning='states whose largest Lyapunov exponent is zero by its error, where no stable &
+      &motion is near'), &
       column_type('search', 'unsettled', wholes, listed=.false., &
-      meaning='states that did not settle on an admissible motion with impacts'), &
+      meaning='states on which none of this is decided, or whose motion is not stable'), &
       column_type('search', 'guesses', wholes, listed=.false., &
       meaning='sets of impact times from which Newton''s method started'), &
       column_type('failures', 'status', wholes, listed=.false., &
@@ -121,15 +128,15 @@ contains
       type(load_type) :: load
       type(found_list_type) :: list
       real(wp), allocatable :: states(:, :)
-      integer, allocatable :: labels(:), status(:), settled(:), order(:), kinds(:)
-      integer :: failures(0:codes), first, i, reached
+      integer, allocatable :: labels(:), others(:), status(:), settled(:), order(:), kinds(:)
+      integer :: failures(0:codes), first, i, reached, without
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
       failures = 0
       associate (s => case%study, n => case%coordinates)
          allocate (states(2*n, s%whole_number('states')))
-         allocate (labels(size(states, 2)), status(size(states, 2)))
+         allocate (labels(size(states, 2)), others(size(states, 2)), status(size(states, 2)))
          call random_structure_states(structure, load, s%whole_number('seed'), states, first)
          if (size(states, 2) > 0 .and. first /= stat%ok) then
             result%empty = .true.
@@ -139,7 +146,7 @@ contains
          end if
          call settle_states(structure, load, 0.0_wp, states, settling_type(s%whole_number( &
             'settling'), s%whole_number('max_cycles'), s%whole_number('max_events'), threads), &
-            list, labels, status, progress)
+            list, labels, others, status, progress)
          settled = [(count(labels == i), i=1, list%n)]
          do i = 1, size(status)
             failures(status(i)) = failures(status(i)) + 1
@@ -159,9 +166,15 @@ contains
       call result%put('motions', 'settled', settled(order))
       call result%open('search', '', [integer ::])
       call result%put('search', 'states', [reached])
-      call result%put('search', 'unsettled', [reached - sum(settled)])
+      without = count(status == stat%no_impacts)
+      call result%put('search', 'without_impacts', [without])
+      call result%put('search', 'chaotic', [count(others == chaotic)])
+      call result%put('search', 'quasi_periodic', [count(others == quasi_periodic)])
+      call result%put('search', 'unsettled', [reached - sum(settled) - without - count(others > 0)])
       call result%put('search', 'guesses', [sum(failures) - failures(stat%not_computed) - reached])
-      failures([stat%ok, stat%not_computed]) = 0
+      ! these have columns of their own
+      failures([stat%ok, stat%not_computed, stat%no_impacts]) = 0
+      failures(stat%no_period) = failures(stat%no_period) - count(others > 0)
       kinds = pack([(i, i=0, codes)], failures > 0)
       call result%open('failures', 'failure', [size(kinds)])
       call result%put('failures', 'status', kinds)

@@ -15,6 +15,7 @@ module vi_settled_motion
    use vi_pattern, only: pattern_type
    use vi_simulate, only: simulate_cycles
    use vi_status, only: stat
+   use vi_survey_outcome, only: is_chaotic
    use vi_trajectory, only: read_events
    implicit none (type, external)
    private
@@ -37,10 +38,17 @@ module vi_settled_motion
    !> Largest difference of impact phases (rad) from period to period, and the largest distance
    !! (rad, or over the scale) of Newton's solution from the simulation.
    real(wp), parameter :: about = 0.05_wp, near = 0.1_wp
+   !> Most examinations after the first one, the factor by which the simulation before each is
+   !! longer, and load cycles of each of ten batches for a Lyapunov exponent before the first of
+   !! them.
+   integer, parameter :: most_looks = 3, longer = 3, batch = 20
 
 contains
 
    !> Simulates a state, and confirms the motion on which it settles.
+   !!
+   !! A simulation that is then neither on a confirmed motion nor certainly chaotic goes on, each
+   !! time `longer` times as long as before.
    subroutine settle_on(system, start, settling, max_events, scale, outcome, found, n_found, &
       progress)
       !> The forced system.
@@ -61,24 +69,56 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(state_type) :: state
       type(event_type), allocatable :: events(:)
-      type(period_type), allocatable :: periods(:)
-      type(found_type) :: motion
-      integer :: i, left, n, status
-      logical :: nearby
+      integer :: left, look, n, status
+      logical :: chaos
 
       allocate (events(capacity))
       n_found = 0
       state = initial_state(system, start)
       left = max_events
-      call simulate_cycles(system, state, settling, left, events(:1000), n, status, progress)
-      if (status == stat%ok) call simulate_cycles(system, state, 2*longest + 2, left, events, n, &
-         status, progress)
-      outcome = merge(0, unfinished, status == stat%not_computed)
-      if (status /= stat%ok) return
+      do look = 0, most_looks
+         if (look > 0) then
+            call is_chaotic(system, state, batch*longer**(look - 1), left, chaos, status, progress)
+            if (status == stat%event_limit) outcome = unfinished
+            if (status == stat%not_computed) outcome = 0
+            if (chaos .or. any(status == [stat%event_limit, stat%not_computed])) return
+         end if
+         call simulate_cycles(system, state, max(settling, look)*longer**look, left, &
+            events(:1000), n, status, progress)
+         if (status == stat%ok) call simulate_cycles(system, state, 2*longest + 2, left, events, n, &
+            status, progress)
+         if (status /= stat%ok) then
+            outcome = merge(0, unfinished, status == stat%not_computed)
+            return
+         end if
+         call examine(system, events(:n), scale, outcome, found, n_found)
+         if (any(outcome == [settled, no_impacts])) return
+      end do
+   end subroutine settle_on
+
+   !> Confirms the motion at the end of a simulation.
+   pure subroutine examine(system, events, scale, outcome, found, n_found)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> (n) The last events.
+      type(event_type), intent(in) :: events(:)
+      !> As in `settle_on`.
+      real(wp), intent(in) :: scale
+      !> As in `settle_on`.
+      integer, intent(out) :: outcome
+      !> In and out: motions are added while there is room.
+      type(found_type), intent(inout) :: found(:)
+      !> In and out: their number.
+      integer, intent(inout) :: n_found
+      type(period_type), allocatable :: periods(:)
+      type(found_type) :: motion
+      integer :: i
+      logical :: nearby
+
       outcome = no_impacts
-      if (n == 0) return
+      if (size(events) == 0) return
       outcome = wandering
-      call read_periods(events(:n), longest, most_symbols, about, periods)
+      call read_periods(events, longest, most_symbols, about, periods)
       do i = size(periods), 1, -1
          call confirm(system, events, periods(i), [1.0_wp, 1.0_wp], scale, motion, nearby)
          if (i > 1 .and. motion%status == stat%ok) then
@@ -93,7 +133,7 @@ contains
          if (nearby .and. outcome /= settled) outcome = not_stable
          if (outcome == wandering) outcome = unconfirmed
       end do
-   end subroutine settle_on
+   end subroutine examine
 
    !> The shortest period at the end of a trajectory, and its exact motion, from and to arrays.
    pure subroutine end_arrays(system, of_simulation, values, labels, most_cycles, tolerance, &
@@ -113,7 +153,8 @@ contains
       !> As in `most_cycles`.
       real(wp), intent(in) :: tolerance
       !> What else is wanted: nothing (0), the exact motion at the end of the trajectory (1), or
-      !! that motion if it has the longest period, is stable and admissible and near (2).
+      !! that motion if its shortest period is `most_cycles` and it is stable, admissible and
+      !! near (2).
       integer, intent(in) :: solve
       !> Load cycles of the period, 0 if there is none; its n symbols, the number of the first event
       !! of each (m), and the difference from the previous period (rad).
@@ -145,11 +186,13 @@ contains
       end associate
    end subroutine end_arrays
 
-   !> The exact motion at the end of a simulation.
+   !> The exact motion at the end of a simulation, over its shortest period.
    !!
    !! The periods at its end are tried, the one that repeats itself best first, until a motion is
-   !! near the simulation and does not repeat itself within that period. The system may differ from
-   !! the one simulated: if no motion is near, the first motion found is taken.
+   !! near the simulation and does not repeat itself within that period. A simulation that settles
+   !! slowly, as near a flip, may repeat itself only after several periods of the motion: then its
+   !! shortest period is taken. The system may differ from the one simulated: if no motion is near,
+   !! the first motion found is taken.
    pure subroutine motion_at_end(system, events, periods, factor, described)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -170,8 +213,9 @@ contains
       do i = size(periods), 1, -1
          call confirm(system, events, periods(i), factor, scale, motion, nearby)
          if (motion%status /= stat%ok) cycle
-         if (i > 1) then
-            if (is_repeated(motion, scale)) cycle
+         if (is_repeated(motion, scale)) then
+            if (i > 1) cycle
+            motion = once(motion, scale)
          end if
          if (nearby .or. chosen%status /= stat%ok) chosen = motion
          if (nearby) exit
@@ -202,13 +246,16 @@ contains
       integer :: i
 
       described%motion%status = stat%no_motion
-      i = findloc(periods%cycles, cycles, 1)
-      if (i == 0) return
       scale = scale_of(system)
-      call confirm(system, events, periods(i), [1.0_wp, 1.0_wp], scale, motion, nearby)
-      if (.not. nearby .or. motion%stable /= yes .or. motion%admissible /= yes) return
-      if (is_repeated(motion, scale)) return
-      call describe_chosen(system, motion, described)
+      do i = 1, size(periods)
+         if (modulo(periods(i)%cycles, cycles) /= 0) cycle
+         call confirm(system, events, periods(i), [1.0_wp, 1.0_wp], scale, motion, nearby)
+         if (.not. nearby .or. motion%stable /= yes .or. motion%admissible /= yes) cycle
+         motion = once(motion, scale)
+         if (motion%pattern%cycles /= cycles) cycle
+         call describe_chosen(system, motion, described)
+         return
+      end do
    end subroutine attractor_at_end
 
    !> A motion with its full description, from the release of the simulation on.
@@ -233,11 +280,34 @@ contains
       type(found_type), intent(in) :: motion
       !> Unit of positions, as `length_scale`.
       real(wp), intent(in) :: scale
-      type(found_type) :: once
+      type(found_type) :: standard
 
-      once = in_standard_form(motion, scale)
-      is_repeated = once%pattern%cycles < motion%pattern%cycles
+      standard = in_standard_form(motion, scale)
+      is_repeated = standard%pattern%cycles < motion%pattern%cycles
    end function is_repeated
+
+   !> A motion that repeats itself within its period, over its shortest period, which begins with the
+   !! same impact.
+   pure function once(motion, scale)
+      !> The motion.
+      type(found_type), intent(in) :: motion
+      !> Unit of positions, as `length_scale`.
+      real(wp), intent(in) :: scale
+      type(found_type) :: once, standard
+      integer :: m, n
+
+      once = motion
+      standard = in_standard_form(motion, scale)
+      once%pattern%cycles = standard%pattern%cycles
+      m = size(standard%pattern%sides)
+      n = size(motion%pattern%sides)
+      once%pattern%sides = motion%pattern%sides(:m)
+      once%unknowns = [motion%unknowns(:m), motion%unknowns(n + 1:n + m)]
+      ! the release that was solved for is the last one
+      n = size(motion%releases, 2)
+      m = n*once%pattern%cycles/motion%pattern%cycles
+      once%releases = motion%releases(:, n - m + 1:)
+   end function once
 
    !> Newton's method from a period of a simulation.
    pure subroutine confirm(system, events, period, factor, scale, motion, nearby)

@@ -2,13 +2,15 @@
 !! impacts.
 module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_exponents, only: negative, positive, sign_by_error, zero
    use vi_kinds, only: wp
-   use vi_motion, only: no
+   use vi_motion, only: no, yes
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
    use vi_structure_found, only: add_motion, found_list_type
+   use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_structure_period, only: exact, periodic_structure
    use vi_structure_return, only: settle_on, settled_type
    use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
@@ -34,6 +36,18 @@ module vi_structure_find
       integer :: seed = 0, threads = 1
    end type orders_type
 
+   !> Kinds of motions that are not periodic.
+   integer, parameter, public :: chaotic = 1, quasi_periodic = 2
+
+   !> Load cycles of the first average of a state that is followed, which doubles from one to the
+   !! next; those after which it is left undecided, with which an exponent may count as zero, and
+   !! before which a motion does not count as settled; batches of an average.
+   integer, parameter :: first_average = 1000, most_followed = 100000, zero_cycles = 8000, &
+      least_cycles = 3000, batches = 20
+   !> A motion counts as settled after this many of the times in which volumes contract by a factor
+   !! e in each direction.
+   real(wp), parameter :: contractions = 40
+
    !> Tasks between which the list of motions is brought up to date.
    integer, parameter :: block = 512
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
@@ -41,7 +55,8 @@ module vi_structure_find
 contains
 
    !> The motion on which each of some states settles.
-   subroutine settle_states(structure, load, start, states, how, list, labels, status, progress)
+   subroutine settle_states(structure, load, start, states, how, list, labels, kinds, status, &
+      progress)
       !> The structure and its load, with a frequency > 0.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -56,6 +71,8 @@ contains
       type(found_list_type), intent(inout) :: list
       !> (m) The place of the motion in the list; 0 if there is none, or if it is not stable.
       integer, intent(out) :: labels(:)
+      !> (m) The kind of a motion that is not periodic, with the status `stat%no_period`; otherwise 0.
+      integer, intent(out) :: kinds(:)
       !> (m) As of `settle_on`, and `stat%not_stable`.
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress.
@@ -65,6 +82,7 @@ contains
       integer :: first, i, last, ready
 
       labels = 0
+      kinds = 0
       status = stat%not_computed
       call add_expected_work(size(labels), progress)
       call new_run(structure, load, run, ready)
@@ -77,7 +95,7 @@ contains
          !$omp parallel do schedule(dynamic, 1) num_threads(how%threads)
          do i = first, last
             if (.not. is_stopped(progress)) call settle_one(structure, run, start, states(:, i), &
-               how, found(i), status(i), progress)
+               how, found(i), kinds(i), status(i), progress)
             call add_done_work(1, progress)
          end do
          !$omp end parallel do
@@ -92,7 +110,7 @@ contains
    end subroutine settle_states
 
    !> The motion on which a state settles.
-   subroutine settle_one(structure, run, start, state, how, found, status, progress)
+   subroutine settle_one(structure, run, start, state, how, found, kind, status, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The structure under its load.
@@ -103,19 +121,122 @@ contains
       type(settling_type), intent(in) :: how
       !> The motion.
       type(settled_type), intent(out) :: found
+      !> As of `settle_states`.
+      integer, intent(out) :: kind
       !> As of `settle_on`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       type(run_type) :: own
+      real(wp) :: finish(size(state))
       integer :: n
 
+      kind = 0
       n = size(state)/2
       ! a copy, since regimes are added
       own = run
+      finish = state
       call settle_on(structure, own, start, state(:n), state(n + 1:), how%settling, &
-         how%max_cycles, 0, .true., how%max_events, found, status, progress)
+         how%max_cycles, 0, .true., how%max_events, found, status, progress, finish)
+      if (is_decided(found, status)) return
+      call follow_on(structure, own, start, finish, how, found, kind, status, progress)
    end subroutine settle_one
+
+   !> Whether it is known on what a simulation settles, or that it cannot go on.
+   pure logical function is_decided(found, status)
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> As of `settle_on`.
+      integer, intent(in) :: status
+
+      if (status == stat%ok) then
+         is_decided = found%motion%verdicts%stable == yes
+      else
+         is_decided = .not. any(status == [stat%no_period, stat%no_convergence, stat%singular, &
+            stat%no_motion])
+      end if
+   end function is_decided
+
+   !> Follows a state on which nothing is decided yet: its motion is chaotic if the largest exponent
+   !! is positive by its error, and quasi-periodic if that is zero by its error and no stable motion
+   !! is near. A negative one tells that it settles.
+   !!
+   !! A transient may look like any of them for a long time. Volumes contract at a known rate, and
+   !! nothing settles faster: there is no kind until the motion has gone on for many times as long.
+   subroutine follow_on(structure, run, start, state, how, found, kind, status, progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The structure under its load; regimes are added.
+      type(run_type), intent(inout) :: run
+      !> Time at the start.
+      real(wp), intent(in) :: start
+      !> (2n) In: coordinates and velocities. Out: whole load cycles later.
+      real(wp), intent(inout) :: state(:)
+      !> How it was simulated.
+      type(settling_type), intent(in) :: how
+      !> In and out: the motion.
+      type(settled_type), intent(inout) :: found
+      !> As of `settle_states`.
+      integer, intent(out) :: kind
+      !> In and out: as of `settle_on`; of the last simulation.
+      integer, intent(inout) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> How nearly a motion repeats that is approached.
+      real(wp), parameter :: usual = 1.0e-4_wp, loose = 1.0e-2_wp
+      type(exponents_type) :: average
+      real(wp) :: here(size(state))
+      integer :: cycles, left, n, sign_of_it, spent, ended
+
+      kind = 0
+      n = size(state)/2
+      cycles = first_average
+      spent = how%settling
+      left = how%max_events
+      do while (spent + cycles <= how%settling + most_followed)
+         here = state
+         call structure_exponents(structure, run%load, start, here(:n), here(n + 1:), &
+            average_type(0, cycles/batches, batches, 1, left), average, ended, progress, state)
+         if (ended /= stat%ok) exit
+         spent = spent + cycles
+         left = left - average%impacts
+         sign_of_it = sign_by_error(average%exponents(1)*average%period, average%deviations(1)* &
+            average%period, cycles)
+         if (is_steady(average, spent)) then
+            if (sign_of_it == positive) kind = chaotic
+         end if
+         status = stat%no_period
+         if (kind > 0) return
+         here = state
+         call settle_on(structure, run, start, here(:n), here(n + 1:), 0, how%max_cycles, 0, &
+            .false., left, found, status, progress, state, merge(loose, usual, sign_of_it == &
+            negative))
+         spent = spent + 2*how%max_cycles
+         if (is_decided(found, status)) return
+         if (sign_of_it == zero .and. cycles >= zero_cycles .and. is_steady(average, spent)) then
+            kind = quasi_periodic
+            status = stat%no_period
+            return
+         end if
+         cycles = 2*cycles
+      end do
+      if (any(ended == [stat%event_limit, stat%not_computed])) status = ended
+
+   contains
+
+      !> Whether a motion with such an average has gone on for long enough.
+      pure logical function is_steady(average, spent)
+         !> The average.
+         type(exponents_type), intent(in) :: average
+         !> Load cycles simulated.
+         integer, intent(in) :: spent
+
+         is_steady = spent >= least_cycles
+         if (average%contraction > 1.0e-12_wp) is_steady = is_steady .and. &
+            spent*average%period*average%contraction >= contractions
+      end function is_steady
+
+   end subroutine follow_on
 
    !> Newton's method from random impact times, for all orders of a few impacts.
    subroutine search_orders(structure, load, how, list, failures, progress)

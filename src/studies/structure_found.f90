@@ -4,8 +4,7 @@ module vi_structure_found
    use vi_motion, only: yes
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
-   use vi_structure_period, only: exact, periodic_structure
-   use vi_structure_return, only: settled_type
+   use vi_structure_return, only: settled_type, shorten
    use vi_study, only: column_type, complexes, result_type, verdicts, wholes
    implicit none (type, external)
    private
@@ -87,39 +86,6 @@ contains
       list%n = place
       list%motions(place) = shorter
    end subroutine add_motion
-
-   !> A motion over its shortest period, if its impacts repeat within the period given.
-   pure subroutine shorten(structure, load, found, shorter)
-      !> The structure and its load.
-      type(structure_type), intent(in) :: structure
-      !> As in `structure`.
-      type(load_type), intent(in) :: load
-      !> The motion.
-      type(settled_type), intent(in) :: found
-      !> The same one.
-      type(settled_type), intent(out) :: shorter
-      real(wp), parameter :: near = 1.0e-7_wp
-      type(structure_type) :: own
-      integer :: parts, m, n, status
-
-      shorter = found
-      n = size(found%gaps)
-      if (size(found%resting) > 0) return
-      do parts = n, 2, -1
-         if (modulo(n, parts) > 0 .or. modulo(found%cycles, parts) > 0) cycle
-         m = n/parts
-         if (any(found%gaps(m + 1:) /= found%gaps(:n - m))) cycle
-         if (any(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - &
-            two_pi*found%cycles/parts) > near)) cycle
-         own = structure
-         shorter%gaps = found%gaps(:m)
-         shorter%cycles = found%cycles/parts
-         call periodic_structure(own, load, shorter%gaps, found%motion%phases(:m), shorter%cycles, &
-            exact, shorter%motion, status)
-         if (status /= stat%ok) shorter = found
-         return
-      end do
-   end subroutine shorten
 
    !> Whether two motions are the same, whatever impact each is counted from.
    pure logical function same_motion(one, other)

@@ -14,7 +14,7 @@ module vi_structure_lyapunov
    use vi_structure, only: load_type, restitution_of, structure_type
    use vi_structure_map, only: from_coordinates, to_coordinates
    use vi_structure_run, only: impact_event, new_run, run_event_type, run_state_type, run_type, &
-      simulate_structure, start_at, stick_event
+      simulate_structure, start_at, state_now, stick_event
    use vi_structure_variation, only: start_tangent, tangent_type, through_event, to_state
    implicit none (type, external)
    private
@@ -37,6 +37,9 @@ module vi_structure_lyapunov
       !> Dimension of Kaplan and Yorke, and the error of the sum of the exponents per unit of time;
       !! NaN unless all directions are carried, and the error also if some are lost.
       real(wp) :: dimension = 0, error = 0
+      !> Mean rate at which volumes contract, for each of the 2n directions; of those that are lost
+      !! only what the damping contributes.
+      real(wp) :: contraction = 0
       !> Impacts and rests in the batches that count; unit of time of a period.
       integer :: impacts = 0, rests = 0
       real(wp) :: period = 0
@@ -58,7 +61,8 @@ module vi_structure_lyapunov
 contains
 
    !> The exponents of the motion that begins at a state.
-   subroutine structure_exponents(structure, load, start, q, rate, average, found, status, progress)
+   subroutine structure_exponents(structure, load, start, q, rate, average, found, status, &
+      progress, finish)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -74,12 +78,14 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      !> (2n) Coordinates and velocities at the end, whole periods of the load after the start.
+      real(wp), intent(inout), optional :: finish(:)
       type(run_type) :: run
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
       type(growth_type) :: growth
       real(wp), allocatable :: sums(:), parts(:, :)
-      real(wp) :: weights, part_weights(average%batches), difference
+      real(wp) :: weights, part_weights(average%batches), difference, shrinking
       integer :: batch, i, left, n
 
       n = size(q)
@@ -109,6 +115,7 @@ contains
       weights = 0
       part_weights = 0
       difference = 0
+      shrinking = 0
       do batch = 1, average%batches
          do i = 1, average%cycles
             growth%logs = 0
@@ -117,6 +124,7 @@ contains
             if (status /= stat%ok) return
             difference = difference + sum(growth%logs) - growth%shrinking + 2*sum( &
                run%regimes(1)%modes%damping)*run%period
+            shrinking = shrinking + growth%shrinking
             associate (of_part => bump((i - 0.5_wp)/average%cycles), of_all => bump((i - 0.5_wp + &
                (batch - 1)*real(average%cycles, wp))/(real(average%cycles, wp)*average%batches)))
                parts(:, batch) = parts(:, batch) + of_part*growth%logs
@@ -133,6 +141,9 @@ contains
          found%exponents, found%deviations)
       found%impacts = growth%impacts
       found%rests = growth%rests
+      found%contraction = (2*sum(run%regimes(1)%modes%damping) - shrinking/(run%period* &
+         average%cycles*real(average%batches, wp)))/(2*n)
+      if (present(finish)) call state_now(run, state, finish(:n), finish(n + 1:))
       found%dimension = ieee_value(1.0_wp, ieee_quiet_nan)
       found%error = found%dimension
       if (average%directions < 2*n) return

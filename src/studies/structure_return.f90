@@ -23,7 +23,8 @@ module vi_structure_return
    implicit none (type, external)
    private
 
-   public :: one_cycle, repetition, settle, settle_arrays, settle_on, some_cycles
+   public :: confirmed_cycles, one_cycle, repetition, settle, settle_arrays, settle_on, shorten, &
+      some_cycles
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000
@@ -67,7 +68,7 @@ contains
 
    !> As `settle`, with regimes that are known, a limit of events, and until it is stopped.
    subroutine settle_on(structure, run, start, q, rate, settling, most_cycles, cycles, early, &
-      max_events, found, status, progress)
+      max_events, found, status, progress, finish, nearness)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The structure under its load; regimes are added.
@@ -92,14 +93,22 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> (2n) Coordinates and velocities some load cycles after the start, where the motion was
+      !! looked for.
+      real(wp), intent(inout), optional :: finish(:)
+      !> How nearly a motion repeats that has settled, if not as usual.
+      real(wp), intent(in), optional :: nearness
       !> How nearly a motion repeats once it has settled, and before that.
-      real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
+      real(wp), parameter :: usual = 1.0e-4_wp, at_rounding = 1.0e-9_wp
+      real(wp) :: near
       type(run_state_type) :: state, at
       type(run_event_type), allocatable :: events(:)
       real(wp), allocatable :: strobes(:, :)
       real(wp) :: elapsed
       integer :: done, left
 
+      near = usual
+      if (present(nearness)) near = nearness
       call start_at(run, start, q, rate, state, status)
       if (status /= stat%ok) return
       allocate (events(most_events), strobes(2*size(q), 0:2*most_cycles))
@@ -117,7 +126,10 @@ contains
          call conclude(structure, run, at, elapsed, events, found, status, progress)
          if (status == stat%no_impacts) return
          if (status == stat%ok) then
-            if (found%motion%verdicts%stable == yes) return
+            if (found%motion%verdicts%stable == yes) then
+               call take_shortest(structure, run, at, elapsed, events, found, progress)
+               return
+            end if
          end if
          ! it passes by a motion that is not stable
          call forget(found)
@@ -132,12 +144,139 @@ contains
          if (status /= stat%ok) return
          call repetition(strobes, most_cycles, near, found%cycles)
       end if
+      if (present(finish)) call state_now(run, state, finish(:size(q)), finish(size(q) + 1:))
       if (found%cycles == 0) then
          status = stat%no_period
          return
       end if
       call conclude(structure, run, state, elapsed, events, found, status, progress)
+      if (cycles == 0 .and. status == stat%ok) call take_shortest(structure, run, state, elapsed, &
+         events, found, progress)
    end subroutine settle_on
+
+   !> Load cycles of the shortest period of the stable motion near a state that repeats; 0 if none is
+   !! confirmed.
+   subroutine confirmed_cycles(structure, run, state, elapsed, cycles, events, period, impacts, &
+      progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      !> Time within the cycle.
+      real(wp), intent(in) :: elapsed
+      !> Load cycles after which it repeats.
+      integer, intent(in) :: cycles
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> The result, and the number of impacts of the motion; -1 with rest, where the number of
+      !! impacts of an accumulation depends on rounding.
+      integer, intent(out) :: period, impacts
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(run_state_type) :: at
+      type(settled_type) :: found
+      integer :: status
+
+      period = 0
+      impacts = 0
+      at = state
+      found%cycles = cycles
+      call conclude(structure, run, at, elapsed, events, found, status, progress)
+      if (status /= stat%ok) return
+      if (found%motion%verdicts%admissible /= yes .or. found%motion%verdicts%stable /= yes) return
+      call take_shortest(structure, run, at, elapsed, events, found, progress)
+      period = found%cycles
+      impacts = merge(-1, size(found%gaps), size(found%resting) > 0)
+   end subroutine confirmed_cycles
+
+   !> A motion over its shortest period: a simulation that settles slowly may repeat itself only after
+   !! several of them.
+   subroutine take_shortest(structure, run, state, elapsed, events, found, progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The state at the end of the simulated period.
+      type(run_state_type), intent(in) :: state
+      !> Time within the cycle.
+      real(wp), intent(in) :: elapsed
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> In: the motion. Out: over its shortest period.
+      type(settled_type), intent(inout) :: found
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(settled_type) :: shorter
+      type(run_state_type) :: at
+      integer :: n, parts, status
+
+      if (size(found%resting) == 0) then
+         call shorten(structure, run%load, found, shorter)
+         found = shorter
+         return
+      end if
+      do parts = found%cycles, 2, -1
+         if (modulo(found%cycles, parts) > 0) cycle
+         if (.not. rests_repeat(found, parts)) cycle
+         at = state
+         shorter%cycles = found%cycles/parts
+         call one_cycle(run, at, shorter%cycles, elapsed, events, n, status, progress)
+         if (status == stat%ok) call by_return(run, at, elapsed, events, n, shorter, status)
+         if (status == stat%ok) found = shorter
+         return
+      end do
+   end subroutine take_shortest
+
+   !> Whether the rests of a motion repeat themselves within its period.
+   pure logical function rests_repeat(found, parts)
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> How many times.
+      integer, intent(in) :: parts
+      real(wp), parameter :: near = 1.0e-6_wp, turn = 2*acos(-1.0_wp)
+      integer :: m, n
+
+      n = size(found%resting)
+      m = n/parts
+      rests_repeat = modulo(n, parts) == 0
+      if (rests_repeat) rests_repeat = all(found%resting(m + 1:) == found%resting(:n - m)) .and. &
+         all(abs(found%rests(:, m + 1:) - found%rests(:, :n - m) - turn*found%cycles/parts) < near)
+   end function rests_repeat
+
+   !> A motion over its shortest period, if its impacts repeat within the period given.
+   pure subroutine shorten(structure, load, found, shorter)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> The same one.
+      type(settled_type), intent(out) :: shorter
+      real(wp), parameter :: near = 1.0e-7_wp
+      type(structure_type) :: own
+      integer :: parts, m, n, status
+
+      shorter = found
+      n = size(found%gaps)
+      if (size(found%resting) > 0) return
+      do parts = n, 2, -1
+         if (modulo(n, parts) > 0 .or. modulo(found%cycles, parts) > 0) cycle
+         m = n/parts
+         if (any(found%gaps(m + 1:) /= found%gaps(:n - m))) cycle
+         if (any(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - &
+            2*acos(-1.0_wp)*found%cycles/parts) > near)) cycle
+         own = structure
+         shorter%gaps = found%gaps(:m)
+         shorter%cycles = found%cycles/parts
+         call periodic_structure(own, load, shorter%gaps, found%motion%phases(:m), shorter%cycles, &
+            exact, shorter%motion, status)
+         if (status /= stat%ok) shorter = found
+         return
+      end do
+   end subroutine shorten
 
    !> Makes a motion that was looked for too early empty again.
    pure subroutine forget(found)

@@ -11,7 +11,7 @@ module vi_structure_sweep
    use vi_structure_extremes, only: turning_share
    use vi_structure_find, only: open_gaps
    use vi_structure_path, only: changed, structure_path_type
-   use vi_structure_return, only: most_events, one_cycle, repetition, some_cycles
+   use vi_structure_return, only: confirmed_cycles, most_events, one_cycle, repetition, some_cycles
    use vi_structure_run, only: impact_event, is_far, new_run, run_event_type, run_state_type, &
       run_type, start_at, state_now, stick_event
    implicit none (type, external)
@@ -32,7 +32,7 @@ module vi_structure_sweep
       integer :: value = 0, run = 1
       !> `stat%ok`, or why there is nothing.
       integer :: status = stat%not_computed
-      !> Load cycles of the period, 0 if none was seen; impacts and rests in it, or in all cycles
+      !> Load cycles of the period, 0 if none is confirmed; impacts and rests in it, or in all cycles
       !! that were examined.
       integer :: cycles = 0, impacts = 0, rests = 0
       !> (n) Least and greatest values of the coordinates, and roots of their mean squares.
@@ -120,7 +120,7 @@ contains
       type(run_event_type), allocatable :: events(:)
       type(size_type) :: sizes
       real(wp), allocatable :: strobes(:, :)
-      integer :: counts(how%keep), rests(how%keep), first, i, k, left, n
+      integer :: counts(how%keep), rests(how%keep), first, i, k, left, n, repeats
 
       associate (m => size(here)/2)
          allocate (cell%gaps(0), cell%phases(0), cell%speeds(0), cell%strobes(2*m, 0))
@@ -168,7 +168,8 @@ contains
          cell%q_max = sizes%high
          cell%q_rms = sqrt(sizes%squares/sizes%time)
          k = (how%keep - 1)/2
-         call repetition(strobes(:, how%keep - 2*k:), k, near, cell%cycles)
+         call repetition(strobes(:, how%keep - 2*k:), k, near, repeats)
+         call confirm(structure, run, state, repeats, counts, events, cell%cycles, progress)
          first = 1
          if (cell%cycles > 0) first = how%keep - cell%cycles + 1
          cell%impacts = sum(counts(first:))
@@ -176,6 +177,70 @@ contains
          cell%strobes = strobes(:, first:how%keep)
       end associate
    end subroutine examine
+
+   !> The shortest period of the motion on which a simulation has settled.
+   !!
+   !! A simulation that approaches a motion slowly, or leaves one that is not stable, nearly repeats
+   !! itself, possibly only after several periods: Newton's method has to confirm a stable motion.
+   subroutine confirm(structure, run, state, repeats, counts, events, cycles, progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The state at the end.
+      type(run_state_type), intent(in) :: state
+      !> Load cycles after which it repeats itself; 0 if it does not.
+      integer, intent(in) :: repeats
+      !> (cycles examined) Impacts in each.
+      integer, intent(in) :: counts(:)
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> Load cycles of the period; 0 if it is not confirmed.
+      integer, intent(out) :: cycles
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer :: impacts, n
+
+      cycles = 0
+      if (repeats == 0) return
+      n = size(counts)
+      if (sum(counts(n - repeats + 1:)) == 0) then
+         if (is_steady(run, state)) cycles = 1
+         return
+      end if
+      call confirmed_cycles(structure, run, state, 0.0_wp, repeats, events, cycles, impacts, &
+         progress)
+      ! the simulation may still hit a gap more or less often than the motion
+      if (impacts >= 0 .and. sum(counts(n - cycles + 1:)) /= impacts) cycles = 0
+   end subroutine confirm
+
+   !> Whether a motion without impacts has settled.
+   pure logical function is_steady(run, state)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      real(wp), parameter :: near = 1.0e-3_wp
+      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate, steady, steady_rate
+      real(wp), dimension(size(state%x)) :: x, v
+
+      associate (regime => run%regimes(state%regime))
+         v = -regime%modes%drift
+         x = regime%modes%force + 2*regime%modes%damping*regime%modes%drift
+         is_steady = .not. any(abs(x) > 0 .and. .not. regime%modes%stiffness > 0)
+         if (.not. is_steady) return
+         ! a coordinate without stiffness stays wherever it is
+         where (regime%modes%stiffness > 0)
+            x = x/regime%modes%stiffness
+         else where
+            x = state%x
+         end where
+         call state_of(regime, run%load%frequency*state%elapsed, x, v, steady, steady_rate)
+         call state_now(run, state, q, rate)
+         is_steady = maxval(abs(q - steady)) <= near*maxval(abs(q)) .and. &
+            maxval(abs(rate - steady_rate)) <= near*maxval(abs(rate))
+      end associate
+   end function is_steady
 
    !> Adds the flights and rests of a load cycle.
    pure subroutine measure_cycle(run, before, events, after, sizes)

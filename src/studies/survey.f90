@@ -4,6 +4,7 @@
 !! motion exact, and only a stable, admissible one within the limits is an attractor for an atlas.
 !! The outcome of the other points is also reported, see vi_survey_outcome.
 module vi_survey
+   use vi_attractor_known, only: is_free
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type
    use vi_event_symbols, only: period_type, read_periods, symbol_sequence_type, total_phase
@@ -20,7 +21,7 @@ module vi_survey
       state_type
    use vi_starts, only: state_start
    use vi_status, only: stat
-   use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, is_free, no_impacts, &
+   use vi_survey_outcome, only: beyond, chaotic, event_limit, is_chaotic, no_impacts, &
       not_confirmed, not_settled, periodic, stable_period
    use vi_progress, only: add_expected_work, add_done_work, is_stopped
    implicit none (type, external)

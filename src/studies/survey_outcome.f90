@@ -4,12 +4,11 @@ module vi_survey_outcome
    use vi_attractor_lyapunov, only: largest_exponent
    use vi_forced_system, only: forced_system_type, state_type
    use vi_kinds, only: wp
-   use vi_oscillator, only: eta
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: count_outcomes, is_chaotic, is_free, stable_period
+   public :: count_outcomes, is_chaotic, stable_period
 
    !> A stable periodic motion within the limits of symbols and cycles; one beyond them; the free
    !! mass at rest and never touched; a positive Lyapunov exponent; none of these so far; a
@@ -38,27 +37,6 @@ contains
 
       counts = [(count(outcomes == i), i=1, size(counts))]
    end function count_outcomes
-
-   !> Whether the free mass is at rest and no wall ever reaches it.
-   !!
-   !! The primary mass moves as A sin(rt - lag) plus a decaying free vibration: the sum of their
-   !! present amplitudes bounds |x| from now on.
-   pure logical function is_free(system, state)
-      !> The forced system.
-      type(forced_system_type), intent(in) :: system
-      !> The present state.
-      type(state_type), intent(in) :: state
-      real(wp) :: x, x_dot, most
-
-      is_free = .false.
-      if (state%side /= 0 .or. state%resting .or. abs(state%z_dot) > 0) return
-      associate (osc => system%osc, angle => state%phase - system%lag)
-         x = state%x - system%amplitude*sin(angle)
-         x_dot = state%x_dot - system%r*system%amplitude*cos(angle)
-         most = system%amplitude + hypot(x, (x_dot + osc%xi*x)/eta(osc%xi))
-      end associate
-      is_free = abs(state%z) + most < 0.5_wp*system%clearance
-   end function is_free
 
    !> The symbols of the stable periodic motion on which a state lies, by Newton's method on the map
    !! over the period.

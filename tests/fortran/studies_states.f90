@@ -4,7 +4,7 @@ module studies_states
    use checks, only: check, check_close
    use random_numbers, only: draw, random_type
    use vi_attractor_basin, only: decide, event_limited, not_reached
-   use vi_attractor_known, only: alike, ball, exact_period, identify, known_type, periodic
+   use vi_attractor_known, only: alike, ball, exact_period, identify, is_free, known_type, periodic
    use vi_attractor_list, only: attractor_list_type, label_states
    use vi_attractor_lyapunov, only: largest_exponent
    use vi_attractor_performance, only: figures, perform
@@ -18,7 +18,7 @@ module studies_states
    use vi_simulate, only: simulate, simulate_cycles
    use vi_status, only: stat
    use vi_survey, only: attractor_type, limits_type, settle_from
-   use vi_survey_outcome, only: is_free, not_settled, stable_period
+   use vi_survey_outcome, only: not_settled, stable_period
    implicit none (type, external)
    private
 
