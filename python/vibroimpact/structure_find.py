@@ -31,9 +31,14 @@ class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_str
     motions : tuple of StructureMotion
     settled : tuple of int
         How many of the simulated states settle on each.
+    without_impacts : int
+        Simulated states after which no impacts are left: all gaps stay open, or some rest for good.
+    chaotic, quasi_periodic : int
+        Simulated states whose largest Lyapunov exponent is positive by its error, and those where it is zero by its
+        error and no stable motion is near.
     unsettled : int
-        Simulated states that do not settle on an admissible periodic motion with impacts within the limits of the
-        search; those of the motion without impacts count here.
+        Simulated states on which none of this is decided within the limits of the search, or whose motion is not
+        stable.
     failures : dict
         Messages of simulations and iterations that failed, and how often each occurred.
     case : str
@@ -54,6 +59,18 @@ class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_str
     @property
     def settled(self) -> tuple[int, ...]:
         return tuple(self._table("motions", "settled").tolist())
+
+    @property
+    def without_impacts(self) -> int:
+        return int(self._table("search", "without_impacts"))
+
+    @property
+    def chaotic(self) -> int:
+        return int(self._table("search", "chaotic"))
+
+    @property
+    def quasi_periodic(self) -> int:
+        return int(self._table("search", "quasi_periodic"))
 
     @property
     def unsettled(self) -> int:
@@ -85,9 +102,13 @@ class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_str
             for motion, count in zip(self.motions, self.settled, strict=True)
         ]
         cut = "" if self.complete else f"; cut short, {self.cut}"
+        counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without impacts")]
+        counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]
+        # all of which are 0 where every state settles
+        others = ", ".join(f"{n} states {what}" for n, what in counts if n or what == "unsettled")
         return "\n".join(
             [
-                f"<StructureMotions: {len(self)} found, {self.unsettled} states unsettled{cut}>",
+                f"<StructureMotions: {len(self)} found, {others}{cut}>",
                 *lines,
             ]
         )

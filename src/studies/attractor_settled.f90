@@ -20,8 +20,8 @@ module vi_attractor_settled
 
    public :: advance, segments_between, settle_chains
 
-   !> Events kept of a simulation.
-   integer, parameter :: capacity = 4096
+   !> Events kept of a simulation: room at first, and the most.
+   integer, parameter :: capacity = 4096, most_events = 262144
    !> States one period apart count as the same within this share of the clearance.
    real(wp), parameter :: same = 1.0e-5_wp
 
@@ -144,7 +144,7 @@ contains
       type(settled_type), intent(inout) :: settled
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      type(state_type) :: last(0:keep)
+      type(state_type) :: begin, last(0:keep)
       integer :: n, first(0:keep), i, k
       integer :: left, stored
 
@@ -167,9 +167,16 @@ contains
       n = 0
       do i = 1, keep
          if (settled%status /= stat%ok) exit
-         last(i) = last(i - 1)
-         call advance(system, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, left, &
-            settled%status, progress)
+         begin = state
+         do
+            last(i) = last(i - 1)
+            call advance(system, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, left, &
+               settled%status, progress)
+            if (settled%status /= stat%more_events .or. size(settled%events) >= most_events) exit
+            call enlarge(settled%events)
+            left = left + n
+            state = begin
+         end do
          first(i) = first(i - 1) + n
          stored = stored + n
       end do
@@ -183,6 +190,17 @@ contains
       end if
       state = last(merge(keep, 0, settled%status == stat%ok))
    end subroutine settle_on
+
+   !> Doubles the room for events.
+   pure subroutine enlarge(events)
+      !> In and out: the events.
+      type(event_type), allocatable, intent(inout) :: events(:)
+      type(event_type), allocatable :: more(:)
+
+      allocate (more(2*size(events)))
+      more(:size(events)) = events
+      call move_alloc(more, events)
+   end subroutine enlarge
 
    !> The shortest period of the motion on which a simulation has settled.
    !!

@@ -71,7 +71,7 @@ module vi_bifurcation_study
       column_type('values', 'clearance_along', unit='F0/K', listed=.false., &
       meaning='clearance at each value, unless it is the parameter'), &
       column_type('cells', 'label', words, &
-      meaning='impacts / load cycles of the period; empty if none was seen'), &
+      meaning='impacts / load cycles of the period; empty if none is confirmed'), &
       column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase within a load cycle'), &
       column_type('impacts', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
@@ -84,7 +84,7 @@ module vi_bifurcation_study
       column_type('impacts', 'z_dot_after', unit='omega F0/K', &
       meaning='velocity of the free mass after the impact'), &
       column_type('cells', 'cycles', wholes, listed=.false., &
-      meaning='load cycles of the period; 0 if none was seen'), &
+      meaning='load cycles of the period; 0 if none is confirmed'), &
       column_type('cells', 'symbols', wholes, listed=.false., &
       meaning='impacts of a period, each accumulation counted as one'), &
       column_type('cells', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
@@ -426,7 +426,7 @@ contains
       end select
    end function padded_name
 
-   !> Symbols and load cycles of a period as N/k; empty where no period was found.
+   !> Symbols and load cycles of a period as N/k; empty where no period is confirmed.
    pure function label(period) result(text)
       !> Load cycles, symbols, impacts, rests.
       integer, intent(in) :: period(4)

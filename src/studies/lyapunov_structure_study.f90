@@ -31,7 +31,8 @@ module vi_lyapunov_structure_study
    type(column_type), parameter :: lyapunov_columns(*) = [ &
       column_type('exponents', 'number', wholes, meaning='number of the exponent'), &
       column_type('exponents', 'per_cycle', unit='1/load cycle', &
-      meaning='Lyapunov exponent, the greatest first'), &
+      meaning='Lyapunov exponent per load cycle (per unit of time if the load has no frequency), &
+      &the greatest first'), &
       column_type('exponents', 'error_per_cycle', unit='1/load cycle', &
       meaning='standard error of per_cycle'), &
       column_type('exponents', 'exponent', meaning='Lyapunov exponent per unit of time'), &
@@ -39,8 +40,8 @@ module vi_lyapunov_structure_study
       column_type('run', 'dimension', listed=.false., &
       meaning='Kaplan-Yorke dimension; nan unless there are all 2n exponents'), &
       column_type('run', 'identity_error', listed=.false., &
-      meaning='error of the sum of the exponents, which is known from damping and impacts; nan &
-      &unless there are all of them and no rest'), &
+      meaning='error of the sum of the exponents per unit of time, which is known from damping and &
+      &impacts; nan unless there are all of them and no rest'), &
       column_type('run', 'impacts', wholes, listed=.false., &
       meaning='impacts in the cycles averaged over'), &
       column_type('run', 'rests', wholes, listed=.false., &

@@ -57,16 +57,17 @@ module vi_lyapunov_study
       column_type('points', 'clearance', unit='F0/K', &
       meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('points', 'per_cycle', each='direction', label='exponent_#', &
-      unit='1/load cycle', meaning='Lyapunov exponents, the greatest first'), &
+      unit='1/load cycle', meaning='Lyapunov exponents per load cycle, the greatest first'), &
       column_type('points', 'error_per_cycle', each='direction', label='error_#', &
       unit='1/load cycle', meaning='standard errors of per_cycle'), &
       column_type('points', 'dimension', meaning='Kaplan-Yorke dimension'), &
-      column_type('points', 'identity_error', &
-      meaning='error of the sum of the exponents, which is known from damping and impacts'), &
+      column_type('points', 'identity_error', unit='omega', &
+      meaning='error of the sum of the exponents per unit of time, which is known from damping and &
+      &impacts'), &
       column_type('points', 'impacts', wholes, meaning='impacts in the cycles averaged over'), &
       column_type('points', 'rests', wholes, meaning='rests in the cycles averaged over'), &
       column_type('points', 'exponents', each='direction', unit='omega', listed=.false., &
-      meaning='Lyapunov exponents, the greatest first'), &
+      meaning='Lyapunov exponents per unit of time, the greatest first'), &
       column_type('points', 'standard_error', each='direction', unit='omega', listed=.false., &
       meaning='standard errors of exponents'), &
       column_type('points', 'status', wholes, listed=.false., &

@@ -48,7 +48,7 @@ module vi_response_study
       column_type('points', 'highest', meaning='greatest max|X|/A of the attractors'), &
       column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &
       column_type('runs', 'cycles', wholes, listed=.false., &
-      meaning='load cycles of the period; 0 if none was seen'), &
+      meaning='load cycles of the period; 0 if none is confirmed'), &
       column_type('runs', 'symbols', wholes, listed=.false., &
       meaning='impacts of a period, each accumulation counted as one'), &
       column_type('runs', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &

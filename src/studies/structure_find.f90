@@ -4,7 +4,7 @@ module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_exponents, only: negative, positive, sign_by_error, zero
    use vi_kinds, only: wp
-   use vi_motion, only: no, yes
+   use vi_motion, only: no
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_status, only: stat
@@ -12,7 +12,7 @@ module vi_structure_find
    use vi_structure_found, only: add_motion, found_list_type
    use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_structure_period, only: exact, periodic_structure
-   use vi_structure_return, only: settle_on, settled_type
+   use vi_structure_return, only: is_attractor, settle_on, settled_type
    use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at, state_now
    implicit none (type, external)
@@ -150,7 +150,7 @@ contains
       integer, intent(in) :: status
 
       if (status == stat%ok) then
-         is_decided = found%motion%verdicts%stable == yes
+         is_decided = is_attractor(found)
       else
          is_decided = .not. any(status == [stat%no_period, stat%no_convergence, stat%singular, &
             stat%no_motion])

@@ -23,7 +23,7 @@ module vi_structure_return
    implicit none (type, external)
    private
 
-   public :: confirmed_cycles, one_cycle, repetition, settle, settle_arrays, settle_on, shorten, &
+   public :: confirmed_cycles, is_attractor, is_steady, one_cycle, repetition, settle, settle_arrays, settle_on, shorten, &
       some_cycles
 
    !> Largest number of events of a period.
@@ -35,6 +35,8 @@ module vi_structure_return
       !> (N) The gaps of its impacts, and load cycles in a period.
       integer, allocatable :: gaps(:)
       integer :: cycles = 0
+      !> Whether the simulation on it repeated itself to rounding.
+      logical :: repeats = .false.
       !> (m) Gaps that rest, and the load phases (rad) at which each rest begins and ends.
       integer, allocatable :: resting(:)
       real(wp), allocatable :: rests(:, :)
@@ -87,7 +89,7 @@ contains
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
-      !! `stat%no_impacts`; `stat%no_motion` where it has more than `most_events` events in a
+      !! `stat%no_impacts`, once it is steady; `stat%no_motion` where it has more than `most_events` events in a
       !! period, or no flight without rest; `stat%event_limit`, `stat%not_computed` if it was
       !! stopped; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
@@ -142,7 +144,9 @@ contains
          call some_cycles(run, state, elapsed, 2*most_cycles, left, events, strobes, status, &
             progress)
          if (status /= stat%ok) return
-         call repetition(strobes, most_cycles, near, found%cycles)
+         call repetition(strobes, most_cycles, at_rounding, found%cycles)
+         found%repeats = found%cycles > 0
+         if (.not. found%repeats) call repetition(strobes, most_cycles, near, found%cycles)
       end if
       if (present(finish)) call state_now(run, state, finish(:size(q)), finish(size(q) + 1:))
       if (found%cycles == 0) then
@@ -155,9 +159,10 @@ contains
    end subroutine settle_on
 
    !> Load cycles of the shortest period of the stable motion near a state that repeats; 0 if none is
-   !! confirmed.
-   subroutine confirmed_cycles(structure, run, state, elapsed, cycles, events, period, impacts, &
-      progress)
+   !! confirmed. A motion of which it is not known whether it is stable, as where a mass may stay
+   !! anywhere, counts if the state repeats to rounding.
+   subroutine confirmed_cycles(structure, run, state, elapsed, cycles, repeats, events, period, &
+      impacts, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> In and out: regimes are added.
@@ -168,6 +173,8 @@ contains
       real(wp), intent(in) :: elapsed
       !> Load cycles after which it repeats.
       integer, intent(in) :: cycles
+      !> Whether it does so to rounding.
+      logical, intent(in) :: repeats
       !> Room for events.
       type(run_event_type), intent(inout) :: events(:)
       !> The result, and the number of impacts of the motion; -1 with rest, where the number of
@@ -185,11 +192,23 @@ contains
       found%cycles = cycles
       call conclude(structure, run, at, elapsed, events, found, status, progress)
       if (status /= stat%ok) return
-      if (found%motion%verdicts%admissible /= yes .or. found%motion%verdicts%stable /= yes) return
+      found%repeats = repeats
+      if (.not. is_attractor(found)) return
       call take_shortest(structure, run, at, elapsed, events, found, progress)
       period = found%cycles
       impacts = merge(-1, size(found%gaps), size(found%resting) > 0)
    end subroutine confirmed_cycles
+
+   !> Whether a simulation that ends near a motion has settled on it.
+   pure logical function is_attractor(found)
+      !> The motion.
+      type(settled_type), intent(in) :: found
+
+      associate (verdicts => found%motion%verdicts)
+         is_attractor = verdicts%admissible == yes .and. (verdicts%stable == yes .or. &
+            (verdicts%stable == unknown .and. found%repeats))
+      end associate
+   end function is_attractor
 
    !> A motion over its shortest period: a simulation that settles slowly may repeat itself only after
    !! several of them.
@@ -353,7 +372,8 @@ contains
       if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1)) then
          call by_return(run, state, elapsed, events, n, found, status)
       else if (n == 0) then
-         status = stat%no_impacts
+         ! a mass that still moves slowly will hit a gap
+         status = merge(stat%no_impacts, stat%no_period, is_steady(run, state))
       else
          found%gaps = events(:n)%gap
          allocate (found%resting(0), found%rests(2, 0))
@@ -369,6 +389,37 @@ contains
          end if
       end if
    end subroutine conclude
+
+   !> Whether a motion without impacts has settled: near the steady motion of its regime, where what
+   !! has no stiffness stands still.
+   pure logical function is_steady(run, state)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      real(wp), parameter :: near = 1.0e-3_wp, at_rounding = 1.0e-9_wp
+      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate, steady, steady_rate
+      real(wp), dimension(size(state%x)) :: x, v
+
+      associate (regime => run%regimes(state%regime), stiff => &
+         run%regimes(state%regime)%modes%stiffness > 0)
+         v = -regime%modes%drift
+         x = regime%modes%force + 2*regime%modes%damping*regime%modes%drift
+         is_steady = .not. any(abs(x) > 0 .and. .not. stiff)
+         if (.not. is_steady) return
+         where (stiff)
+            x = x/regime%modes%stiffness
+         else where
+            ! such a coordinate may be anywhere
+            x = state%x
+         end where
+         call state_of(regime, run%load%frequency*state%elapsed, x, v, steady, steady_rate)
+         call state_now(run, state, q, rate)
+         is_steady = maxval(abs(q - steady)) <= near*maxval(abs(q)) .and. &
+            maxval(abs(rate - steady_rate)) <= near*maxval(abs(rate)) .and. .not. &
+            any(abs(state%v - v) > at_rounding*maxval(abs(state%v)) .and. .not. stiff)
+      end associate
+   end function is_steady
 
    !> Load phases of events, from the beginning of the cycle of the first one.
    pure function phases_of(run, events) result(phases)

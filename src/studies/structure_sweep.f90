@@ -11,7 +11,8 @@ module vi_structure_sweep
    use vi_structure_extremes, only: turning_share
    use vi_structure_find, only: open_gaps
    use vi_structure_path, only: changed, structure_path_type
-   use vi_structure_return, only: confirmed_cycles, most_events, one_cycle, repetition, some_cycles
+   use vi_structure_return, only: confirmed_cycles, is_steady, most_events, one_cycle, repetition, &
+      some_cycles
    use vi_structure_run, only: impact_event, is_far, new_run, run_event_type, run_state_type, &
       run_type, start_at, state_now, stick_event
    implicit none (type, external)
@@ -114,13 +115,14 @@ contains
       type(cell_type), intent(out) :: cell
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      real(wp), parameter :: near = 1.0e-4_wp
+      real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
       type(run_type) :: run
       type(run_state_type) :: state, before
       type(run_event_type), allocatable :: events(:)
       type(size_type) :: sizes
       real(wp), allocatable :: strobes(:, :)
       integer :: counts(how%keep), rests(how%keep), first, i, k, left, n, repeats
+      logical :: exactly
 
       associate (m => size(here)/2)
          allocate (cell%gaps(0), cell%phases(0), cell%speeds(0), cell%strobes(2*m, 0))
@@ -168,8 +170,10 @@ contains
          cell%q_max = sizes%high
          cell%q_rms = sqrt(sizes%squares/sizes%time)
          k = (how%keep - 1)/2
-         call repetition(strobes(:, how%keep - 2*k:), k, near, repeats)
-         call confirm(structure, run, state, repeats, counts, events, cell%cycles, progress)
+         call repetition(strobes(:, how%keep - 2*k:), k, at_rounding, repeats)
+         exactly = repeats > 0
+         if (.not. exactly) call repetition(strobes(:, how%keep - 2*k:), k, near, repeats)
+         call confirm(structure, run, state, repeats, exactly, counts, events, cell%cycles, progress)
          first = 1
          if (cell%cycles > 0) first = how%keep - cell%cycles + 1
          cell%impacts = sum(counts(first:))
@@ -182,7 +186,7 @@ contains
    !!
    !! A simulation that approaches a motion slowly, or leaves one that is not stable, nearly repeats
    !! itself, possibly only after several periods: Newton's method has to confirm a stable motion.
-   subroutine confirm(structure, run, state, repeats, counts, events, cycles, progress)
+   subroutine confirm(structure, run, state, repeats, exactly, counts, events, cycles, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> In and out: regimes are added.
@@ -191,6 +195,8 @@ contains
       type(run_state_type), intent(in) :: state
       !> Load cycles after which it repeats itself; 0 if it does not.
       integer, intent(in) :: repeats
+      !> Whether it does so to rounding.
+      logical, intent(in) :: exactly
       !> (cycles examined) Impacts in each.
       integer, intent(in) :: counts(:)
       !> Room for events.
@@ -208,39 +214,11 @@ contains
          if (is_steady(run, state)) cycles = 1
          return
       end if
-      call confirmed_cycles(structure, run, state, 0.0_wp, repeats, events, cycles, impacts, &
-         progress)
+      call confirmed_cycles(structure, run, state, 0.0_wp, repeats, exactly, events, cycles, &
+         impacts, progress)
       ! the simulation may still hit a gap more or less often than the motion
       if (impacts >= 0 .and. sum(counts(n - cycles + 1:)) /= impacts) cycles = 0
    end subroutine confirm
-
-   !> Whether a motion without impacts has settled.
-   pure logical function is_steady(run, state)
-      !> The run.
-      type(run_type), intent(in) :: run
-      !> The state.
-      type(run_state_type), intent(in) :: state
-      real(wp), parameter :: near = 1.0e-3_wp
-      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate, steady, steady_rate
-      real(wp), dimension(size(state%x)) :: x, v
-
-      associate (regime => run%regimes(state%regime))
-         v = -regime%modes%drift
-         x = regime%modes%force + 2*regime%modes%damping*regime%modes%drift
-         is_steady = .not. any(abs(x) > 0 .and. .not. regime%modes%stiffness > 0)
-         if (.not. is_steady) return
-         ! a coordinate without stiffness stays wherever it is
-         where (regime%modes%stiffness > 0)
-            x = x/regime%modes%stiffness
-         else where
-            x = state%x
-         end where
-         call state_of(regime, run%load%frequency*state%elapsed, x, v, steady, steady_rate)
-         call state_now(run, state, q, rate)
-         is_steady = maxval(abs(q - steady)) <= near*maxval(abs(q)) .and. &
-            maxval(abs(rate - steady_rate)) <= near*maxval(abs(rate))
-      end associate
-   end function is_steady
 
    !> Adds the flights and rests of a load cycle.
    pure subroutine measure_cycle(run, before, events, after, sizes)

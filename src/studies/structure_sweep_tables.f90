@@ -34,7 +34,7 @@ module vi_structure_sweep_tables
       column_type('cells', 'value', meaning='value of the parameter'), &
       column_type('cells', 'run', words, words='up,down', meaning='direction of the sweep'), &
       column_type('cells', 'cycles', wholes, &
-      meaning='load cycles of the period; 0 if none was seen'), &
+      meaning='load cycles of the period; 0 if none is confirmed'), &
       column_type('cells', 'impacts', wholes, &
       meaning='impacts of a period, or without a period in all cycles examined'), &
       column_type('cells', 'rests', wholes, meaning='rests, counted in the same way'), &

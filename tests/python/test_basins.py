@@ -344,3 +344,44 @@ def test_each_periodic_attractor_has_its_motion(point, states):
         if one.kind in ("periodic", "rest"):
             assert one.growth == pytest.approx(abs(one.motion.multipliers[0]), rel=1e-6)
             assert f"/{one.motion.pattern.cycles}" in one.name
+
+
+SLOW = (
+    # two spirals onto a motion with rest, one of them through a slow pair of multipliers
+    (0.0005404645377920503, 0.28751605060791563, (0.08164089879625747, 0.24927555332513807),
+     3.145267271295667, 0.0250476858226475, "R*L*/1"),
+    # a chaotic transient
+    (0.00022366023689906347, 0.009411554634031486, 0.41492002260369976,
+     1.4980755879601932, 0.8482889741285213, "RRLRRLLRLL/3"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("xi", "mu", "walls", "r", "clearance", "name"), SLOW)
+def test_what_settles_slowly_is_neither_chaotic_nor_quasi_periodic(xi, mu, walls, r, clearance, name):
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
+    result = vi.basins(osc, r, clearance, states=12)
+    assert [item.name for item in result.attractors] == [name]
+    assert (result.labels == 0).all()
+    item = result.attractors[0]
+    assert item.motion.stable
+    exponents = vi.lyapunov(osc, r, clearance, state=item.state, discard=20_000)
+    assert exponents.per_cycle[0] + 4 * exponents.error_per_cycle[0] < 0
+    assert exponents.per_cycle[0] == pytest.approx(
+        np.log(abs(item.motion.multipliers[0])) / item.motion.pattern.cycles, rel=1e-2
+    )
+
+
+def test_kinds_agree_with_the_exponents_of_long_averages():
+    """Chaotic attractors have a positive exponent by its error, in an average of ten times the length."""
+    seen = set()
+    for osc, r, clearance in ((FIGURE6, 1.04, 72.0), (TABLE, 0.8432, 52.211)):
+        for item in vi.basins(osc, r, clearance, states=40).attractors:
+            long = vi.lyapunov(osc, r, clearance, 100_000, state=item.state)
+            if item.kind == "chaotic":
+                assert long.per_cycle[0] > 6 * long.error_per_cycle[0]
+            elif item.kind == "quasi-periodic":
+                assert abs(long.per_cycle[0]) < 1e-4
+            else:
+                assert long.per_cycle[0] < 0
+            seen.add(item.kind)
+    assert "chaotic" in seen

@@ -227,3 +227,21 @@ def test_resonance_without_damping_among_the_values():
     options = {"settling": 3, "keep": 3, "sweep": "up"}
     damped = vi.bifurcation_diagram(FIGURE6, "xi", [0.05, 0.1], r=1.0, clearance=9.0, **options)
     assert damped.values.tolist() == [0.05, 0.1]
+
+
+def test_near_a_flip_the_shortest_period_counts():
+    """The flip of RL/1 is at 11.08153: above it no run that settles slowly is one of two cycles."""
+    values = [11.0926, 11.1, 11.12]
+    for sweep in ("both", "states"):
+        diagram = vi.bifurcation_diagram(RIG, "clearance", values, r=1.1, sweep=sweep)
+        # no other label; hardly any run has not settled
+        assert set(diagram.labels.ravel()) <= {"2/1", ""}
+        assert np.mean(diagram.cycles == 1) > 0.9
+
+
+def test_a_motion_that_is_left_slowly_has_no_label():
+    """Just below the flip the sweep down stays at the unstable motion for longer than it is simulated."""
+    diagram = vi.bifurcation_diagram(RIG, "clearance", [11.07, 11.12], r=1.1, sweep="down")
+    assert diagram.labels[0].tolist() == ["", "2/1"]
+    motion = vi.exact(RIG, 1.1, 11.07, vi.exact(RIG, 1.1, 11.12, ([0, 4.26686453], "LR")))
+    assert motion.stable is False

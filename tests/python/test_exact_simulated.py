@@ -117,3 +117,21 @@ def test_period_that_has_just_doubled():
     # a trajectory that approaches a motion of one cycle with alternating sign is not taken for one of two cycles
     low = vi.simulate(osc, r, 1.9, 24, discard=20)
     assert vi.exact(osc, r, 1.9, low).pattern.cycles == 1
+
+
+def test_a_period_that_is_counted_twice_while_a_run_settles():
+    """Near a flip a run that settles slowly repeats itself only after two periods of its motion."""
+    osc, r, clearance = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61)), 1.1, 11.0926
+    start = dict(t=0, x=0, x_dot=0, z=0, z_dot=3.0)
+    doubled = 0
+    for discard in range(36, 60):
+        for cycles in (5, 6):
+            run = vi.simulate(osc, r, clearance, cycles, start, discard=discard)
+            try:
+                doubled += run.period().pattern.cycles == 2
+            except vi.ParameterError:
+                continue
+            motion = vi.exact(osc, r, clearance, run)
+            assert (len(motion.pattern), motion.pattern.cycles, motion.stable) == (2, 1, True)
+            assert abs(motion.multipliers[0]) == pytest.approx(0.99540546, abs=1e-8)
+    assert doubled > 5

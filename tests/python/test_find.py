@@ -533,3 +533,18 @@ def test_an_old_account_can_be_read():
         if field.default is dataclasses.MISSING
     })  # fmt: skip
     assert search.wandering == search.lost == 0
+
+
+def test_states_that_settle_slowly_are_examined_again():
+    """With the multiplier .99892 no state has settled after 600 cycles."""
+    osc = vi.Oscillator(
+        xi=0.0005404645377920503, mu=0.28751605060791563,
+        restitution=(0.08164089879625747, 0.24927555332513807),
+    )  # fmt: skip
+    found = vi.find(
+        osc, 3.145267271295667, 0.0250476858226475, max_impacts=2, max_cycles=1, guesses=4
+    )
+    check_account(found)
+    assert found.search.settled == found.search.states
+    assert found[0].stable
+    assert abs(found[0].multipliers[0]) == pytest.approx(0.99892, abs=1e-5)

@@ -5,7 +5,7 @@ import gc
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_systems import FIGURE6
+from shared_systems import FIGURE6, RIG
 
 
 @pytest.mark.parametrize("wall", [{"clearance": 25.0}, {"inverse_clearance": 0.03}])
@@ -84,3 +84,10 @@ def test_load_scales_lengths():
     plain = vi.response(FIGURE6, [1.04], clearance=30.0, states=4)
     twice = vi.response(FIGURE6, [1.04], clearance=60.0, states=4, load=2.0)
     np.testing.assert_allclose(plain.highest, twice.highest, rtol=1e-9)
+
+
+def test_near_a_flip_the_shortest_period_counts():
+    """A run that settles slowly, as just above the flip of RL/1 at 11.08153, is not one of two cycles."""
+    result = vi.response(RIG, [1.1], clearance=11.0926, states=8)
+    assert (result.cycles == 1).all()
+    assert (result.symbols == 2).all()

@@ -218,3 +218,23 @@ def test_random_states_are_read_back(tmp_path, suffix):
     found = vi.basins(wall, vi.Load(1.0, cosine=[1]), states=20)
     found.save(tmp_path / f"a.{suffix}")
     assert vi.load(tmp_path / f"a.{suffix}").to_json() == found.to_json()
+
+
+def test_what_settles_slowly_is_not_chaotic():
+    """States that have not settled when they are first examined go on until they have."""
+    soon = vi.basins(DAMPER, LOAD, states=6, settling=5, max_cycles=2)
+    late = vi.basins(DAMPER, LOAD, states=6, settling=4000, max_cycles=2)
+    names = [[[*b.attractors][i].name for i in b.labels] for b in (soon, late)]
+    assert names[0] == names[1]
+
+
+def test_a_chaotic_attractor_has_a_positive_exponent():
+    structure, load = pair(0.0114, 0.028, 0.75, 72.0), vi.Load(1.04, sine=[1, 0])
+    found = vi.basins(structure, load, states=6)
+    names = [found.attractors[i].name for i in found.labels]
+    assert "chaotic" in names
+    for i, name in enumerate(names):
+        start = tuple(part[:, i] for part in found.states)
+        exponents = vi.lyapunov(structure, load, 8000, state=start, discard=4000, directions=1)
+        positive = exponents.per_cycle[0] > 6 * exponents.error_per_cycle[0]
+        assert positive == (name == "chaotic")

@@ -263,3 +263,38 @@ def test_an_event_limit_after_settling_leaves_no_values():
     assert list(found.failures) == [vi.status_text(13)]
     assert not found.impacts.any()
     assert not any(found.strobes(cell)[0].size for cell in range(found.values.size))
+
+
+def test_the_shortest_period_counts():
+    """With a pair of multipliers .975 exp(2 pi i .283) a run that settles slowly repeats itself after 7 cycles."""
+    gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
+    host = vi.Structure([1.0, 0.1], [0.02, 0.0], [1.0, 0.0], gaps)
+    for frequency in np.linspace(1.15, 1.35, 9):
+        load = vi.Load(frequency, sine=[0.1, 0])
+        for settling in (60, 120, 200):
+            curve = vi.response(
+                host, load, [frequency, 1.01 * frequency], sweep="up", settling=settling
+            )
+            if not curve.cycles[0]:
+                continue
+            wanted = vi.exact(host, load, vi.simulate(host, load, cycles=4000))
+            assert curve.cycles[0] == wanted.cycles
+            assert curve.labels[0] == f"{len(wanted.gaps)}/{wanted.cycles}"
+
+
+def test_a_run_that_has_not_settled_has_no_label():
+    """Near a motion that is left slowly, or approached slowly from far, no stable motion is confirmed."""
+    unstable = vi.exact(WALL, vi.Load(0.81, cosine=[0.3476]), ([0.07], [0]))
+    assert unstable.cycles == 1
+    assert unstable.stable is False
+    diagram = vi.bifurcation_diagram(
+        WALL, LOAD, "load", [0.3476, 0.36], sweep="up", settling=2,
+        state=state_at_phase_0(unstable),
+    )  # fmt: skip
+    assert diagram.labels[0] == ""
+
+
+def state_at_phase_0(motion):
+    """Coordinates and velocities of a motion at load phase 0."""
+    q, rate = motion.sample(np.array([0.0]))
+    return q[:, 0], rate[:, 0]

@@ -70,11 +70,14 @@ def details(result: Any) -> list[str]:
     """The exponents of each point, or of a structure."""
     if isinstance(result, StructureLyapunov):
         values = zip(result.per_cycle, result.error_per_cycle, strict=True)
-        return [f"{i}:  {value:10.6f} +- {error:.6f}" for i, (value, error) in enumerate(values, 1)]
+        unit = f"per {result.cycle}"
+        return [f"{i}:  {value:10.6f} +- {error:.6f} {unit}" for i, (value, error) in enumerate(values, 1)]
     points = zip(
-        result.r.ravel(), result.clearance.ravel(), result.per_cycle.reshape(4, -1).T, strict=True
-    )
+        result.r.ravel(), result.clearance.ravel(), result.per_cycle.reshape(4, -1).T,
+        result.error_per_cycle[0].ravel(), strict=True,
+    )  # fmt: skip
     return [
         f"r = {r:.6g}  d K/F0 = {clearance:.6g}:  {'  '.join(f'{value:10.6f}' for value in each)}"
-        for r, clearance, each in points
+        f"  per load cycle, the first +- {error:.6f}"
+        for r, clearance, each, error in points
     ]

@@ -67,7 +67,7 @@ def draw_lyapunov(result: Lyapunov, ax: Any = None, units: Units | None = None) 
     along = scales.of(name, np.ravel(getattr(result, name)))
     order = np.argsort(along, kind="stable")
     values = result.per_cycle.reshape(4, -1)[:, order]
-    errors = 3 * (result.standard_error * (2 * np.pi / result.r)).reshape(4, -1)[:, order]
+    errors = 3 * result.error_per_cycle.reshape(4, -1)[:, order]
     level = 0.02
     marks = (("o", style.PRIMARY), ("s", style.FREE), ("^", style.REST), ("v", style.IMPACT))
     for j, (marker, color) in enumerate(marks):
@@ -178,7 +178,7 @@ def draw_response(response: Response, ax: Any = None, units: Units | None = None
     r = np.broadcast_to(along[:, None], every.shape)
     for mask, marker, color, name in (
         (response.cycles > 0, ".", style.PRIMARY, "periodic"),
-        (response.cycles == 0, "x", style.FREE, "not periodic"),
+        (response.cycles == 0, "x", style.FREE, "no period"),
     ):
         ax.plot(r[mask], every[mask], marker, ms=2, mew=0.4, color=color, label=name)
     ax.plot(along, response.highest, "-", color="k", lw=0.8, label="greatest")

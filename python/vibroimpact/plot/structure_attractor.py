@@ -50,7 +50,7 @@ def axes(
 
 
 def draw_exponents(result: StructureLyapunov, ax: Any = None) -> Any:
-    """The exponents per load cycle by their number, with three standard errors."""
+    """The exponents per load cycle, or per unit of time, by their number, with three standard errors."""
     ax = axes(ax, result)
     numbers = np.arange(1, result.per_cycle.size + 1)
     good = np.isfinite(result.per_cycle)
@@ -67,7 +67,7 @@ def draw_exponents(result: StructureLyapunov, ax: Any = None) -> Any:
         ax.text(1.01, 0.0, r"$-\infty$", transform=ax.transAxes, va="bottom", fontsize=7)
     ax.set_xlim(0.5, numbers[-1] + 0.5)
     ax.set_xlabel("number of the exponent")
-    ax.set_ylabel("exponent per load cycle")
+    ax.set_ylabel(f"exponent per {result.cycle}")
     return ax
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import VibroimpactError
+from ..errors import SingularError, VibroimpactError
 from ..model import Oscillator
 from ..motion import Motion
 from ..newton import attractor_at_end
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from .basins import Basins
 
 _Array = NDArray[np.float64]
-#: Load cycles from which the core computes the largest Lyapunov exponent, and those before them.
-EXPONENT_CYCLES, EXPONENT_DISCARD = 4000, 500
+#: Load cycles from which exponents are computed, tried in turn: impacts may be rare. Load cycles before them.
+EXPONENT_CYCLES, EXPONENT_DISCARD = (4000, 40_000, 400_000), 500
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -32,8 +32,10 @@ class BasinAttractor:
     Attributes
     ----------
     kind : str
-        "periodic", "rest" (periodic, with accumulation and rest), "quasi-periodic", "chaotic", "no impacts",
-        or "periodic?" where a simulation repeats itself but no stable exact motion was found.
+        "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion, which
+        states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
+        its error, and no stable motion is found nearby; "no impacts"; or "periodic?" where a simulation repeats
+        itself to rounding for long but no stable exact motion was found.
     name : str
         Sides and load cycles, as "RL/1", or the kind; equal names get a number.
     motion : Motion or None
@@ -76,9 +78,19 @@ def attractors_of(basins: Basins) -> list[BasinAttractor]:
         if kind in ("periodic", "rest"):
             motion = motion_at(osc, r, clearance, load, np.array(end), cycles)
         if kind in ("quasi-periodic", "chaotic"):
-            exponents = lyapunov(osc, r, clearance, EXPONENT_CYCLES, state, load, EXPONENT_DISCARD)
+            exponents = exponents_at(osc, r, clearance, load, state)
         found.append(BasinAttractor(kind, name, motion, state, exponents, *balls))
     return found
+
+
+def exponents_at(
+    osc: Oscillator, r: float, clearance: float, load: float, state: dict[str, float]
+) -> Lyapunov | None:
+    """The exponents of a motion that is not periodic, or None."""
+    for cycles in EXPONENT_CYCLES:
+        with contextlib.suppress(SingularError):
+            return lyapunov(osc, r, clearance, cycles, state, load, EXPONENT_DISCARD)
+    return None
 
 
 def as_state(values: _Array, clearance: float) -> dict[str, float]:

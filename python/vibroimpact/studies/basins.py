@@ -189,8 +189,11 @@ def basins(
     period is a contraction: the largest ball on which the map is a contraction too, tested with 1024 states
     spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event in such a
     neighbourhood. A state that is not decided after `cycles` load cycles is examined again: it may be on an
-    unknown periodic motion, which is then added, or on an attractor that is not periodic, whose kind follows
-    from its largest Lyapunov exponent.
+    unknown periodic motion, which is then added. Otherwise it is followed for longer, within `max_events`, until
+    it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent tells that it
+    is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near it). It
+    must then have gone on for many times as long as volumes need to contract, so that no transient is
+    taken for an attractor. What remains is not decided.
 
     Parameters
     ----------

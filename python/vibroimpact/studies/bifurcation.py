@@ -53,12 +53,13 @@ class BifurcationDiagram(Noun, study="bifurcation"):
     runs : list of str
         "up", "down", or "state 1", ...: the first index of the arrays below.
     cycles, symbols, impacts, rests : ndarray (runs, n) of int
-        Load cycles k of the period, 0 if there is none up to the longest one considered; symbols N, impacts and
-        rests in it.
+        Load cycles k of the shortest period of the stable motion that Newton's method confirms at the end of the
+        simulation; 0 if there is none up to the longest one considered: chaotic, quasi-periodic, or not settled
+        yet. Symbols N, impacts and rests in it, or without a period in all cycles examined.
     x_min, x_max : ndarray (runs, n)
         Extreme positions of the primary mass.
     labels : ndarray (runs, n) of str
-        N/k of each run and value; "" where no period was found, "0/k" without impacts.
+        N/k of each run and value; "" where no period is confirmed, "0/1" without impacts.
     status : ndarray (runs, n) of int
         0 done; see `status_text`.
     points : structured ndarray

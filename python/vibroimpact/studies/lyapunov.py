@@ -40,9 +40,11 @@ class Lyapunov(Noun, study="lyapunov"):
     exponents : ndarray (4, ...)
         Per unit of time 1/omega, largest first; NaN where there were no impacts.
     standard_error : ndarray (4, ...)
-        Of the exponents, from the scatter of the batches.
+        Of `exponents`, per unit of time 1/omega, from the scatter of the batches.
     per_cycle : ndarray (4, ...)
         The exponents per load cycle: logarithms of the mean factors over a cycle.
+    error_per_cycle : ndarray (4, ...)
+        Standard errors of `per_cycle`, per load cycle.
     dimension : ndarray (...)
         Kaplan-Yorke dimension of the attractor in the section, 0 to 4.
     identity_error : ndarray (...)
@@ -67,6 +69,7 @@ class Lyapunov(Noun, study="lyapunov"):
     exponents = column("points", first=True)
     standard_error = column("points", first=True)
     per_cycle = column("points", first=True)
+    error_per_cycle = column("points", first=True)
     dimension = column("points")
     identity_error = column("points")
     impacts = column("points")
@@ -96,7 +99,7 @@ class Lyapunov(Noun, study="lyapunov"):
 
     def __repr__(self) -> str:
         if self.r.ndim:
-            chaotic = int((self.largest > 3 * self.standard_error[0]).sum())
+            chaotic = int((self.per_cycle[0] > 3 * self.error_per_cycle[0]).sum())
             cut = "" if self.complete else f"; cut short, {self.cut}"
             return (
                 f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one{cut}>"

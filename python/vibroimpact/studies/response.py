@@ -29,7 +29,8 @@ class Response(Noun, study="response"):
     lowest, highest : ndarray (n,)
         The least and the greatest of these over the attractors at each r; NaN where all failed.
     cycles, symbols : ndarray (n, states) of int
-        Load cycles of the period (0: none was found), and symbols in it.
+        Load cycles of the shortest period of the stable motion that Newton's method confirms (0: none; chaotic,
+        quasi-periodic, or not settled yet), and symbols in it.
     impacts, rests : ndarray (n, states) of int
         Impacts and rests in a period, or in the cycles kept.
     status : ndarray (n, states) of int

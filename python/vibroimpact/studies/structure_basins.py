@@ -29,8 +29,9 @@ class StructureAttractor(NamedTuple):
     Attributes
     ----------
     name : str
-        Impacts and load cycles of a period, as "2/1"; "rest/1" with rests; "no impacts"; or "not periodic", all
-        states that do not repeat. Equal names get a number.
+        Impacts and load cycles of a period, as "2/1"; "rest/1" with rests; "no impacts"; "chaotic", all states
+        whose largest Lyapunov exponent is positive by its error; or "quasi-periodic", all states where it is zero
+        by its error and no stable motion is near. Equal names get a number.
     motion : StructureMotion or None
         The exact motion; None without impacts, and if it is not periodic.
     """
@@ -147,8 +148,9 @@ def basins_structure(
     """On which attractor each of many initial states of a structure settles.
 
     Each state is simulated until it repeats to rounding near a motion that Newton's method confirms as admissible
-    and stable, or for `settling` load cycles. Equal motions are one attractor, whatever impact they are counted
-    from. `vibroimpact.basins` calls this for a `Structure`.
+    and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer: its largest
+    Lyapunov exponent tells whether it is chaotic, quasi-periodic, or still settling. Equal motions are one
+    attractor, whatever impact they are counted from. `vibroimpact.basins` calls this for a `Structure`.
 
     Parameters
     ----------
@@ -164,7 +166,7 @@ def basins_structure(
     start : float
         Time at the start.
     settling : int
-        Load cycles after which a state that does not repeat is not periodic.
+        Load cycles after which a state that does not repeat is followed for longer.
     max_cycles : int
         Longest period that is considered, in load cycles.
     seed : int

@@ -34,9 +34,11 @@ class StructureLyapunov(StructureNoun, study="lyapunov_structure"):
     exponents : ndarray (k,)
         Per unit of time, largest first.
     standard_error : ndarray (k,)
-        Of the exponents, from the scatter of the batches.
+        Of `exponents`, per unit of time, from the scatter of the batches.
     per_cycle, error_per_cycle : ndarray (k,)
-        The same per load cycle.
+        The same per load cycle; per unit of time if the load has no frequency.
+    cycle : str
+        "load cycle", or "unit of time" if the load has no frequency.
     dimension : float
         Kaplan-Yorke dimension of the attractor of the map; NaN unless all 2n exponents were asked for.
     identity_error : float
@@ -55,6 +57,10 @@ class StructureLyapunov(StructureNoun, study="lyapunov_structure"):
     standard_error = column("exponents")
     per_cycle = column("exponents")
     error_per_cycle = column("exponents")
+
+    @property
+    def cycle(self) -> str:
+        return "load cycle" if self.load is not None and self.load.frequency else "unit of time"
 
     @property
     def largest(self) -> float:
@@ -83,14 +89,13 @@ class StructureLyapunov(StructureNoun, study="lyapunov_structure"):
             raise SingularError(self._result.notes[0][1])
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the exponents per load cycle by their number (extra `plot`); returns the Axes."""
+        """Draw the exponents per load cycle, or per unit of time, by their number (extra `plot`); returns the Axes."""
         return self._draw(ax)
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{item:.4g}" for item in self.per_cycle[:6].tolist())
         more = ", ..." if self.per_cycle.size > 6 else ""
-        unit = "load cycle" if self.load is not None and self.load.frequency else "unit of time"
-        return f"<StructureLyapunov: exponents per {unit} {shown}{more}>"
+        return f"<StructureLyapunov: exponents per {self.cycle} {shown}{more}>"
 
 
 def lyapunov_structure(

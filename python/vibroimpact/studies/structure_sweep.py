@@ -52,7 +52,7 @@ class _Sweep(StructureNoun):
 
     @property
     def labels(self) -> list[str]:
-        """Impacts/load cycles of the period at each value; empty where none was seen."""
+        """Impacts/load cycles of the period at each value; empty where none is confirmed."""
         pairs = zip(self.impacts.tolist(), self.cycles.tolist(), strict=True)
         return [f"{n}/{k}" if k else "" for n, k in pairs]
 
@@ -81,11 +81,12 @@ class StructureBifurcation(_Sweep, study="bifurcation_structure"):
     runs : ndarray (cells,) of str
         "up" or "down".
     cycles : ndarray (cells,) of int
-        Load cycles of the period; 0 if none was seen.
+        Load cycles of the shortest period of the stable motion that Newton's method confirms; 0 if there is none:
+        chaotic, quasi-periodic, or not settled yet.
     impacts, rests : ndarray (cells,) of int
         Of a period, or without a period of all cycles that were examined.
     labels : list of str
-        Impacts/load cycles; empty where no period was seen.
+        Impacts/load cycles; empty where no period is confirmed.
     status : ndarray (cells,) of int
         0 done; see `status_text`. After a failure the next value starts anew.
     case : str
