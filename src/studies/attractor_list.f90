@@ -32,7 +32,7 @@ module vi_attractor_list
    !> Load cycles of the first average of a state that is followed, which doubles from one to the
    !! next, and those after which it is left undecided; decay of a disturbance, as a logarithm, by
    !! which a motion that is approached must have been reached.
-   integer, parameter :: first_average = 4000, most_followed = 1000000
+   integer, parameter :: first_average = 4000, most_followed = 200000
    real(wp), parameter :: decay = 40
    !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts as
    !! an attractor of its own.

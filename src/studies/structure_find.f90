@@ -42,7 +42,7 @@ module vi_structure_find
    !> Load cycles of the first average of a state that is followed, which doubles from one to the
    !! next; those after which it is left undecided, with which an exponent may count as zero, and
    !! before which a motion does not count as settled; batches of an average.
-   integer, parameter :: first_average = 1000, most_followed = 100000, zero_cycles = 8000, &
+   integer, parameter :: first_average = 1000, most_followed = 30000, zero_cycles = 8000, &
       least_cycles = 3000, batches = 20
    !> A motion counts as settled after this many of the times in which volumes contract by a factor
    !! e in each direction.
@@ -186,9 +186,10 @@ contains
       real(wp), parameter :: usual = 1.0e-4_wp, loose = 1.0e-2_wp
       type(exponents_type) :: average
       real(wp) :: here(size(state))
-      integer :: cycles, left, n, sign_of_it, spent, ended
+      integer :: cycles, left, n, settling, sign_of_it, spent, ended
 
       kind = 0
+      settling = 0
       n = size(state)/2
       cycles = first_average
       spent = how%settling
@@ -213,7 +214,10 @@ contains
             negative))
          spent = spent + 2*how%max_cycles
          if (is_decided(found, status)) return
-         if (sign_of_it == zero .and. cycles >= zero_cycles .and. is_steady(average, spent)) then
+         ! it settles on what is not looked for, such as a longer period
+         if (sign_of_it == negative .and. is_steady(average, spent)) settling = settling + 1
+         if (settling == 2) exit
+         if (status == stat%no_period .and. sign_of_it == zero .and. cycles >= zero_cycles .and. is_steady(average, spent)) then
             kind = quasi_periodic
             status = stat%no_period
             return

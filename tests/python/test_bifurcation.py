@@ -241,7 +241,7 @@ def test_near_a_flip_the_shortest_period_counts():
 
 def test_a_motion_that_is_left_slowly_has_no_label():
     """Just below the flip the sweep down stays at the unstable motion for longer than it is simulated."""
-    diagram = vi.bifurcation_diagram(RIG, "clearance", [11.07, 11.12], r=1.1, sweep="down")
-    assert diagram.labels[0].tolist() == ["", "2/1"]
+    diagram = vi.bifurcation_diagram(RIG, "clearance", [11.07, 11.09, 11.12], r=1.1, sweep="down")
+    assert diagram.labels[0].tolist() == ["", "2/1", "2/1"]
     motion = vi.exact(RIG, 1.1, 11.07, vi.exact(RIG, 1.1, 11.12, ([0, 4.26686453], "LR")))
     assert motion.stable is False

@@ -188,11 +188,12 @@ def test_a_file_gives_the_exponents_again(r, form, tmp_path):
 
 def test_values_and_errors_have_the_same_unit():
     """Per unit of time 1/omega, and per load cycle, which is 2 pi/r of it."""
-    result = vi.lyapunov(FIGURE6, [1.04, 1.05], 72.0, 2000)
+    moving = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
+    result = vi.lyapunov(FIGURE6, [1.04, 1.05], 72.0, 2000, moving)
     cycle = 2 * np.pi / result.r
     np.testing.assert_allclose(result.per_cycle, result.exponents * cycle, rtol=1e-12)
     np.testing.assert_allclose(result.error_per_cycle, result.standard_error * cycle, rtol=1e-12)
-    assert "per load cycle" in repr(vi.lyapunov(FIGURE6, 1.04, 72.0, 4000))
+    assert "per load cycle" in repr(vi.lyapunov(FIGURE6, 1.04, 72.0, 2000, moving))
     columns = result._result.tables["points"].columns
     assert columns["per_cycle"].unit == columns["error_per_cycle"].unit == "1/load cycle"
     assert columns["exponents"].unit == columns["standard_error"].unit == "omega"

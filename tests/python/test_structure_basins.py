@@ -237,4 +237,5 @@ def test_a_chaotic_attractor_has_a_positive_exponent():
         start = tuple(part[:, i] for part in found.states)
         exponents = vi.lyapunov(structure, load, 8000, state=start, discard=4000, directions=1)
         positive = exponents.per_cycle[0] > 6 * exponents.error_per_cycle[0]
-        assert positive == (name == "chaotic")
+        assert (exponents.impacts > 0 and positive) == (name == "chaotic")
+        assert (exponents.impacts == 0) == (name == "no impacts")
