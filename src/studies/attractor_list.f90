@@ -26,7 +26,8 @@ module vi_attractor_list
    real(wp), parameter :: lively = 0.02_wp
    !> States that are described at a time, and impacts kept of each.
    integer, parameter :: block = 2000, impacts_kept = 200
-   !> Largest number of attractors that are not periodic; states that are followed without a decision
+   !> Largest number of attractors that are not periodic; states that are followed without a
+   !! decision
    !! before the others are left undecided too.
    integer, parameter :: most_groups = 30, most_undecided = 8
    !> Load cycles of the first average of a state that is followed, which doubles from one to the
@@ -34,7 +35,8 @@ module vi_attractor_list
    !! which a motion that is approached must have been reached.
    integer, parameter :: first_average = 4000, most_followed = 200000
    real(wp), parameter :: decay = 40
-   !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts as
+   !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts
+   !! as
    !! an attractor of its own.
    integer, parameter :: least_repeated = 12000
 
@@ -254,7 +256,8 @@ contains
 
    !> Determines the attractors of states that approach no known motion.
    !!
-   !! One state is followed until it is decided. What is found then may explain the others, once they
+   !! One state is followed until it is decided. What is found then may explain the others, once
+   !! they
    !! have been simulated for as long.
    subroutine examine(list, ends, simulated, labels, open_ones, progress)
       !> In and out: the attractors known so far.
@@ -304,7 +307,8 @@ contains
    pure subroutine drop_decided(labels, open_ones, ends)
       !> (all states) Numbers of their attractors.
       integer, intent(in) :: labels(:)
-      !> In: (m) the numbers of the states among all, 0 for one that cannot be decided. Out: those of
+      !> In: (m) the numbers of the states among all, 0 for one that cannot be decided. Out: those
+      !! of
       !! the states kept.
       integer, allocatable, intent(inout) :: open_ones(:)
       !> In and out: (5, m) their present values.
@@ -398,7 +402,8 @@ contains
 
    !> Follows one state until its attractor is known.
    !!
-   !! Motions near it are looked for by Newton's method. Where it does not reach one, the kind of its
+   !! Motions near it are looked for by Newton's method. Where it does not reach one, the kind of
+   !! its
    !! attractor follows from its largest exponent, as soon as this is certain.
    subroutine follow_on(list, start, before, label, spent, progress)
       !> In and out: the attractors known so far.
@@ -426,8 +431,8 @@ contains
       end = within(start, list%system%clearance)
       do while (spent + average <= most_followed)
          state = initial_state(list%system, end)
-         call search_near(list%system, state, list%max_cycles, left, motion, good, repeats, status, &
-            progress)
+         call search_near(list%system, state, list%max_cycles, left, motion, good, repeats, &
+            status, progress)
          end = numbers_of(list%system, state)
          if (status == stat%ok .and. is_free(list%system, state)) call add_free(list, end, label)
          if (status == stat%ok .and. good) call approach(list, motion, end, left, spent, label, &

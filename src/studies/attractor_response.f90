@@ -30,7 +30,8 @@ contains
       real(wp), intent(out) :: attenuation(:, :)
       !> (2, n): least and greatest over the states; NaN if all failed.
       real(wp), intent(out) :: envelope(:, :)
-      !> (4, states, n): period (0 where none is confirmed), symbols, impacts, rests; (states, n): status of each simulation.
+      !> (4, states, n): period (0 where none is confirmed), symbols, impacts, rests; (states, n):
+      !! status of each simulation.
       integer, intent(out) :: periods(:, :, :), status(:, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)

@@ -28,7 +28,8 @@ module vi_attractor_settled
    !> The end of a simulation.
    type :: settled_type
       !> Load cycles of the period of the motion, 0 if none is confirmed, and minus the cycles after
-      !! which the simulation seems to repeat itself if no stable motion is confirmed there; symbols,
+      !! which the simulation seems to repeat itself if no stable motion is confirmed there;
+      !! symbols,
       !! impacts and rests in it, or in all cycles examined.
       integer :: period = 0, symbols = 0, impacts = 0, rests = 0
       real(wp) :: x_min = 0, x_max = 0
@@ -206,7 +207,8 @@ contains
    !!
    !! A simulation that approaches a motion slowly, as near a flip, or leaves one that is not stable
    !! nearly repeats itself, possibly only after several periods. Newton's method has to confirm a
-   !! stable motion there, and its shortest period counts. Near a flip the shorter period also nearly
+   !! stable motion there, and its shortest period counts. Near a flip the shorter period also
+   !! nearly
    !! repeats itself, but is not stable.
    pure subroutine find_period(system, last, events, first, settled)
       !> The forced system.

@@ -106,7 +106,8 @@ contains
       type(group_type), intent(in) :: groups(:)
       !> The cells.
       type(group_type), intent(out) :: own
-      !> The known attractor whose cells have most of these impacts, and more than half of them; 0 if
+      !> The known attractor whose cells have most of these impacts, and more than half of them; 0
+      !! if
       !! there is none.
       integer, intent(out) :: owner
       !> As in `simulate_on`.
@@ -139,7 +140,8 @@ contains
    !> The kind of a motion, from its largest exponent: chaotic if this is positive by its error,
    !! quasi-periodic if it is zero by its error, and 0 as long as it is neither.
    !!
-   !! A transient may look like either for a long time. Volumes contract at a known rate, and nothing
+   !! A transient may look like either for a long time. Volumes contract at a known rate, and
+   !! nothing
    !! settles faster: the kind is 0 until the motion has gone on for many times as long. Without
    !! contraction there are no transients.
    subroutine measure_kind(system, state, cycles, before, left, kind, largest, settling, status, &
@@ -221,8 +223,8 @@ contains
       m = ubound(strobes, 2)
       ! a phase unrelated to that of the start, which may be an impact
       do i = 0, m
-         call advance(system, state, final, merge(1.0_wp, 0.6180339887_wp, i > 0), events, n, left, &
-            status, progress)
+         call advance(system, state, final, merge(1.0_wp, 0.6180339887_wp, i > 0), events, n, &
+            left, status, progress)
          if (status /= stat%ok) exit
          strobes(:, i) = [final%phase/system%r, final%x, final%x_dot, final%z, final%z_dot]
       end do

@@ -8,7 +8,8 @@ module vi_exponents
 
    public :: bump, kaplan_yorke, orthonormalise, scatter, sign_by_error
 
-   !> The sign of a largest exponent: that which it has by its error, or none as long as the error is
+   !> The sign of a largest exponent: that which it has by its error, or none as long as the error
+   !! is
    !! too large for that.
    integer, parameter, public :: negative = -1, zero = 0, positive = 1, unclear = 2
 

@@ -43,7 +43,8 @@ module vi_find_structure_study
       column_type('search', 'states', wholes, listed=.false., &
       meaning='initial states that were simulated'), &
       column_type('search', 'without_impacts', wholes, listed=.false., &
-      meaning='states after which no impacts are left: all gaps stay open, or some rest for good'), &
+      meaning='states after which no impacts are left: all gaps stay open, or some rest for &
+      &good'), &
       column_type('search', 'chaotic', wholes, listed=.false., &
       meaning='states whose largest Lyapunov exponent is positive by its error'), &
       column_type('search', 'quasi_periodic', wholes, listed=.false., &

@@ -85,8 +85,8 @@ contains
          end if
          call simulate_cycles(system, state, max(settling, look)*longer**look, left, &
             events(:1000), n, status, progress)
-         if (status == stat%ok) call simulate_cycles(system, state, 2*longest + 2, left, events, n, &
-            status, progress)
+         if (status == stat%ok) call simulate_cycles(system, state, 2*longest + 2, left, events, &
+            n, status, progress)
          if (status /= stat%ok) then
             outcome = merge(0, unfinished, status == stat%not_computed)
             return
@@ -286,7 +286,8 @@ contains
       is_repeated = standard%pattern%cycles < motion%pattern%cycles
    end function is_repeated
 
-   !> A motion that repeats itself within its period, over its shortest period, which begins with the
+   !> A motion that repeats itself within its period, over its shortest period, which begins with
+   !! the
    !! same impact.
    pure function once(motion, scale)
       !> The motion.

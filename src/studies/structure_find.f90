@@ -71,7 +71,8 @@ contains
       type(found_list_type), intent(inout) :: list
       !> (m) The place of the motion in the list; 0 if there is none, or if it is not stable.
       integer, intent(out) :: labels(:)
-      !> (m) The kind of a motion that is not periodic, with the status `stat%no_period`; otherwise 0.
+      !> (m) The kind of a motion that is not periodic, with the status `stat%no_period`; otherwise
+      !! 0.
       integer, intent(out) :: kinds(:)
       !> (m) As of `settle_on`, and `stat%not_stable`.
       integer, intent(out) :: status(:)
@@ -217,7 +218,8 @@ contains
          ! it settles on what is not looked for, such as a longer period
          if (sign_of_it == negative .and. is_steady(average, spent)) settling = settling + 1
          if (settling == 2) exit
-         if (status == stat%no_period .and. sign_of_it == zero .and. cycles >= zero_cycles .and. is_steady(average, spent)) then
+         if (status == stat%no_period .and. sign_of_it == zero .and. cycles >= zero_cycles .and. &
+            is_steady(average, spent)) then
             kind = quasi_periodic
             status = stat%no_period
             return

@@ -23,8 +23,8 @@ module vi_structure_return
    implicit none (type, external)
    private
 
-   public :: confirmed_cycles, is_attractor, is_steady, one_cycle, repetition, settle, settle_arrays, settle_on, shorten, &
-      some_cycles
+   public :: confirmed_cycles, is_attractor, is_steady, one_cycle, repetition, settle, &
+      settle_arrays, settle_on, shorten, some_cycles
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000
@@ -89,7 +89,8 @@ contains
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
-      !! `stat%no_impacts`, once it is steady; `stat%no_motion` where it has more than `most_events` events in a
+      !! `stat%no_impacts`, once it is steady; `stat%no_motion` where it has more than `most_events`
+      !! events in a
       !! period, or no flight without rest; `stat%event_limit`, `stat%not_computed` if it was
       !! stopped; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
@@ -158,7 +159,8 @@ contains
          events, found, progress)
    end subroutine settle_on
 
-   !> Load cycles of the shortest period of the stable motion near a state that repeats; 0 if none is
+   !> Load cycles of the shortest period of the stable motion near a state that repeats; 0 if none
+   !! is
    !! confirmed. A motion of which it is not known whether it is stable, as where a mass may stay
    !! anywhere, counts if the state repeats to rounding.
    subroutine confirmed_cycles(structure, run, state, elapsed, cycles, repeats, events, period, &
@@ -210,7 +212,8 @@ contains
       end associate
    end function is_attractor
 
-   !> A motion over its shortest period: a simulation that settles slowly may repeat itself only after
+   !> A motion over its shortest period: a simulation that settles slowly may repeat itself only
+   !! after
    !! several of them.
    subroutine take_shortest(structure, run, state, elapsed, events, found, progress)
       !> The structure.

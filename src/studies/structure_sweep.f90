@@ -33,7 +33,8 @@ module vi_structure_sweep
       integer :: value = 0, run = 1
       !> `stat%ok`, or why there is nothing.
       integer :: status = stat%not_computed
-      !> Load cycles of the period, 0 if none is confirmed; impacts and rests in it, or in all cycles
+      !> Load cycles of the period, 0 if none is confirmed; impacts and rests in it, or in all
+      !! cycles
       !! that were examined.
       integer :: cycles = 0, impacts = 0, rests = 0
       !> (n) Least and greatest values of the coordinates, and roots of their mean squares.
@@ -173,7 +174,8 @@ contains
          call repetition(strobes(:, how%keep - 2*k:), k, at_rounding, repeats)
          exactly = repeats > 0
          if (.not. exactly) call repetition(strobes(:, how%keep - 2*k:), k, near, repeats)
-         call confirm(structure, run, state, repeats, exactly, counts, events, cell%cycles, progress)
+         call confirm(structure, run, state, repeats, exactly, counts, events, cell%cycles, &
+            progress)
          first = 1
          if (cell%cycles > 0) first = how%keep - cell%cycles + 1
          cell%impacts = sum(counts(first:))

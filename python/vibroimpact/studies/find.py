@@ -54,8 +54,8 @@ class Search:
     unconfirmed : int
         States that repeat where Newton's method finds no motion.
     wandering : int
-        States that do not repeat within 16 load cycles (or 100 symbols): chaotic, quasi-periodic, of
-        longer period, or not settled yet.
+        States that do not repeat within 16 load cycles (or 100 symbols), also when they are examined again after
+        more cycles: chaotic, quasi-periodic, of longer period, or not settled yet.
     without_impacts : int
         States after which no impacts are left.
     unfinished : int
@@ -246,7 +246,8 @@ def find(
         Initial states simulated, every second one in a box whose size follows from the resonance of both masses
         moving together.
     settling : int
-        Load cycles simulated before the attractor is examined.
+        Load cycles simulated before the attractor is examined. A state that is then neither on a confirmed motion nor
+        certainly chaotic is examined again up to three times, after 3, 9 and 27 times as many.
     releases : int
         Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
         return map; this also finds unstable motions with rest.
