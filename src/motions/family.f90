@@ -6,8 +6,8 @@ module vi_family
    implicit none (type, external)
    private
 
-   public :: can_be_symmetric, new_family, image_of, repetition_distance, add_distance_slope, &
-      whole_unknowns
+   public :: can_be_symmetric, new_family, image_of, images_of, repetition_distance, &
+      add_distance_slope, whole_unknowns
 
    !> A way in which a motion can repeat itself within its period.
    type, public :: repetition_type
@@ -176,6 +176,37 @@ contains
       j = 2*n + repetition%even + 1
       image(j:) = repetition%sign*unknowns(j:)
    end function image_of
+
+   !> The images of a motion in its family: the impacts of the same motion, or of its mirror image,
+   !! counted from another one of them, where the walls are again those of the pattern.
+   !!
+   !! A motion and its images have the same zone. A motion that is one of its own images repeats
+   !! itself.
+   pure function images_of(family, mirror) result(images)
+      !> The family.
+      type(family_type), intent(in) :: family
+      !> The mirror image, of which `shift` is not used; without a mirror image the sign is 1.
+      type(repetition_type), intent(in) :: mirror
+      type(repetition_type), allocatable :: images(:)
+      type(repetition_type) :: found(2*most_impacts)
+      integer :: i, n, shift, sign, count
+      integer, allocatable :: later(:)
+
+      n = size(family%sides)
+      count = 0
+      ! the impacts of one more half period, if the family is symmetric, or of one more period
+      later = [family%sides, merge(-1, 1, family%mirror)*family%sides]
+      do sign = 1, -1, -2
+         if (sign < 0 .and. mirror%sign > 0) exit
+         do shift = merge(1, 0, sign > 0), n - 1
+            if (any([(sign*later(shift + i) /= family%sides(i), i=1, n)])) cycle
+            count = count + 1
+            found(count) = repetition_type(shift, 1.0_wp, 0.0_wp)
+            if (sign < 0) found(count) = repetition_type(shift, -1.0_wp, mirror%phase, mirror%even)
+         end do
+      end do
+      allocate (images(count), source=found(:count))
+   end function images_of
 
    !> The unknowns of all impacts of a family's pattern.
    pure function whole_unknowns(family, unknowns) result(whole)

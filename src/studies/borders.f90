@@ -178,9 +178,7 @@ contains
       end do
    end subroutine find_border
 
-   !> The loop that a place, or its image under a symmetry of the pattern, lies on.
-   !!
-   !! Images of a motion under a symmetry of the pattern have the same zone.
+   !> The loop that a place, or one of its images, lies on.
    pure subroutine find_loop(border, zone, found)
       !> The place.
       type(border_type), intent(in) :: border
@@ -189,17 +187,15 @@ contains
       !> Number of the loop; 0 if none.
       integer, intent(out) :: found
       type(border_type) :: image
-      integer :: j, k, n
+      integer :: j, n
 
       image = border
       n = size(border%point) - 2
-      do j = 0, size(zone%surface%frame%repetitions)
-         do k = 1, merge(1, n/2, j == 0)
-            if (j > 0) image%point(:n) = image_of(zone%surface%frame%family, &
-               zone%surface%frame%repetitions(j), image%point(:n))
-            do found = 1, zone%n
-               if (lies_on(zone%surface, image, zone%loops(found))) return
-            end do
+      do j = 0, size(zone%surface%frame%images)
+         if (j > 0) image%point(:n) = image_of(zone%surface%frame%family, &
+            zone%surface%frame%images(j), border%point(:n))
+         do found = 1, zone%n
+            if (lies_on(zone%surface, image, zone%loops(found))) return
          end do
       end do
       found = 0

@@ -39,6 +39,9 @@ module vi_frame
    type, public :: frame_type
       type(family_type) :: family
       type(repetition_type), allocatable :: repetitions(:)
+      !> Images of every motion, which are the same motion or its mirror image; not set along a
+      !! branch.
+      type(repetition_type), allocatable :: images(:)
       !> Bounds on parameters.
       type(condition_type), allocatable :: edges(:)
       !> Distance in (u, theta) at which a motion counts as one that repeats itself. The parameters

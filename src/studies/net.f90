@@ -7,6 +7,7 @@
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero
    use vi_curve, only: curve_type
+   use vi_family, only: image_of
    use vi_frame, only: condition_type, is_inside, repetition, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
@@ -74,7 +75,7 @@ contains
       allocate (net%head(size(lines%axes(1)%at), size(lines%axes(2)%at)), source=0)
    end subroutine new_net
 
-   !> Adds a node, unless it exists already.
+   !> Adds a node, unless the motion or an image of it is one already.
    pure subroutine add_seed(net, i, j, unknowns, node)
       !> In and out: the net.
       type(net_type), intent(inout) :: net
@@ -84,15 +85,9 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> Its index; 0 if there is no room.
       integer, intent(out) :: node
-      real(wp) :: offset(size(unknowns))
 
-      node = net%head(i, j)
-      do while (node > 0)
-         offset = net%unknowns(:, node) - unknowns
-         call wrap_phases(net%surface%frame, offset)
-         if (maxval(abs(offset)) < 1.0e-6_wp) return
-         node = net%follower(node)
-      end do
+      node = node_at(net, i, j, unknowns)
+      if (node > 0) return
       net%full = net%full .or. net%n == capacity
       if (net%n == capacity) return
       net%n = net%n + 1
@@ -103,6 +98,30 @@ contains
       net%follower(node) = net%head(i, j)
       net%head(i, j) = node
    end subroutine add_seed
+
+   !> The node of a motion or of one of its images; 0 if there is none.
+   pure integer function node_at(net, i, j, unknowns) result(node)
+      !> The net.
+      type(net_type), intent(in) :: net
+      !> Place in the lattice.
+      integer, intent(in) :: i, j
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      real(wp), dimension(size(unknowns)) :: image, offset
+      integer :: k
+
+      do k = 0, size(net%surface%frame%images)
+         image = unknowns
+         if (k > 0) image = image_of(net%surface%frame%family, net%surface%frame%images(k), unknowns)
+         node = net%head(i, j)
+         do while (node > 0)
+            offset = net%unknowns(:, node) - image
+            call wrap_phases(net%surface%frame, offset)
+            if (maxval(abs(offset)) < 1.0e-6_wp) return
+            node = net%follower(node)
+         end do
+      end do
+   end function node_at
 
    !> Follows both lines through every node, also through the nodes found on the way.
    subroutine cover(net, first, progress)

@@ -2,7 +2,7 @@
 module vi_structure_start
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
-   use vi_family, only: new_family, repetition_distance, repetition_type, whole_unknowns
+   use vi_family, only: images_of, new_family, repetition_distance, repetition_type, whole_unknowns
    use vi_frame, only: condition_type, edge, zero_approach
    use vi_kinds, only: wp
    use vi_columns, only: solve_columns
@@ -64,6 +64,7 @@ contains
       type(pattern_type) :: pattern
       type(family_type) :: family
       type(repetition_type), allocatable :: repetitions(:)
+      type(repetition_type) :: image
       real(wp), allocatable :: unknowns(:), shares(:)
       type(settled_type) :: found
       integer, allocatable :: pairs(:)
@@ -134,6 +135,11 @@ contains
       if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
       curve%frame%family = family
       curve%frame%repetitions = repetitions
+      image = repetition_type(phase=acos(-1.0_wp))
+      if (allocated(s%symmetry)) image = repetition_type(0, -1.0_wp, family%cycles*image%phase, &
+         s%even)
+      if (odd .and. .not. allocated(s%symmetry)) image%sign = -1
+      curve%frame%images = images_of(family, image)
       allocate (curve%frame%structure, source=s)
       allocate (curve%frame%edges(2*size(changes)))
       do i = 1, size(changes)

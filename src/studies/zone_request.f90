@@ -1,7 +1,7 @@
 !> The surface of motions over a window of the plane (r, log D), on which zones are sought.
 module vi_zone_request
    use vi_curve, only: curve_type
-   use vi_family, only: new_family
+   use vi_family, only: images_of, new_family, repetition_type
    use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_r
@@ -56,18 +56,21 @@ contains
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
       real(wp) :: low(2), high(2)
-      logical :: possible
+      logical :: equal_walls, possible
       integer :: i
 
       associate (osc => request%osc, walls => request%osc%restitution)
          surface%frame%resting = any(abs(request%pattern%sides) == 2)
          if (surface%frame%resting) then
             surface%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
-            allocate (surface%frame%repetitions(0))
+            allocate (surface%frame%repetitions(0), surface%frame%images(0))
             possible = .not. request%symmetric
          else
-            call new_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
+            equal_walls = abs(walls(1) - walls(2)) <= 0
+            call new_family(request%pattern, request%symmetric, equal_walls, &
                surface%frame%family, surface%frame%repetitions, possible)
+            if (possible) surface%frame%images = images_of(surface%frame%family, &
+               repetition_type(sign=merge(-1.0_wp, 1.0_wp, equal_walls), phase=acos(-1.0_wp)))
          end if
          status = merge(stat%ok, stat%no_motion, possible)
          low = [request%r(1), log(request%clearance(1))]
