@@ -5,10 +5,10 @@
 !! belong to, through folds as well. A motion where two lines cross is a node; from every node both
 !! lines are followed, so that all its connected parts are covered.
 module vi_net
-   use vi_crossing, only: hidden_zero, innermost_zero
+   use vi_crossing, only: hidden_zero, innermost_zero, locate
    use vi_curve, only: curve_type
    use vi_family, only: image_of
-   use vi_frame, only: condition_type, is_inside, repetition, unknown_count, wrap_phases
+   use vi_frame, only: condition_type, edge, flip, is_inside, repetition, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
    use vi_net_line, only: leaves, line_of, may_pass, pass, start_type
@@ -17,7 +17,7 @@ module vi_net
    implicit none (type, external)
    private
 
-   public :: new_net, add_seed, cover, cover_from
+   public :: new_net, add_seed, cover, cover_from, follow_line
 
    !> Room for crossings of one line with those of the lattice.
    integer, parameter :: crossing_capacity = 256
@@ -46,6 +46,9 @@ module vi_net
       !> Places where a line that does not belong to the lattice has crossed lines of the lattice.
       type(start_type) :: crossings(crossing_capacity)
       integer :: n_crossings = 0
+      !> Where lines pass a flip (a pitchfork of symmetric motions); noted if there is room.
+      type(start_type), allocatable :: flips(:)
+      integer :: n_flips = 0
       !> Steps made.
       integer :: steps = 0
       !> Whether something was left out because one of the limits was reached.
@@ -54,17 +57,21 @@ module vi_net
 
    !> Room for nodes and borders, and largest number of steps.
    integer, parameter :: capacity = 40000, border_capacity = 20000, most_steps = 4000000
+   !> Room for flips.
+   integer, parameter :: flip_capacity = 4000
 
 contains
 
    !> An empty net.
-   pure subroutine new_net(surface, lines, net)
+   pure subroutine new_net(surface, lines, net, notes_flips)
       !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface
       !> The lattice.
       type(lattice_type), intent(in) :: lines
       !> Out: without nodes.
       type(net_type), intent(out) :: net
+      !> Whether flips are noted.
+      logical, intent(in) :: notes_flips
       integer :: n
 
       n = unknown_count(surface%frame)
@@ -73,6 +80,7 @@ contains
       allocate (net%lattice(2, capacity), net%follower(capacity), net%unknowns(n, capacity), &
          net%followed(2, capacity), net%borders(border_capacity))
       allocate (net%head(size(lines%axes(1)%at), size(lines%axes(2)%at)), source=0)
+      allocate (net%flips(merge(flip_capacity, 0, notes_flips)))
    end subroutine new_net
 
    !> Adds a node, unless the motion or an image of it is one already.
@@ -110,6 +118,7 @@ contains
       real(wp), dimension(size(unknowns)) :: image, offset
       integer :: k
 
+      node = 0
       do k = 0, size(net%surface%frame%images)
          image = unknowns
          if (k > 0) image = image_of(net%surface%frame%family, net%surface%frame%images(k), unknowns)
@@ -235,6 +244,7 @@ contains
             cycle
          end if
          call note_border(net, line, direction, begin, now, next)
+         if (size(net%flips) > 0) call note_flip(net, line, direction, begin, now, next)
          call note_nodes(net, line, direction, begin, now, next, known)
          ! a given motion can be too near to one that repeats itself: move away from there
          left = leaving
@@ -308,6 +318,38 @@ contains
          crossing%lattice(direction) = level
       end associate
    end subroutine note_crossing
+
+   !> Notes where a multiplier passes -1 within a step.
+   pure subroutine note_flip(net, line, direction, begin, now, next)
+      !> In and out: the place is added, if there is room.
+      type(net_type), intent(inout) :: net
+      !> The line.
+      type(curve_type), intent(in) :: line
+      !> Number of the parameter that changes along it.
+      integer, intent(in) :: direction
+      !> Its start.
+      type(start_type), intent(in) :: begin
+      !> Start and end of the step.
+      type(place_type), intent(in) :: now, next
+      type(place_type) :: found
+      type(condition_type) :: none(0)
+      real(wp) :: share
+      logical :: good
+
+      if (.not. now%values(flip)*next%values(flip) < 0) return
+      net%full = net%full .or. net%n_flips == size(net%flips)
+      if (net%n_flips == size(net%flips)) return
+      call locate(line, none, now, next, flip, found, share, good)
+      if (.not. good) return
+      if (any(found%values < 0 .and. found%conditions%kind == edge .and. found%conditions%index == &
+         line%active(1))) return
+      net%n_flips = net%n_flips + 1
+      associate (here => net%flips(net%n_flips), n => size(net%unknowns, 1))
+         here = start_type(found%point(:n), begin%at, begin%lattice)
+         here%at(direction) = found%point(n + 1)
+         here%lattice(direction) = 0
+      end associate
+   end subroutine note_flip
 
    !> Notes where a step enters or leaves a zone.
    pure subroutine note_border(net, line, direction, begin, now, next)

@@ -1,25 +1,81 @@
-!> Moves the vertices of a loop that lie at a small distance from the bifurcation onto it.
+!> Motions near those that repeat themselves within the period of their pattern.
+!!
+!! The vertices of a loop that lie at a small distance from the bifurcation are moved onto it, and
+!! motions of the pattern are found from the bifurcation.
 !!
 !! The motions of a pattern end where they become a motion that repeats itself: one with the mirror
 !! symmetry (the pitchfork) or of half the pattern (the flip). The equations of the pattern itself
 !! are singular there. In the family of the motions that repeat themselves it is a regular point,
 !! where the map of the shorter period has a multiplier -1, so it is computed in that family.
 module vi_repetition_vertices
-   use vi_curve, only: correct, curve_type, point_size
-   use vi_family, only: repetition_type
+   use vi_curve, only: correct, curve_type, equations, point_size
+   use vi_family, only: image_of, repetition_type
    use vi_frame, only: condition_type, edge, flip, frame_type, grazing, neimark_sacker, &
-      repetition, zero_approach
+      repetition, unknown_count, zero_approach
    use vi_kinds, only: wp
+   use vi_linear, only: eliminate, most
    use vi_loop, only: begins, ends, loop_type
    implicit none (type, external)
    private
 
-   public :: move_to_repetition
+   public :: leave_repetition, move_to_repetition
 
    !> A motion that is farther than this from the vertex counts as another one.
    real(wp), parameter :: reach = 0.3_wp
 
 contains
+
+   !> A motion of a pattern, on a line, near a bifurcation at which such motions begin: one that
+   !! repeats itself after half the impacts, where a multiplier of that half is -1.
+   pure subroutine leave_repetition(line, which, half, at, point, good)
+      !> The line, of motions of the pattern.
+      type(curve_type), intent(in) :: line
+      !> Number of the repetition.
+      integer, intent(in) :: which
+      !> Unknowns of the motion at the bifurcation: those of the first half of the impacts.
+      real(wp), intent(in) :: half(:)
+      !> Its place on the line.
+      real(wp), intent(in) :: at
+      !> The motion, and its place on the line.
+      real(wp), intent(out) :: point(:)
+      !> Whether it was found.
+      logical, intent(out) :: good
+      !> Distances from the motion that repeats itself, over the least one that counts as another.
+      integer, parameter :: distances(2) = [3, 20]
+      real(wp) :: a(most, most), b(2, most), away(size(point) - 1), start(size(point)), unused
+      integer :: i, j, n, iterations
+      type(condition_type) :: none(0)
+
+      n = unknown_count(line%frame)
+      associate (way => line%frame%repetitions(which), h => size(half)/2)
+         start(:n) = [half(:h), way%sign*half(:h), half(h + 1:), half(h + 1:) + way%phase]
+         start(n + 1) = at
+         ! the vector that the singular equations of the motion map to 0, by bordered equations
+         call equations(line, none, start, b, a)
+         a(n + 1, :n) = [(cos(1.7_wp*i), i=1, n)]
+         a(:n, n + 1) = [(sin(2.3_wp*i), i=1, n)]
+         a(n + 1, n + 1) = 0
+         b(:, :n) = 0
+         b(:, n + 1) = 1
+         call eliminate(n + 1, a, b, good, unused)
+         if (.not. good) return
+         away = b(1, :n)
+         away = image_of(line%frame%family, way, start(:n) + away) - (start(:n) + away)
+         good = norm2(away) > 0 .and. all(abs(away) <= huge(1.0_wp))
+         if (.not. good) return
+         away = away/norm2(away)
+         do j = 1, size(distances)
+            associate (distance => distances(j)*line%frame%apart)
+               point = start
+               point(:n) = point(:n) + 0.5_wp*distance*away
+               call correct(line, [condition_type(repetition, which, bound=distance)], point, &
+                  iterations)
+               good = iterations > 0 .and. norm2(point(:n) - start(:n)) < 2*distance
+            end associate
+            if (good) return
+         end do
+      end associate
+   end subroutine leave_repetition
 
    !> Moves the vertices at the distance `apart` from a motion that repeats itself onto that motion.
    pure subroutine move_to_repetition(surface, loop)

@@ -12,12 +12,14 @@ module vi_zone
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
    use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
-   use vi_net, only: add_seed, cover, cover_from, net_type, new_net
+   use vi_net, only: add_seed, cover, cover_from, follow_line, net_type, new_net
+   use vi_net_line, only: line_of, start_type
    use vi_orbit, only: by_clearance, by_r, n_parameters
    use vi_outline, only: ring_of
    use vi_rings, only: passes, winding
+   use vi_pattern, only: pattern_type
    use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases
-   use vi_repetition_vertices, only: move_to_repetition
+   use vi_repetition_vertices, only: leave_repetition, move_to_repetition
    use vi_zone_request, only: is_neutral, make_surface, zone_request_type
    use vi_status, only: stat
    use vi_progress, only: is_stopped, report_share
@@ -47,7 +49,7 @@ module vi_zone
 contains
 
    !> All zones of a pattern in a window.
-   subroutine find_zone(request, seeds, zone, status, progress, releases)
+   subroutine find_zone(request, seeds, zone, status, progress, releases, pitchforks)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
@@ -60,6 +62,10 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> Results of `simulate_nodes` for the same lattice; all patterns with rest can share them.
       type(release_type), intent(in), optional :: releases(:, :, :)
+      !> The pitchforks at which lines of the same lattice leave the symmetric motions of the pattern.
+      !! In: those found in the zone of these motions, if that is known. Out: for a zone of
+      !! symmetric motions, those found.
+      type(start_type), allocatable, intent(inout), optional :: pitchforks(:)
       type(net_type) :: net
       type(seed_type) :: items(size(seeds, 2))
       integer :: i, reported
@@ -72,7 +78,7 @@ contains
          return
       end if
       call new_net(zone%surface, new_lattice(request%lines, [request%r, log(request%clearance)], &
-         zone%surface%scale), net)
+         zone%surface%scale), net, request%symmetric .and. present(pitchforks))
       zone%lines = shape(net%head)
       do i = 1, size(items)
          call prepare_seed(net, [seeds(1, i), log(seeds(2, i))], seeds(3:, i), items(i))
@@ -84,6 +90,8 @@ contains
       else
          call search_window(request, net, reported, progress)
       end if
+      call search_from_flips(request, net, progress, pitchforks)
+      if (request%symmetric .and. present(pitchforks)) pitchforks = net%flips(:net%n_flips)
       call finish(request, net, items, zone, reported, progress)
    end subroutine find_zone
 
@@ -105,7 +113,7 @@ contains
       zone%surface = surface
       call make_room(1, zone)
       reported = 0
-      call new_net(surface, even_lattice(request%lines), net)
+      call new_net(surface, even_lattice(request%lines), net, .false.)
       zone%lines = shape(net%head)
       n = size(point) - 2
       items(1)%at = point(n + 1:)
@@ -316,6 +324,83 @@ contains
          end do
       end do
    end subroutine search_window
+
+   !> Follows the surface from every flip and pitchfork at which motions of the pattern begin, on
+   !! the lattice lines of the motions that repeat themselves.
+   recursive subroutine search_from_flips(request, net, progress, pitchforks)
+      !> The request.
+      type(zone_request_type), intent(in) :: request
+      !> In and out: nodes and borders are added.
+      type(net_type), intent(inout) :: net
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> The pitchforks of the symmetric motions, if they are known.
+      type(start_type), allocatable, intent(in), optional :: pitchforks(:)
+      type(zone_request_type) :: shorter
+      type(net_type), allocatable :: of_shorter
+      type(curve_type) :: surface
+      integer :: i, done, status
+
+      do i = 1, size(net%surface%frame%repetitions)
+         associate (way => net%surface%frame%repetitions(i), sides => request%pattern%sides)
+            ! other multipliers of the shorter period than -1 start no motions of this pattern
+            if (2*way%shift /= size(net%surface%frame%family%sides)) cycle
+            if (way%sign < 0 .and. present(pitchforks)) then
+               if (allocated(pitchforks)) then
+                  call cover_from_flips(net, i, pitchforks, progress)
+                  cycle
+               end if
+            end if
+            shorter = request
+            shorter%symmetric = way%sign < 0
+            if (.not. shorter%symmetric) shorter%pattern = pattern_type(sides(:way%shift), &
+               request%pattern%cycles/2)
+         end associate
+         call make_surface(shorter, surface, status)
+         if (status /= stat%ok) cycle
+         allocate (of_shorter)
+         call new_net(surface, net%lines, of_shorter, .true.)
+         ! its progress is not reported
+         done = zone_work
+         call search_window(shorter, of_shorter, done, progress)
+         call search_from_flips(shorter, of_shorter, progress)
+         call cover_from_flips(net, i, of_shorter%flips(:of_shorter%n_flips), progress)
+         net%full = net%full .or. of_shorter%full
+         deallocate (of_shorter)
+      end do
+   end subroutine search_from_flips
+
+   !> Follows the surface from motions that begin at flips or pitchforks.
+   subroutine cover_from_flips(net, which, flips, progress)
+      !> In and out: nodes and borders are added.
+      type(net_type), intent(inout) :: net
+      !> Number of the repetition, and the motions that repeat themselves so, each on a lattice line.
+      integer, intent(in) :: which
+      type(start_type), intent(in) :: flips(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(start_type) :: begin
+      type(curve_type) :: line
+      real(wp) :: point(size(net%unknowns, 1) + 1)
+      integer :: direction, first, i, way
+      logical :: good
+
+      first = net%n + 1
+      do i = 1, size(flips)
+         if (is_stopped(progress)) return
+         begin = flips(i)
+         direction = merge(1, 2, begin%lattice(1) == 0)
+         call line_of(net%surface, begin, direction, line)
+         call leave_repetition(line, which, begin%unknowns, begin%at(direction), point, good)
+         if (.not. good) cycle
+         begin%unknowns = point(:size(point) - 1)
+         begin%at(direction) = point(size(point))
+         do way = -1, 1, 2
+            call follow_line(net, begin, direction, way, progress)
+         end do
+      end do
+      call cover(net, first, progress)
+   end subroutine cover_from_flips
 
    !> The simulations at the nodes of the lattice for patterns with rest.
    subroutine simulate_nodes(request, longest, threads, releases, places, progress)

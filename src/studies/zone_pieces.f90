@@ -7,6 +7,7 @@ module vi_zone_pieces
    use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
+   use vi_net_line, only: start_type
    use vi_outline, only: ring_of
    use vi_zone_request, only: zone_request_type
    use vi_progress, only: add_expected_work
@@ -109,6 +110,7 @@ contains
       type(zone_request_type) :: one
       type(zone_type) :: zone
       logical :: possible, wanted(2)
+      type(start_type), allocatable :: pitchforks(:)
       integer :: i, status
 
       possible = can_be_symmetric(request%pattern, request%osc%restitution)
@@ -120,7 +122,7 @@ contains
       do i = 1, 2
          if (.not. wanted(i)) cycle
          one%symmetric = i == 1
-         call find_zone(one, seeds, zone, status, progress)
+         call find_zone(one, seeds, zone, status, progress, pitchforks=pitchforks)
          call add_pieces(zone, one, possible .and. .not. one%symmetric, found)
          if (.not. allocated(found%open_seeds)) allocate (found%open_seeds(size(seeds, 2)), &
             found%used_seeds(size(seeds, 2)), source=.false.)

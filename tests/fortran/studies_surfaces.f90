@@ -306,7 +306,7 @@ contains
          lines = even_lattice(3)
          ! more lines than there is room for crossings
          if (limit == 4) lines%axes(1)%at = [(node/300.0_wp, node=0, 300)]
-         call new_net(surface, lines, net)
+         call new_net(surface, lines, net, .false.)
          if (limit == 1) net%n = size(net%follower)
          if (limit == 2) net%n_borders = size(net%borders)
          if (limit == 3) net%steps = huge(net%steps)
@@ -330,7 +330,7 @@ contains
       integer :: direction, i
       logical :: below, above
 
-      call new_net(surface, even_lattice(3), net)
+      call new_net(surface, even_lattice(3), net, .false.)
       call cover_from(net, at, unknowns)
       do direction = 1, 2
          below = .false.
