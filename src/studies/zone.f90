@@ -14,11 +14,12 @@ module vi_zone
    use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
    use vi_net, only: add_seed, cover, cover_from, follow_line, net_type, new_net
    use vi_net_line, only: line_of, start_type
-   use vi_orbit, only: by_clearance, by_r, n_parameters
+   use vi_orbit, only: by_clearance, by_left, by_r, by_right, n_parameters
    use vi_outline, only: ring_of
    use vi_rings, only: passes, winding
    use vi_pattern, only: pattern_type
-   use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases
+   use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases, &
+      simulate_return
    use vi_repetition_vertices, only: leave_repetition, move_to_repetition
    use vi_zone_request, only: is_neutral, make_surface, zone_request_type
    use vi_status, only: stat
@@ -43,13 +44,21 @@ module vi_zone
       logical :: enclosed = .false.
    end type seed_type
 
-   !> Largest distance of a seed from a motion of the family.
-   real(wp), parameter :: same = 1.0e-3_wp
+   !> A simulation at a point of the window, in the units of the lattice.
+   type, public :: return_type
+      real(wp) :: at(2) = 0
+      !> x_i/D and theta_i of all impacts of the period that comes nearest to a motion of the
+      !! pattern; empty if none has its sides.
+      real(wp), allocatable :: motion(:)
+   end type return_type
+
+   !> Largest distance of a seed, and of a period of a simulation, from a motion of the family.
+   real(wp), parameter :: same = 1.0e-3_wp, near = 1.0_wp
 
 contains
 
    !> All zones of a pattern in a window.
-   subroutine find_zone(request, seeds, zone, status, progress, releases, pitchforks)
+   subroutine find_zone(request, seeds, zone, status, progress, releases, pitchforks, returns)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
@@ -66,10 +75,13 @@ contains
       !! In: those found in the zone of these motions, if that is known. Out: for a zone of
       !! symmetric motions, those found.
       type(start_type), allocatable, intent(inout), optional :: pitchforks(:)
+      !> Simulations in the window, which all families of the pattern share; some are added.
+      type(return_type), allocatable, intent(inout), optional :: returns(:)
       type(net_type) :: net
-      type(seed_type) :: items(size(seeds, 2))
+      type(seed_type), allocatable :: items(:)
       integer :: i, reported
 
+      allocate (items(size(seeds, 2)))
       call make_surface(request, zone%surface, status)
       call make_room(size(items), zone)
       reported = 0
@@ -91,6 +103,7 @@ contains
          call search_window(request, net, reported, progress)
       end if
       call search_from_flips(request, net, progress, pitchforks)
+      if (present(returns)) call search_by_simulation(request, net, items, returns, progress)
       if (request%symmetric .and. present(pitchforks)) pitchforks = net%flips(:net%n_flips)
       call finish(request, net, items, zone, reported, progress)
    end subroutine find_zone
@@ -159,8 +172,12 @@ contains
          call move_to_repetition(zone%surface, zone%loops(i))
       end do
       if (any(items%inside .and. .not. items%enclosed)) call enclose(request, zone, items)
-      zone%open_seeds = items%inside .and. .not. items%enclosed
-      zone%used_seeds = items%there .or. items%at_node
+      associate (open => items%inside .and. .not. items%enclosed, n => size(zone%open_seeds))
+         zone%open_seeds = open(:n)
+         zone%used_seeds = items(:n)%there .or. items(:n)%at_node
+         ! a motion that a simulation showed
+         zone%untraced = zone%untraced + count(open(n + 1:))
+      end associate
       if (is_stopped(progress)) zone%untraced = zone%untraced + 1
       if (net%full) zone%untraced = zone%untraced + 1
       call report_share(1.0_wp, zone_work, reported, progress)
@@ -201,7 +218,7 @@ contains
          call enclose(request, zone, seeds)
          do i = 1, size(seeds)
             if (seeds(i)%enclosed) cycle
-            call examine(net, seeds(i))
+            call examine(net, seeds(i), same)
             if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
             call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
          end do
@@ -324,6 +341,75 @@ contains
          end do
       end do
    end subroutine search_window
+
+   !> Searches for motions by simulation at points spread evenly over the lattice.
+   !!
+   !! As long as a simulation shows a motion that the net does not have, there are more of them.
+   subroutine search_by_simulation(request, net, items, returns, progress)
+      !> The request.
+      type(zone_request_type), intent(in) :: request
+      !> In and out: nodes and borders are added.
+      type(net_type), intent(inout) :: net
+      !> In and out: the motions shown are added.
+      type(seed_type), allocatable, intent(inout) :: items(:)
+      !> In and out: simulations are added.
+      type(return_type), allocatable, intent(inout) :: returns(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> Factor of the number of simulations, and most of them over the number at first.
+      integer, parameter :: growth = 3, most = 9
+      type(return_type) :: next
+      type(seed_type) :: seed
+      real(wp) :: c(n_parameters)
+      integer :: first, i, j, k, wanted
+      logical :: is_new
+
+      c = net%surface%c
+      wanted = request%simulations
+      i = 0
+      do while (wanted <= most*request%simulations)
+         is_new = .false.
+         do while (i < wanted)
+            i = i + 1
+            if (i > size(returns)) then
+               if (is_stopped(progress)) return
+               next%at = [(lattice_place(net%lines%axes(j)%at, i, j), j=1, 2)]
+               c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), next%at])
+               call simulate_return(request%pattern, abs(c(by_right) - c(by_left)) <= 0, c, i, &
+                  next%motion, progress)
+               returns = [returns, next]
+            end if
+            if (size(returns(i)%motion) == 0) cycle
+            first = net%n + 1
+            seed = seed_type(at=returns(i)%at, unknowns=part_of(net%surface%frame, c, &
+               returns(i)%motion))
+            call examine(net, seed, near)
+            if (.not. seed%there) cycle
+            call place_at_node(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), &
+               seed%at_node)
+            items = [items, seed]
+            is_new = is_new .or. net%n >= first
+            call cover(net, first, progress)
+         end do
+         if (.not. is_new) return
+         wanted = growth*wanted
+      end do
+   end subroutine search_by_simulation
+
+   !> A coordinate of point number i of a sequence that fills the lattice evenly.
+   pure real(wp) function lattice_place(at, i, j) result(place)
+      !> Coordinates of the lattice lines.
+      real(wp), intent(in) :: at(:)
+      !> Number of the point, and of the coordinate (1 or 2).
+      integer, intent(in) :: i, j
+      real(wp), parameter :: golden = 1.324717957244746_wp
+      real(wp) :: share
+      integer :: k
+
+      share = modulo(0.5_wp + i/golden**j, 1.0_wp)*(size(at) - 1)
+      k = min(int(share), size(at) - 2)
+      place = at(k + 1) + (share - k)*(at(k + 2) - at(k + 1))
+   end function lattice_place
 
    !> Follows the surface from every flip and pitchfork at which motions of the pattern begin, on
    !! the lattice lines of the motions that repeat themselves.
@@ -457,11 +543,13 @@ contains
 
    !> Computes the motion of a seed at its own place: whether it belongs to the family and is inside
    !! a zone.
-   pure subroutine examine(net, seed)
+   pure subroutine examine(net, seed, reach)
       !> The net.
       type(net_type), intent(in) :: net
       !> In and out: `there`, `inside` and the unknowns are set.
       type(seed_type), intent(inout) :: seed
+      !> Its largest distance from the motion.
+      real(wp), intent(in) :: reach
       type(condition_type) :: conditions(condition_count(net%surface%frame))
       real(wp) :: point(size(seed%unknowns) + 2), values(size(conditions)), place(2)
       integer :: i, n, iterations
@@ -474,7 +562,7 @@ contains
          call correct(surface, [(condition_type(edge, i, 1, bound=place(i)), i=1, 2)], point, &
             iterations)
          if (iterations == 0) return
-         if (maxval(abs(point(:n) - seed%unknowns)) > same) return
+         if (maxval(abs(point(:n) - seed%unknowns)) > reach) return
          if (repeats(net, point(:n), 1.0e-6_wp)) return
          seed%there = .true.
          seed%unknowns = point(:n)

@@ -13,7 +13,7 @@ module vi_zone_pieces
    use vi_progress, only: add_expected_work
    use vi_study, only: column_type, result_type, truths, wholes, words
    use vi_text, only: line_type
-   use vi_zone, only: find_zone, zone_type, zone_work
+   use vi_zone, only: find_zone, return_type, zone_type, zone_work
    implicit none (type, external)
    private
 
@@ -21,6 +21,9 @@ module vi_zone_pieces
 
    character(*), parameter, public :: not_closed = &
       'not closed: a boundary could not be followed until it closes'
+
+   !> Simulations with which a search for motions without rest begins.
+   integer, parameter :: simulations = 24
 
    !> Columns of the results of zones and atlases. A family is what one search covers: the motions
    !! of a pattern or, in an atlas, either its symmetric motions or the others.
@@ -111,18 +114,21 @@ contains
       type(zone_type) :: zone
       logical :: possible, wanted(2)
       type(start_type), allocatable :: pitchforks(:)
+      type(return_type), allocatable :: returns(:)
       integer :: i, status
 
       possible = can_be_symmetric(request%pattern, request%osc%restitution)
       one = request
       ! simulation finds a motion with rest only inside its zone, which may be narrow
       if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
+      one%simulations = merge(0, simulations, any(abs(one%pattern%sides) == 2))
+      allocate (returns(0))
       wanted = families .and. [possible, .true.]
       call add_expected_work(zone_work*count(wanted), progress)
       do i = 1, 2
          if (.not. wanted(i)) cycle
          one%symmetric = i == 1
-         call find_zone(one, seeds, zone, status, progress, pitchforks=pitchforks)
+         call find_zone(one, seeds, zone, status, progress, pitchforks=pitchforks, returns=returns)
          call add_pieces(zone, one, possible .and. .not. one%symmetric, found)
          if (.not. allocated(found%open_seeds)) allocate (found%open_seeds(size(seeds, 2)), &
             found%used_seeds(size(seeds, 2)), source=.false.)

@@ -26,6 +26,9 @@ module vi_zone_request
       integer :: lines = 17, guesses = 12
       !> Largest number of points of a loop.
       integer :: points = 20000
+      !> Simulations at first that show motions without rest; there are more of them if they show
+      !! motions that Newton's method has not found.
+      integer :: simulations = 0
    end type zone_request_type
 
    !> Units of length along r and log D: the window of the 1983 charts, unless it is smaller.
