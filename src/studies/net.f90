@@ -217,7 +217,7 @@ contains
       real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
       real(wp) :: share
       integer :: taken
-      logical :: good, known, leaving, left, passes
+      logical :: good, known, leaving, left, passes, shorten
 
       call line_of(net%surface, begin, direction, line)
       along = 0
@@ -238,8 +238,13 @@ contains
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return
-         if (can_shorten(next, 1.0e-4_wp) .and. (any(hidden_zero(before%values, now%values, &
-            next%values, now%came, next%came)) .or. may_pass(now%values, next%values))) then
+         if (can_shorten(next, 1.0e-4_wp)) then
+            shorten = any(hidden_zero(before%values, now%values, next%values, now%came, next%came))
+         else
+            shorten = .false.
+         end if
+         if (.not. shorten .and. can_shorten(next, 1.0e-6_wp)) shorten = may_pass(line, now, next)
+         if (shorten) then
             now%step = 0.3_wp*next%came
             cycle
          end if

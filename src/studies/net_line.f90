@@ -1,9 +1,10 @@
 !> Lines over the surface of motions in a window, along which one parameter is constant.
 module vi_net_line
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, edge, grazing, repetition, rest_splits, &
-      rest_vanishes, zero_approach
+   use vi_frame, only: condition_type, edge, flip, fold, grazing, neimark_sacker, repetition, &
+      rest_splits, rest_vanishes, zero_approach
    use vi_kinds, only: wp
+   use vi_spectrum, only: pair_product
    use vi_steps, only: place_type
    implicit none (type, external)
    private
@@ -61,12 +62,34 @@ contains
 
    !> Whether a step may pass through a zone: the conditions violated at its start are met at its
    !! end, where other conditions are violated.
-   pure logical function may_pass(now, next)
-      !> (conditions) Values at the start and at the end of the step.
-      real(wp), intent(in) :: now(:), next(:)
+   pure logical function may_pass(line, now, next)
+      !> The line.
+      type(curve_type), intent(in) :: line
+      !> Start and end of the step.
+      type(place_type), intent(in) :: now, next
+      logical, dimension(size(now%values)) :: at_start, at_end
 
-      may_pass = any(now < 0) .and. any(next < 0) .and. .not. any(now < 0 .and. next < 0)
+      at_start = violated(line, now)
+      at_end = violated(line, next)
+      may_pass = any(at_start) .and. any(at_end) .and. .not. any(at_start .and. at_end)
    end function may_pass
+
+   !> Which conditions are violated.
+   pure function violated(line, place)
+      !> The line.
+      type(curve_type), intent(in) :: line
+      !> The place.
+      type(place_type), intent(in) :: place
+      logical :: violated(size(place%values))
+
+      violated = place%values < 0
+      if (line%frame%resting) return
+      ! where a fold or a flip has been passed, the condition of Neimark-Sacker is also called
+      ! violated if more multipliers may be outside the unit circle: near a point where both
+      ! are zero that is so next to a zone
+      if (any(violated([fold, flip]))) violated(neimark_sacker) = violated(neimark_sacker) .and. &
+         pair_product(place%spectrum) < 0
+   end function violated
 
    !> The point at which a step passes a level of the line's parameter.
    pure subroutine pass(line, level, now, next, point, passes)

@@ -299,26 +299,36 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> (simulations, r, D) of `simulate_nodes`.
       type(release_type), intent(in), optional :: releases(:, :, :)
+      !> Share of the motions found that lie on parts of the surface not followed so far, from which
+      !! further parts are expected.
+      real(wp), parameter :: many = 0.05_wp
       real(wp), allocatable :: found(:, :)
       real(wp) :: q(2), c(n_parameters)
+      !> How much longer motions with rest are simulated where none was found.
       integer, parameter :: longer = 10
-      integer :: i, j, k, first, guesses, pass, passes, skip, stride
+      integer :: i, j, k, all_found, first, guesses, new, pass, passes, skip, stride
       logical :: at_node, chosen, resting
 
       skip = 0
+      all_found = 0
+      new = 0
       resting = net%surface%frame%resting
+      ! simulations that are given are not repeated
       passes = merge(1, 2, resting .and. present(releases))
       stride = 2
-      do pass = 1, passes
+      pass = 0
+      do while (pass < passes)
+         pass = pass + 1
          if (resting .and. pass == 2) then
+            ! with little damping, simulations reach the motions late
             if (net%n > 0) exit
             stride = 4
          end if
-         guesses = merge(request%guesses, request%guesses/4, pass == 1 .or. resting)
+         guesses = merge(request%guesses, request%guesses/4, mod(pass, 2) == 1 .or. resting)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
                chosen = mod(i, stride) == 1 .and. mod(j, stride) == 1
-               if (chosen .neqv. (pass == 1 .or. resting)) cycle
+               if (chosen .neqv. (mod(pass, 2) == 1 .or. resting)) cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
                c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
                if (present(releases)) then
@@ -326,19 +336,24 @@ contains
                      releases(:, i, j), progress)
                else
                   call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
-                     progress=progress, longer=merge(longer, 1, pass == 2))
+                     progress=progress, longer=merge(longer, 1, resting .and. pass == 2))
                end if
                skip = skip + guesses
                first = net%n + 1
                do k = 1, size(found, 2)
                   call place_at_node(net, q, found(:, k), [i, j], at_node)
+                  if (at_node) all_found = all_found + 1
                end do
+               new = new + net%n - first + 1
                call cover(net, first, progress)
                if (is_stopped(progress)) return
             end do
             call report_share(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, zone_work, &
                reported, progress)
          end do
+         ! the more impacts, the fewer guesses lead to a motion
+         if (.not. resting .and. pass > 1 .and. new >= many*all_found .and. (new > 0 .or. &
+            request%simulations > 0)) passes = min(pass + 1, max(2, size(request%pattern%sides)))
       end do
    end subroutine search_window
 
@@ -391,7 +406,7 @@ contains
             is_new = is_new .or. net%n >= first
             call cover(net, first, progress)
          end do
-         if (.not. is_new) return
+         if (.not. is_new .and. net%n > size(net%head)/2) return
          wanted = growth*wanted
       end do
    end subroutine search_by_simulation

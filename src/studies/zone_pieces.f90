@@ -22,9 +22,6 @@ module vi_zone_pieces
    character(*), parameter, public :: not_closed = &
       'not closed: a boundary could not be followed until it closes'
 
-   !> Simulations with which a search for motions without rest begins.
-   integer, parameter :: simulations = 24
-
    !> Columns of the results of zones and atlases. A family is what one search covers: the motions
    !! of a pattern or, in an atlas, either its symmetric motions or the others.
    type(column_type), parameter, public :: piece_columns(*) = [ &
@@ -121,7 +118,7 @@ contains
       one = request
       ! simulation finds a motion with rest only inside its zone, which may be narrow
       if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
-      one%simulations = merge(0, simulations, any(abs(one%pattern%sides) == 2))
+      if (all(abs(one%pattern%sides) == 1)) one%simulations = 3*size(one%pattern%sides)**2
       allocate (returns(0))
       wanted = families .and. [possible, .true.]
       call add_expected_work(zone_work*count(wanted), progress)
