@@ -121,7 +121,8 @@ contains
       node = 0
       do k = 0, size(net%surface%frame%images)
          image = unknowns
-         if (k > 0) image = image_of(net%surface%frame%family, net%surface%frame%images(k), unknowns)
+         if (k > 0) image = image_of(net%surface%frame%family, net%surface%frame%images(k), &
+            unknowns)
          node = net%head(i, j)
          do while (node > 0)
             offset = net%unknowns(:, node) - image

@@ -222,8 +222,9 @@ contains
             if (any(sign*events(i:i + m - 1)%side /= pattern%sides)) cycle
             if (events(i + m)%side /= events(i)%side) cycle
             least = change
-            motion = [sign*events(i:i + m - 1)%x/system%clearance, total_phase(events(i:i + m - 1)) &
-               - system%lag + merge(0.5_wp*two_pi, 0.0_wp, sign < 0)]
+            motion = [sign*events(i:i + m - 1)%x/system%clearance, &
+               total_phase(events(i:i + m - 1)) - system%lag + merge(0.5_wp*two_pi, 0.0_wp, &
+               sign < 0)]
          end do
          if (least < settled .or. status /= stat%ok) return
          if (has_settled(events(:n), settled*system%clearance)) return

@@ -71,7 +71,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> Results of `simulate_nodes` for the same lattice; all patterns with rest can share them.
       type(release_type), intent(in), optional :: releases(:, :, :)
-      !> The pitchforks at which lines of the same lattice leave the symmetric motions of the pattern.
+      !> The pitchforks that lines of the same lattice meet on the symmetric motions of the pattern.
       !! In: those found in the zone of these motions, if that is known. Out: for a zone of
       !! symmetric motions, those found.
       type(start_type), allocatable, intent(inout), optional :: pitchforks(:)
@@ -103,7 +103,8 @@ contains
          call search_window(request, net, reported, progress)
       end if
       call search_from_flips(request, net, progress, pitchforks)
-      if (present(returns)) call search_by_simulation(request, net, items, returns, progress)
+      if (present(returns) .and. request%simulations > 0) call search_by_simulation(request, net, &
+         items, returns, progress)
       if (request%symmetric .and. present(pitchforks)) pitchforks = net%flips(:net%n_flips)
       call finish(request, net, items, zone, reported, progress)
    end subroutine find_zone
@@ -454,8 +455,9 @@ contains
             end if
             shorter = request
             shorter%symmetric = way%sign < 0
-            if (.not. shorter%symmetric) shorter%pattern = pattern_type(sides(:way%shift), &
-               request%pattern%cycles/2)
+            if (.not. shorter%symmetric) then
+               shorter%pattern = pattern_type(sides(:way%shift), request%pattern%cycles/2)
+            end if
          end associate
          call make_surface(shorter, surface, status)
          if (status /= stat%ok) cycle
@@ -475,7 +477,7 @@ contains
    subroutine cover_from_flips(net, which, flips, progress)
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
-      !> Number of the repetition, and the motions that repeat themselves so, each on a lattice line.
+      !> Number of the repetition, and motions that repeat themselves so, each on a lattice line.
       integer, intent(in) :: which
       type(start_type), intent(in) :: flips(:)
       !> Progress counters, see vi_progress; read to stop.

@@ -118,7 +118,9 @@ contains
       one = request
       ! simulation finds a motion with rest only inside its zone, which may be narrow
       if (any(abs(one%pattern%sides) == 2)) one%lines = max(33, one%lines)
-      if (all(abs(one%pattern%sides) == 1)) one%simulations = 3*size(one%pattern%sides)**2
+      ! the more impacts, the fewer guesses lead to a motion; without guesses, only seeds count
+      if (all(abs(one%pattern%sides) == 1) .and. one%guesses > 0) one%simulations = &
+         3*size(one%pattern%sides)**2
       allocate (returns(0))
       wanted = families .and. [possible, .true.]
       call add_expected_work(zone_work*count(wanted), progress)

@@ -308,3 +308,77 @@ def test_motions_of_a_zone_belong_to_its_family():
             assert motion.stable
             assert not vi.is_symmetric(motion)
     assert found
+
+
+#: Oscillator, pattern, a point where a simulation settled on the pattern, and a window around it.
+HARD = [
+    # few of the guesses with six impacts lead to a motion
+    ((0.003488393605663722, 0.022610994224851556, 0.3051494846523276), "RRRLLL", 1,
+     (0.11240394087518273, 1.1189566021598252),
+     (0.08430295565638704, 0.14331502461585796), (0.45873126762222394, 2.8329130738776533)),
+    # the motions begin at a pitchfork of the symmetric ones
+    ((0.0010384155090637625, 0.009838515598367315, 0.9296712782075642), "RL", 1,
+     (0.12644813341283004, 27.910408526237415),
+     (0.1231807465734381, 0.15192292077390698), (16.181023956548284, 33.5178353385643)),
+    # the motions begin at a flip of those of half the pattern
+    ((0.0033846793235335674, 0.06033283629883693, 0.11636282176678817), "RLRL", 2,
+     (0.12515748916100344, 4.239534489566866),
+     (0.09083954557909796, 0.15979765638642518), (3.1865737331962225, 12.637022380977164)),
+    # a zone of motions with eight impacts, narrow and as high as the window
+    ((0.0036632390822039698, 0.003002728587055602, 0.46142234465752974), "RRRRLLLL", 1,
+     (1.027266099952177, 7.345390058348557),
+     (0.8143618435566341, 1.405846633042275), (2.7424682872468593, 16.17689385653798)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("system", "sides", "cycles", "point", "r", "clearance"), HARD)
+def test_zones_that_newtons_method_at_nodes_misses(system, sides, cycles, point, r, clearance):
+    """The zone of a motion on which simulations settle is found."""
+    xi, mu, restitution = system
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
+    zone = vi.zone(osc, vi.Pattern(sides, cycles), r, clearance)
+    assert zone.count(*point) == 1
+    settled = vi.find(osc, *point, max_impacts=2, max_cycles=1, guesses=1, releases=0, states=48)
+    assert any(m.stable and m.pattern == zone.pattern for m in settled)
+
+
+def test_a_thin_zone_between_a_flip_and_a_neimark_sacker_point():
+    """A zone thinner than a step: on each side of it another multiplier is outside the unit circle."""
+    osc = vi.Oscillator(
+        xi=0.027757398620042766, mu=0.13773267343919315, restitution=0.9586250802854672
+    )
+    window = (1.9659244341715572, 2.3914725534277994), (0.2620495762711161, 1.6605096660820937)
+    assert vi.zone(osc, "RLL", *window).contains(2.306148503, 0.2888079132)
+
+
+@pytest.mark.parametrize(
+    ("system", "sides", "cycles", "point", "r", "clearance"),
+    [
+        # a unit that is its own mirror image, twice
+        ((0.03961335609201366, 0.013106635893706881, 0.6603719614444107), "RLRL", 2,
+         (0.802094545011187, 5.788495208803536),
+         (0.85 * 0.802094545011187, 1.18 * 0.802094545011187),
+         (0.5 * 5.788495208803536, 2 * 5.788495208803536)),
+        # three times, where the whole pattern is its own mirror image as well
+        ((0.24516080209640617, 0.002134883304171633, 0.9702722972066312), "RLRLRL", 3,
+         (1.6261488493967327, 2.186038532704614),
+         (1.2229467741992963, 1.8994678727852838), (0.9162012382583987, 4.815706056569196)),
+        # a unit four times, with different walls
+        ((0.004510901441748813, 0.022514025126847997, (0.9940599996759076, 0.6093083328261)), "RLRLRLRL", 4,
+         (1.2094620599178056, 7.404070317111004),
+         (1.1441692787236828, 1.3149803759704242), (4.075267979622953, 31.888401845873698)),
+    ],
+)  # fmt: skip
+def test_a_motion_and_its_images_count_once(system, sides, cycles, point, r, clearance):
+    """A motion numbered from another unit, or from one of its mirror image, is the same: loops differ."""
+    xi, mu, restitution = system
+    zone = vi.zone(
+        vi.Oscillator(xi=xi, mu=mu, restitution=restitution),
+        vi.Pattern(sides, cycles),
+        r,
+        clearance,
+    )
+    assert zone.count(*point) == 1
+    boxes = np.array([[ring.min(axis=0), ring.max(axis=0)] for ring in zone.loops])
+    for i, box in enumerate(boxes):
+        assert not any(np.allclose(box, other, rtol=1e-7) for other in boxes[:i])

@@ -410,11 +410,13 @@ def zone(
     impacts just fails to complete before the acceleration that closes the gap changes its sign; that boundary
     is accurate to about 1e-10.
 
-    Motions are searched at some nodes of a lattice over the window, and the lattice lines are followed on every
-    sheet of motions on which they lie. Where a line enters or leaves a zone, the boundary is traced by
-    pseudo-arclength continuation of the motion together with the one condition that is zero there (fold,
-    flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another condition
-    becomes zero there is a corner, and the boundary is followed along that one.
+    Motions are searched by Newton's method at the nodes of a lattice over the window and, for patterns without
+    rest, by simulation at points between them; the more impacts and the fewer motions found, the longer. The
+    lattice lines are followed on every sheet of motions found, and on those that begin at the pitchforks and flips
+    that the lines of the symmetric motions and of half the pattern meet. Where a line enters or leaves a zone, the
+    boundary is traced by pseudo-arclength continuation of the motion together with the one condition that is zero
+    there (fold, flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another
+    condition becomes zero there is a corner, and the boundary is followed along that one.
 
     Parameters
     ----------
@@ -433,7 +435,9 @@ def zone(
         asinh(10 (r - 1)); at least 33 are taken for a pattern with rest. Parts of a zone that touch no line can
         be missed: more lines find more.
     guesses : int
-        Guesses for motions at every second node in each direction; a quarter of this number at the others.
+        Guesses for motions at every second node in each direction; a quarter of this number at the others. Both
+        are searched again with further guesses as long as these find new sheets of motions of many impacts.
+        With 0, only the seeds are used.
     seeds : sequence of Motion
         Known motions of the pattern that the search could miss. The lines of
         constant r and of constant d K/F0 through each are followed, and every boundary that they meet is traced:
