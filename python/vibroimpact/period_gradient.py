@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import ParameterError, SingularError
-from .events import EVENT_TYPE, WORDS
+from .events import EVENT_TYPE, WORDS, segments
 from .gradient import (
     FOLD,
     NOT_EXACT,
@@ -22,6 +22,7 @@ from .gradient import (
     frozen,
     trajectory_gradient,
 )
+from .quantities import segments_of, turns
 from .states import later, start_of, state_of
 from .status import raise_status, status_text
 from .structure import Gap, Load, Structure
@@ -34,9 +35,13 @@ __all__: list[str] = []
 
 _Array = NDArray[Any]
 STATE = ("x", "x_dot", "z", "z_dot")
-#: Relative distance at which a simulated period counts as closed; points of a period among which extremes are
-#: sought; largest number of events of a period.
-CLOSED, POINTS, MOST_EVENTS = 1e-8, 4001, 20_000
+#: Relative distance at which a simulated period counts as closed; largest number of events of a period.
+CLOSED, MOST_EVENTS = 1e-8, 20_000
+#: Relative differences at which extremes count as equal, and their derivatives by a parameter.
+ALIKE, SAME = 1e-9, 1e-6
+#: What rounding may leave of a derivative, over those of the state by the same parameter, and over the position:
+#: where R is 0 no derivative by it remains.
+ROUNDING, NOTHING = 1e-10, 1e-12
 #: The quantities by impact, and those of the events of a trajectory.
 OF_IMPACTS = {
     "X": "x", "X_dot_before": "x_dot_before", "X_dot_after": "x_dot_after", "Z_dot_before": "z_dot_before",
@@ -109,23 +114,44 @@ class Period:
             t + self.motion.load_phase / self.motion.r - start, self.motion.period
         )
 
-    def extreme(self, side: int) -> _Array:
-        """The derivatives of the greatest (side 1) or least (side -1) position of the primary mass."""
-        motion = self.motion
-        step = motion.period / (POINTS - 1)
-        near = step * int((side * motion.sample(step * np.arange(POINTS)).X).argmax())
-        low, high = near - step, near + step
+    def extremes(self, side: int) -> list[_Array]:
+        """The derivatives of the greatest (side 1) or least (side -1) position of the primary mass, one for each
+        instant at which it is reached: where the velocity passes through 0, or changes its sign by an impact."""
+        motion, events = self.motion, self.motion.events
+        starts, resting = segments(events, motion.clearance)
+        parts = segments_of(
+            motion.osc, motion.r, motion.load, starts, resting, events["time"][0] + motion.period
+        )
+        times, values, _ = turns(parts, parts.x, motion.r)
+        before, after = side * events["x_dot_before"], side * events["x_dot_after"]
+        corners = np.flatnonzero((before > 0) & (after < 0))
+        positions = side * np.concatenate([values, events["x"][corners]])
+        best = positions.max()
+        found = []
+        for i in np.flatnonzero(best - positions <= ALIKE * abs(best)).tolist():
+            if i < len(times):
+                cycles = (self.within(times[i]) - self.start["t"]) * motion.r / (2 * math.pi)
+                found.append(self.total(self.simulated(float(cycles))[0]["final_x"]))
+            else:
+                found.append(
+                    self.total(self.whole["x"][self.place(events["time"][corners[i - len(times)]])])
+                )
+        return found
 
-        def rising(t: float) -> bool:
-            return bool(side * float(motion.sample(t).X_dot) > 0)
+    def place(self, t: float) -> int:
+        """Number of the event of the simulated period at a time of the motion."""
+        return int(np.abs(self.whole.values["time"] - self.within(t)).argmin())
 
-        if rising(high) or not rising(low):
-            raise SingularError("the greatest position is not that of a smooth maximum")
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if rising(middle) else (low, middle)
-        cycles = (self.within(low) - self.start["t"]) * motion.r / (2 * math.pi)
-        return self.total(self.simulated(float(cycles))[0]["final_x"])
+    def common(self, slopes: list[_Array]) -> _Array:
+        """The derivatives of an extreme that is reached several times; NaN by parameters by which these part.
+
+        They are compared for each parameter alone: those by the restitution of a wall may be small beside others,
+        and part all the same.
+        """
+        table = np.array(slopes)
+        limit = SAME * np.abs(table).max(axis=0) + ROUNDING * np.abs(self.state).max(axis=0)
+        limit += NOTHING * max(self.motion.x_max, -self.motion.x_min)
+        return np.where(np.ptp(table, axis=0) > limit, np.nan, table[0])
 
 
 def multiplier_gradient(period: Period) -> tuple[dict[str, _Array], dict[str, str]]:
@@ -177,8 +203,7 @@ def period_gradient(motion: Motion) -> Gradient:
     whole = period.whole
     r, xi = motion.r, motion.osc.xi
     by = {name: np.arange(len(PARAMETERS)) == i for i, name in enumerate(PARAMETERS)}
-    wanted = period.within(motion.phases / r)
-    places = np.abs(whole.values["time"] - wanted[:, None]).argmin(axis=1)
+    places = [period.place(t) for t in motion.phases / r]
     phases = r * period.total(whole["time"][places]) + np.outer(
         whole.values["time"][places], by["r"]
     )
@@ -194,14 +219,17 @@ def period_gradient(motion: Motion) -> Gradient:
     slopes["tau"] = phases[0] - lag
     growth = (2 * r * (1 - r) * (1 + r) - 4 * xi * xi * r) * by["r"] - 4 * xi * r * r * by["xi"]
     slopes["A"] = motion.A * (growth / square + by["load"] / motion.load)
-    slopes["x_max"], slopes["x_min"] = period.extreme(1), period.extreme(-1)
+    highest, lowest = period.extremes(1), period.extremes(-1)
+    peaks = highest if motion.x_max > -motion.x_min else [-one for one in lowest]
+    if abs(motion.x_max + motion.x_min) <= ALIKE * motion.x_max:
+        peaks = highest + [-one for one in lowest]
+    peak = period.common(peaks)
+    slopes["x_max"], slopes["x_min"] = period.common(highest), period.common(lowest)
     by_multipliers, status = multiplier_gradient(period)
-    peak = slopes["x_max"] if motion.x_max > -motion.x_min else -slopes["x_min"]
-    if abs(motion.x_max + motion.x_min) <= 1e-9 * motion.x_max:
-        both = np.abs(slopes["x_max"] + slopes["x_min"])
-        peak = np.where(both > 1e-6 * np.abs(peak).max(), np.nan, peak)
-        status["attenuation"] = status_text(NOT_SMOOTH)
     slopes["attenuation"] = (peak - motion.attenuation * slopes["A"]) / motion.A
+    for name in ("x_max", "x_min", "attenuation"):
+        if np.isnan(slopes[name]).any():
+            status[name] = status_text(NOT_SMOOTH)
     slopes |= by_multipliers
     own = {
         "approach_speeds": sides * (motion.Z_dot_before - motion.X_dot_before),

@@ -179,27 +179,41 @@ def product(parts: Segments, u: _Complex, v: _Complex) -> float:
 
 def extremes(parts: Segments, u: _Complex, r: float) -> tuple[float, float]:
     """The least and the greatest value of a signal, with both ends of each segment."""
+    values = np.concatenate(turns(parts, u, r)[1:])
+    return float(values.min()), float(values.max())
+
+
+def turns(parts: Segments, u: _Complex, r: float) -> tuple[_Array, _Array, _Array]:
+    """The times at which the derivative of a signal vanishes, the values there, and those at ends of segments."""
     # where rest begins at the instant of an impact, no flight lies in between
     real = parts.duration > 0 if parts.duration.any() else slice(None)
-    u, rates, duration = u[:, real], parts.rates[:, real], parts.duration[real]
+    u, rates, duration, start = (
+        u[:, real],
+        parts.rates[:, real],
+        parts.duration[real],
+        parts.start[real],
+    )
     many = 2 + np.ceil(POINTS * max(1.0, r) * duration).astype(np.int64)
     if many.max(initial=0) > 10 * MOST:
         raise ParameterError(
             f"flight of {duration.max():.6g} without an event: must be at most "
             f"{10 * MOST / POINTS / max(1.0, r):.6g} for its extremes"
         )
-    low, high = math.inf, -math.inf
+    found = []
     blocks = np.searchsorted(np.cumsum(many), np.arange(0, many.sum(), MOST), side="right")
     for here in np.split(np.arange(len(many)), np.unique(blocks)):
-        if not here.size:
-            continue
-        values = stationary(u[:, here], rates[:, here], duration[here], many[here])
-        low, high = min(low, values.min()), max(high, values.max())
-    return float(low), float(high)
+        if here.size:
+            place, *rest = stationary(u[:, here], rates[:, here], duration[here], many[here])
+            found.append((start[here][place] + rest[0], *rest[1:]))
+    times, values, ends = (np.concatenate(each) for each in zip(*found, strict=True))
+    return times, values, ends
 
 
-def stationary(u: _Complex, rates: _Complex, duration: _Array, many: NDArray[np.int64]) -> _Array:
-    """The values of signals at both ends of their segments and where their derivatives vanish.
+def stationary(
+    u: _Complex, rates: _Complex, duration: _Array, many: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], _Array, _Array, _Array]:
+    """Where the derivatives of signals vanish: numbers of the segments, times from their starts, and values there;
+    and the values at both ends of all segments.
 
     The derivative has at most one zero between neighbouring points, or two about a zero of its own derivative.
     """
@@ -231,10 +245,9 @@ def stationary(u: _Complex, rates: _Complex, duration: _Array, many: NDArray[np.
     slope = value(1, place, t)
     inner = np.flatnonzero((place[1:] == place[:-1]) & (slope[1:] * slope[:-1] <= 0))
     found = zeros(1, place[inner], t[inner], t[inner + 1])
-    ends = np.arange(len(many))
-    return np.concatenate([
-        value(0, place[inner], found), value(0, ends, np.zeros(len(many))), value(0, ends, duration),
-    ])  # fmt: skip
+    each = np.arange(len(many))
+    ends = np.concatenate([value(0, each, np.zeros(len(many))), value(0, each, duration)])
+    return place[inner], found, value(0, place[inner], found), ends
 
 
 def signal(parts: Segments, u: _Complex, r: float, harmonics: int) -> Signal:

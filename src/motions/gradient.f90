@@ -45,6 +45,10 @@ module vi_gradient
    real(wp), parameter :: touching = 1.0e-9_wp
    !> Extremes that differ by no more than this share of their size count as equal.
    real(wp), parameter :: alike = 1.0e-10_wp
+   !> Derivatives by a parameter that differ by no more than this share of their size, and this one
+   !! of the terms in them, count as equal. Each parameter is judged alone: derivatives by the
+   !! restitution of a wall may be small beside others, and beside the number itself, and differ.
+   real(wp), parameter :: same = 1.0e-6_wp, rounding = 1.0e-10_wp
    !> Cosine of the angle between the right and the left eigenvector below which a multiplier counts
    !! as a double one.
    real(wp), parameter :: defect = 1.0e-5_wp
@@ -57,10 +61,12 @@ module vi_gradient
       real(wp), allocatable :: by(:, :)
    end type solved_type
 
-   !> A number with its derivatives.
+   !> A number with its derivatives, and the sums of the absolute terms in these, of which their
+   !! rounding errors are a share.
    type :: quantity_type
       real(wp) :: value = 0, by(gradient_parameters) = 0
       integer :: status = stat%not_computed
+      real(wp) :: terms(gradient_parameters) = 0
    end type quantity_type
 
 contains
@@ -175,6 +181,11 @@ contains
       m = 2*solved%o%n
       by = slope(m + 1:m + n_parameters) + matmul(slope(:m), solved%by)
       unit = merge(solved%clearance, 1.0_wp, is_length)
+      quantity%terms(:n_parameters) = unit*(abs(slope(m + 1:m + n_parameters)) &
+         + matmul(abs(slope(:m)), abs(solved%by)))
+      quantity%terms(by_both) = quantity%terms(by_right) + quantity%terms(by_left)
+      quantity%terms(by_load) = quantity%terms(by_clearance)/solved%load
+      quantity%terms(by_clearance) = quantity%terms(by_clearance)/solved%clearance
       log_clearance = unit*by(by_clearance)
       quantity%value = unit*value
       quantity%by(:n_parameters) = unit*by
@@ -430,7 +441,7 @@ contains
       type(quantity_type), intent(in) :: a
       type(quantity_type) :: b
 
-      b = quantity_type(-a%value, -a%by, a%status)
+      b = quantity_type(-a%value, -a%by, a%status, a%terms)
    end function negative
 
    !> The greater of two quantities. If they are equal, it has derivatives only with respect to the
@@ -445,8 +456,8 @@ contains
       if (abs(a%value - b%value) <= alike*max(abs(a%value), abs(b%value))) then
          if (any(a%status == [stat%ok, stat%not_smooth])) a%status = max(a%status, b%status)
          do k = 1, size(a%by)
-            if (abs(a%by(k) - b%by(k)) <= 1.0e-6_wp*max(abs(a%by(k)), abs(b%by(k)), &
-               1.0e-3_wp*abs(a%value))) cycle
+            if (abs(a%by(k) - b%by(k)) <= same*max(abs(a%by(k)), abs(b%by(k))) &
+               + rounding*max(a%terms(k), b%terms(k))) cycle
             a%by(k) = nan()
             if (a%status == stat%ok) a%status = stat%not_smooth
          end do
@@ -531,6 +542,8 @@ contains
       if (.not. modulus%value > 0) return
       modulus%by = (real_part%value*real_part%by + imaginary_part%value*imaginary_part%by) &
          /modulus%value
+      modulus%terms = (abs(real_part%value)*real_part%terms + abs(imaginary_part%value) &
+         *imaginary_part%terms)/modulus%value
    end function modulus
 
    !> Eigenvector j of a real matrix.

@@ -13,6 +13,10 @@ from shared_systems import FIGURE6, RIG, TABLE
 STEP = "1e-12"
 
 
+#: The parameters by which a greatest value that both walls share has no derivative: R1 and R2.
+SYMMETRIC = [False] * 4 + [True] * 2 + [False] * 2
+
+
 def uneven():
     """The motion of Table 1's third column at the clearance 37."""
     return vi.exact(TABLE, 0.94, 37.0, COLUMN)
@@ -131,6 +135,27 @@ def test_symmetric_motion():
     missing = np.isnan(gradient["attenuation"])
     assert [gradient.parameters[i] for i in np.flatnonzero(missing)] == ["R1", "R2"]
     assert "reached twice" in gradient.status["attenuation"]
+
+
+@pytest.mark.parametrize(
+    ("xi", "mu", "r", "clearance"),
+    [
+        (0.00030354624653739805, 0.0018542386387087302, 2.819861542568646, 0.30838358853245346),
+        (0.00010587058435497757, 0.009412574453329978, 2.060129580274066, 0.6716313722270588),
+    ],
+)
+def test_symmetric_motions_that_hardly_depend_on_restitution(xi, mu, r, clearance):
+    """One wall's restitution parts the extremes by 1e-10 of their size: there is no derivative all the same."""
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=1.0)
+    found = [motion.gradient() for motion in vi.equispaced(osc, r, clearance)]
+    assert found
+    for gradient in found:
+        assert np.isnan(gradient["attenuation"][4:6]).all()
+    # of another motion x_max itself is reached twice
+    once = [gradient for gradient in found if np.isfinite(gradient["x_max"]).all()]
+    assert once
+    assert once[0]["x_max", "R1"] == pytest.approx(-once[0]["x_min", "R2"], rel=1e-4)
+    assert np.isnan(once[0]["attenuation"]).tolist() == SYMMETRIC
 
 
 def test_predicts_the_next_motion():
@@ -259,6 +284,49 @@ def test_motion_with_rest():
         -np.abs(motion.multipliers[0])
         * (gradient["multipliers", "mu"] / motion.multipliers)[0].real
     )
+
+
+def test_extreme_at_an_impact():
+    """Where an impact turns the primary mass back, its position is the extreme, and has the same derivatives."""
+    osc = vi.Oscillator(
+        xi=0.0041569628760348585, mu=1.8902694504388748, restitution=(0.4877735757663336, 0.24949359287277673)
+    )  # fmt: skip
+    r, clearance = 2.605906995313719, 0.24330279747179723
+    motion = vi.exact(osc, r, clearance, vi.simulate(osc, r, clearance, cycles=8, discard=400))
+    assert motion.pattern.sides == "RL*"
+    assert motion.x_min == motion.X[0]
+    gradient = motion.gradient()
+    assert gradient["x_min"] == pytest.approx(gradient["X"][0], rel=1e-12)
+    h = 1e-5
+    ends = [vi.exact(osc, r, clearance + step, motion) for step in (h, -h)]
+    for name in ("x_min", "x_max", "attenuation"):
+        change = getattr(ends[0], name) - getattr(ends[1], name)
+        assert gradient[name, "clearance"] == pytest.approx(change / (2 * h), rel=1e-6), name
+    assert gradient["x_min", "clearance"] == pytest.approx(-0.61647429846, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("xi", "mu", "R", "r", "clearance"),
+    [(0.02, 0.003, 0.49, 0.8, 0.013), (0.01, 0.001, 0.27, 0.1, 0.025), (0.03, 0.02, 0.0, 0.4, 0.4)],
+)
+def test_symmetric_motion_with_rest(xi, mu, R, r, clearance):
+    """By the mirror x_max depends on R1 as -x_min does on R2; the attenuation by one alone has no derivative.
+
+    Where R is 0 every impact begins a rest, and nothing depends on it to first order.
+    """
+    osc = vi.Oscillator(xi=xi, mu=mu, restitution=R)
+    run = vi.simulate(osc, r, clearance, cycles=10, discard=500)
+    motion = vi.exact(osc, r, clearance, run)
+    assert sorted(motion.pattern.symbols) == ["L*", "R*"]
+    gradient = motion.gradient()
+    for one, other in (("R1", "R2"), ("R2", "R1"), ("R", "R"), ("mu", "mu"), ("xi", "xi")):
+        assert gradient["x_max", one] == pytest.approx(
+            -gradient["x_min", other], rel=1e-5, abs=1e-12
+        )
+    assert np.isnan(gradient["attenuation"]).tolist() == (SYMMETRIC if R else [False] * 8)
+    assert ("reached twice" in gradient.status.get("attenuation", "")) == (R > 0)
+    if not R:
+        assert gradient["x_max"][4:7] == pytest.approx([0, 0, 0], abs=1e-12)
 
 
 def test_motion_of_many_impacts():
