@@ -48,6 +48,44 @@ subroutine sample_structure(n, gaps, width, harmonics, samples, m, k, matrices, 
       new_load(frequency, loads, constant, step, record), starts, labels, times, values, status)
 end subroutine sample_structure
 
+!> Fills in the states (time, coordinates and velocities) of a motion where rests begin and end.
+subroutine complete_rests(n, gaps, width, harmonics, m, matrices, directions, gap_values, &
+   frequency, loads, constant, labels, starts, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_trajectory, only: complete => complete_rests
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, m, labels(2, m)
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n)
+   real(c_double), intent(inout) :: starts(2*n + 1, m)
+   integer(c_int), intent(out) :: status
+
+   call complete(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), labels, starts, status)
+end subroutine complete_rests
+
+!> Whether each gap rests from the start of a trajectory, given by time, coordinates and velocities:
+!! 1 or 0.
+subroutine resting_at_start(n, gaps, width, harmonics, samples, matrices, directions, gap_values, &
+   frequency, loads, constant, step, record, start, rests, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_trajectory, only: at_start => resting_at_start
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), start(2*n + 1)
+   integer(c_int), intent(out) :: rests(gaps), status
+   logical :: found(gaps)
+
+   call at_start(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant, step, record), start, found, status)
+   rests = merge(1, 0, found)
+end subroutine resting_at_start
+
 !> A periodic motion of a structure from presumed load phases of its impacts: from the linear
 !! problem (`wanted` 0; 1 with the state among the unknowns), or exact (2).
 !!

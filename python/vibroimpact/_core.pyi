@@ -23,6 +23,26 @@ class _AddNotesOf(Protocol):
     ) -> None: ...
 
 @type_check_only
+class _CompleteRests(Protocol):
+    # status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        labels: ArrayLike,
+        starts: _Real,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+        m: int = ...,
+    ) -> int: ...
+
+@type_check_only
 class _DescribeLanguage(Protocol):
     # text, length
     def __call__(
@@ -352,6 +372,27 @@ class _ReadNamelist(Protocol):
         path: ArrayLike,
         n_path: int = ...,
     ) -> tuple[int, int]: ...
+
+@type_check_only
+class _RestingAtStart(Protocol):
+    # rests, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        step: float,
+        record: ArrayLike,
+        start: ArrayLike,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+        samples: int = ...,
+    ) -> tuple[_Integer, int]: ...
 
 @type_check_only
 class _RestitutionValues(Protocol):
@@ -748,6 +789,7 @@ class _WriteResult(Protocol):
     ) -> _Bytes: ...
 
 add_notes_of: _AddNotesOf
+complete_rests: _CompleteRests
 describe_language: _DescribeLanguage
 describe_result: _DescribeResult
 end_of_trajectory: _EndOfTrajectory
@@ -768,6 +810,7 @@ perform: _Perform
 periodic: _Periodic
 periodic_structure: _PeriodicStructure
 read_namelist: _ReadNamelist
+resting_at_start: _RestingAtStart
 restitution_values: _RestitutionValues
 run_case: _RunCase
 run_namelists: _RunNamelists

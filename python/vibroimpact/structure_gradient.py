@@ -107,7 +107,7 @@ def structure_gradient(motion: StructureMotion, parameters: Sequence[Wanted] | N
     base = carried(system, run, start, int(motion.gaps[0]))
     if base.code:
         raise_status(base.code)
-    scale = np.repeat([np.abs(part).max() + 1e-300 for part in (motion.q, motion.states[:, 1])], n)
+    scale = base.sizes
     matrix = (base.matrix * scale / scale[:, None]).real
     inverse = inverse_of(system, motion, matrix, scale)
     # the impact at the end of the period is the first one
@@ -190,6 +190,11 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
         where = f"events[{base.good}:]" if base.good < count else "final_q"
         status[where] = status_text(base.code)
         columns[base.good :] = final[:] = np.nan
+    opening = opening_at_start(run, system, changed, initial)
+    if opening.any():
+        parting = ", ".join(np.array([*initial, *names])[opening])
+        status[parting] = "a gap rests at the start, and would open or be less than closed"
+        columns[..., opening] = final[:, opening] = np.nan
     slopes = by_name(columns, n, ("time", "speed", "impulse", "q", "q_dot"))
     slopes |= {"final_time": np.array(times), "final_q": final[:n], "final_q_dot": final[n:]}
     values = {name: run.events[name].copy() for name in ("time", "speed", "impulse")}
@@ -206,6 +211,25 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
         {name: frozen(table) for name, table in one.items()} for one in (values, slopes)
     )
     return Gradient(of, (*initial, *names), values, slopes, dimensions, status)
+
+
+def opening_at_start(
+    run: StructureTrajectory, system: System, changed: list[System], initial: Sequence[str]
+) -> _Array:
+    """Whether a gap that rests at the start would not stay closed if a quantity of it or a parameter changed."""
+    rests = list(run._resting())
+    rows = system.directions[rests].real
+    moved = [
+        [
+            *(one.directions[rests] @ run.first_state[0] - one.openings[rests]),
+            *(one.directions[rests] @ run.first_state[1]),
+        ]
+        for one in changed
+    ]
+    by_state = [
+        name != "start" and bool(rows[:, int(name.split("_")[-1])].any()) for name in initial
+    ]
+    return np.array([*by_state, *(bool(np.imag(one).any()) for one in moved)], bool)
 
 
 def inverse_of(system: System, motion: StructureMotion, matrix: _Array, scale: _Array) -> _Array:
@@ -250,11 +274,11 @@ def multiplier_slopes(
 
 def margin_slopes(multipliers: _Array, slopes: _Array, status: dict[str, str]) -> _Array:
     """The derivatives of 1 - max|lambda|; NaN where two multipliers are the largest and change differently."""
-    sizes = np.abs(multipliers)
+    sizes = np.maximum(np.abs(multipliers), 1e-300)
     leading = np.flatnonzero(sizes >= sizes.max() * (1 - 1e-10))
     by = (np.conj(multipliers[leading, None]) * slopes[leading]).real / sizes[leading, None]
     margin = -by[0]
-    margin[np.ptp(by, axis=0) > 1e-6 * np.abs(by).max(axis=0)] = np.nan
+    margin[~(np.ptp(by, axis=0) <= 1e-6 * np.abs(by).max(axis=0))] = np.nan
     if np.isnan(margin).any():
         code = COINCIDENT if np.isnan(slopes[leading]).any() else NOT_SMOOTH
         status["stability_margin"] = status_text(code)

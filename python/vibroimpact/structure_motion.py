@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,7 @@ from .structure_trajectory import (
     core_arrays,
     new_events,
     request_of,
-    simulate_structure,
+    segments_of_events,
     structure_of,
     structure_tables,
     with_owners,
@@ -46,6 +45,9 @@ ELIMINATED, FULL, EXACT = 0, 1, 2
 ALIKE = 1e-6
 #: Largest phase of an impact, in magnitude.
 MOST_PHASE = 1e6
+#: Phases (rad) between events that are at one instant but for rounding, and between the last impact of an
+#: accumulation and its end.
+AT_ONCE, SHORT = 1e-9, 1e-5
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -153,44 +155,55 @@ class StructureMotion(Savable, study="motion_structure"):
         return structure_quantities(self._run(), None, harmonics, closed=True)
 
     def _run(self) -> StructureTrajectory:
-        """The period from just after the first impact, by the flights of the motion.
+        """The period from just after the first impact, by the flights and rests of the motion.
 
-        A simulation of the period would leave an unstable motion, and would stop at the first gap that a motion
-        closes in between. Only flights in which a rest begins or ends are simulated, each from before the
-        accumulation: hops of the size of rounding cannot be started again.
+        Nothing is simulated: a simulation would leave an unstable motion, would stop at the first gap that a
+        motion closes in between, and could not start again from a gap that is closed to rounding.
         """
-        times = np.append(self.phases / self.load.frequency, 0.0)
-        times[-1] = times[0] + self.period
-        changes = np.append(self.rests["begin"], self.rests["end"])
-        events: list[NDArray[Any]] = []
-        states: list[_Array] = []
-        for i, (begin, end) in enumerate(pairwise(times)):
-            later = (i + 1) % len(self.phases)
-            impact = new_events(1)
-            impact["time"], impact["kind"], impact["gap"] = end, "impact", self.gaps[later]
-            impact["speed"], impact["impulse"] = self.speeds[later], self.impulses[later]
-            events.append(impact)
-            states.append(self.states[later : later + 1])
-            since = np.mod(changes - self.phases[i], 2 * np.pi * self.cycles)
-            if not (since < self.load.frequency * (end - begin)).any():
-                continue
-            j = i
-            while j > 0 and times[j] - times[j - 1] < 1e-3 * self.period:
-                j -= 1
-            flights = simulate_structure(
-                self.structure, self.load, duration=end - times[j], start=times[j],
-                state=(self.states[j, 0], self.states[j, 1]),
-            )  # fmt: skip
-            last = np.flatnonzero(flights.events["kind"] != "impact").max(initial=-1) + 1
-            events[j:] = [np.append(flights.events[:last], impact)]
-            states[j:] = [np.append(flights.states[:last], states[-1], axis=0)]
-            # one entry for each flight, so that a later one finds its place
-            events += [new_events(0)] * (i - j)
-            states += [states[-1][:0]] * (i - j)
+        n, count = self.structure.coordinates, len(self.phases)
+        times = self.phases / self.load.frequency
+        times = np.append(times, times[0] + self.period)
+        numbers = np.arange(1, count + 1) % count
+        kinds = ["impact"] * count
+        gaps, clock = self.gaps[numbers].tolist(), times[1:].tolist()
+        # a rest begins with the last impact of its accumulation, which no other event parts from it; of events at
+        # one instant the releases are the last
+        keys = [(times[i], i, False) for i in range(1, count + 1)]
+        whole = 2 * np.pi * self.cycles
+        for gap, begin, end in self.rests.tolist():
+            since = np.mod(begin - self.phases + AT_ONCE, whole) - AT_ONCE
+            since[self.gaps != gap] = whole
+            last = count - 1 - int(since[::-1].argmin())
+            if since[last] < SHORT:
+                stick = float(times[last] + max(0.0, since[last]) / self.load.frequency)
+                keys.append((times[last], last, True))
+            else:
+                stick = float(
+                    times[0] + np.mod(begin - self.phases[0], whole) / self.load.frequency
+                )
+                keys.append((stick, count, True))
+            kinds += ["stick", "release"]
+            gaps += [gap, gap]
+            clock += [stick, stick + (end - begin) / self.load.frequency]
+            keys.append((clock[-1], count + 1, False))
+        sequence = sorted(range(len(keys)), key=keys.__getitem__)
+        events = new_events(len(sequence))
+        events["time"], events["kind"] = np.array(clock)[sequence], np.array(kinds)[sequence]
+        events["gap"] = np.array(gaps)[sequence]
+        hit = events["kind"] == "impact"
+        events["speed"][hit], events["impulse"][hit] = self.speeds[numbers], self.impulses[numbers]
+        starts, labels = segments_of_events(
+            float(times[0]), self.states[0], events, np.zeros((len(events), 2, n))
+        )
+        starts[1:, 1:][:, hit] = self.states[numbers].reshape(count, 2 * n).T
+        if len(self.rests):
+            system = core_arrays(self.structure, self.load)[:6]
+            raise_status(_core.complete_rests(*system, labels, starts))
+        states = starts[1:, 1:].T.reshape(len(events), 2, n)
         first = self.states[0]
         return StructureTrajectory(
-            self.structure, self.load, float(times[0]), float(times[-1]), np.concatenate(events),
-            np.concatenate(states), (first[0], first[1]), (first[0], first[1]), True,
+            self.structure, self.load, float(times[0]), float(times[-1]), events, states,
+            (first[0], first[1]), (first[0], first[1]), True,
         )  # fmt: skip
 
     def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
@@ -474,6 +487,9 @@ def of_same_kind(found: StructureMotion, guess: StructureMotion) -> StructureMot
 def repeats(motion: StructureMotion, sign: int) -> bool:
     """Whether a motion repeats itself (sign 1), or its mirror image -q does (-1), after a part of its period."""
     many, cycles = len(motion.gaps), motion.cycles
+    # where all gaps are closed at 0, the coordinates at the impacts are
+    fastest = np.abs(motion.states[:, 1]).max()
+    sizes = max(np.abs(motion.states[:, 0]).max(), fastest / motion.load.frequency), fastest
     for m in range(2, cycles + 1) if sign > 0 else range(2, 2 + cycles % 2):
         shift = many // m
         if many % m or (sign > 0 and cycles % m):
@@ -481,8 +497,8 @@ def repeats(motion: StructureMotion, sign: int) -> bool:
         later = np.roll(motion.phases, -shift)
         later[many - shift :] += 2 * np.pi * cycles
         off = [later - motion.phases - 2 * np.pi * cycles / m]
-        for each in motion.states.transpose(1, 0, 2):
-            off.append((np.roll(each, -shift, axis=0) - sign * each) / (np.abs(each).max() or 1.0))
+        for each, size in zip(motion.states.transpose(1, 0, 2), sizes, strict=True):
+            off.append((np.roll(each, -shift, axis=0) - sign * each) / (size or 1.0))
         if all(np.abs(part).max() < ALIKE for part in off):
             return True
     return False

@@ -100,10 +100,11 @@ def accelerations(run: StructureTrajectory, t: _Array, q: _Array, rate: _Array) 
     force = force_at(run.load, t, s.coordinates) - s.damping @ rate - s.stiffness @ q
     found = np.linalg.solve(s.mass, force)
     changes = run.events[run.events["kind"] != "impact"]
-    resting: set[int] = set()
-    edges = [*changes["time"].tolist(), math.inf]
-    for i, change in enumerate(changes):
-        (resting.add if change["kind"] == "stick" else resting.discard)(int(change["gap"]))
+    resting = set(run._resting())
+    edges = [run.start, *changes["time"].tolist(), math.inf]
+    for i, change in enumerate([None, *changes]):
+        if change is not None:
+            (resting.add if change["kind"] == "stick" else resting.discard)(int(change["gap"]))
         here = (t >= edges[i]) & (t < edges[i + 1])
         if resting and here.any():
             directions = np.array([s.gaps[j].direction for j in sorted(resting)])
@@ -114,6 +115,26 @@ def accelerations(run: StructureTrajectory, t: _Array, q: _Array, rate: _Array) 
             ]
             found[:, here] -= pushed @ forces
     return np.asarray(found)
+
+
+def velocities_beside(
+    run: StructureTrajectory, numbers: NDArray[np.int64]
+) -> tuple[_Array, _Array]:
+    """The velocities (n, m) just before and just after some events, of which several may be at one instant."""
+    s, events = run.structure, run.events[numbers]
+    directions = np.reshape([gap.direction for gap in s.gaps], (-1, s.coordinates))
+    kicks = np.linalg.solve(s.mass, directions.T)[:, events["gap"]]
+    after = run.states[numbers, 1].T
+    before = after + events["impulse"] * kicks
+    # what an accumulation leaves of the approach ends without an impulse that is recorded
+    for i in np.flatnonzero(events["kind"] == "stick").tolist():
+        t, earlier = float(events["time"][i]), run.events["time"][: numbers[i]]
+        if earlier.size and earlier[-1] == t:
+            before[:, i] = run.states[numbers[i] - 1, 1]
+        else:
+            just_before = max(run.start, float(np.nextafter(t, -np.inf)))
+            before[:, i] = run.sample(just_before)[1][:, 0]
+    return before, after
 
 
 def panels(run: StructureTrajectory, first: float, last: float) -> tuple[_Array, _Array]:
@@ -172,11 +193,11 @@ def structure_quantities(
             [q, rate, accelerations(run, times, q, rate), s.stiffness @ q + s.damping @ rate]
         )
 
-    events = run.events[(run.events["time"] > first) & (run.events["time"] <= last)]
-    sides = np.stack([np.nextafter(events["time"], -np.inf), events["time"]])
-    before, after = (run.sample(np.clip(side, run.start, run.end)) for side in sides)
-    change = after[1] - before[1]
-    kinetic = [0.5 * np.einsum("im,ij,jm->m", rate, s.mass, rate) for _, rate in (before, after)]
+    numbers = np.flatnonzero((run.events["time"] > first) & (run.events["time"] <= last))
+    events = run.events[numbers]
+    before, after = velocities_beside(run, numbers)
+    change = after - before
+    kinetic = [0.5 * np.einsum("im,ij,jm->m", rate, s.mass, rate) for rate in (before, after)]
     loss = kinetic[0] - kinetic[1]
     values = signals(t)
     whole = last - first
@@ -196,6 +217,7 @@ def structure_quantities(
     # the accelerations with the impulses of the impacts
     mean[2] += change.sum(axis=1) / whole
     parts[2] += 2 / whole * change @ np.exp(-1j * frequency * np.outer(events["time"], orders))
+    sides = [np.nextafter(events["time"], -np.inf), events["time"]]
     beside = np.clip(np.concatenate([[first, last], *sides]), first, last)
     least, greatest = extremes(signals, t, beside, values)
     q, q_dot, q_ddot, transmitted = [

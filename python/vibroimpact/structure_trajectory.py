@@ -101,15 +101,8 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         if times.ndim != 1 or not inside.all():
             raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
         order = np.argsort(times, kind="stable")
-        n, m = self.structure.coordinates, len(self.events) + 1
-        starts = np.empty((2 * n + 1, m), order="F")
-        starts[0] = np.append(self.start, self.events["time"])
-        starts[1:, 0] = np.concatenate(self.first_state)
-        starts[1:, 1:] = self.states.reshape(m - 1, 2 * n).T
-        labels = np.zeros((2, m), dtype=np.int32, order="F")
-        for i, kind in enumerate(KINDS.tolist(), 1):
-            labels[0, 1:][self.events["kind"] == kind] = i
-        labels[1, 1:] = self.events["gap"] + 1
+        n = self.structure.coordinates
+        starts, labels = segments_of_events(self.start, self.first_state, self.events, self.states)
         values, status = _core.sample_structure(
             *core_arrays(self.structure, self.load), starts, labels, times[order]
         )
@@ -117,6 +110,14 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         found = np.empty((2 * n, len(times)))
         found[:, order] = values
         return found[:n], found[n:]
+
+    def _resting(self) -> tuple[int, ...]:
+        """The gaps that rest from the start."""
+        rests, status = _core.resting_at_start(
+            *core_arrays(self.structure, self.load), np.append(self.start, self.first_state)
+        )
+        raise_status(status)
+        return tuple(np.flatnonzero(rests).tolist())
 
     @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike) -> _Array:
@@ -515,6 +516,25 @@ def _laws_of(result: Result) -> list[Restitution]:
         else:
             laws.append(float(lowest[i]))
     return laws
+
+
+def segments_of_events(
+    start: float, first: Sequence[_Array], events: NDArray[Any], states: _Array
+) -> tuple[_Array, NDArray[np.int32]]:
+    """The segments that begin at the start and just after each event, as the core takes them.
+
+    They are time, coordinates and velocities (1 + 2n, segments), and kind and gap (2, segments).
+    """
+    n, m = len(first[0]), len(events) + 1
+    starts = np.empty((2 * n + 1, m), order="F")
+    starts[0] = np.append(start, events["time"])
+    starts[1:, 0] = np.concatenate(first)
+    starts[1:, 1:] = states.reshape(m - 1, 2 * n).T
+    labels = np.zeros((2, m), dtype=np.int32, order="F")
+    for i, kind in enumerate(KINDS.tolist(), 1):
+        labels[0, 1:][events["kind"] == kind] = i
+    labels[1, 1:] = events["gap"] + 1
+    return starts, labels
 
 
 def new_events(count: int) -> NDArray[Any]:

@@ -202,6 +202,8 @@ class Carried:
     matrix: _Array
     rate: _Array
     first_rate: _Array | None
+    #: (2n) The largest coordinate n times, and the largest velocity.
+    sizes: _Array
     #: Events that have derivatives, and why the next one has none: a graze, or a coupled impact.
     good: int
     code: int = 0
@@ -227,7 +229,7 @@ def flights(
     """The parts of all flights in order: number of the event at the end, gaps that rest, interval of the record,
     clock at the start, and exp - 1 of the matrix of the rate."""
     parts: list[tuple[int, tuple[int, ...], int, float, float]] = []
-    resting: tuple[int, ...] = ()
+    resting = run._resting()
     begin, record = run.start, system.record
     names = [
         *zip(run.events["kind"].tolist(), run.events["gap"].tolist(), strict=True),
@@ -288,8 +290,9 @@ def coupled(
     return False
 
 
-def touch_of(run: StructureTrajectory) -> int:
-    """Number of the event after the first flight in which a gap closes without an impact; -1 if none does."""
+def touch_of(run: StructureTrajectory) -> tuple[int, _Array]:
+    """Number of the event after the first flight in which a gap closes without an impact, -1 if none does; and the
+    largest coordinate and velocity at the events and between them: at impacts all coordinates may be 0."""
     gaps, times = run.structure.gaps, run.events["time"]
     directions = np.array([gap.direction for gap in gaps]).reshape(len(gaps), -1)
     openings = np.array([gap.opening for gap in gaps])[:, None]
@@ -297,6 +300,10 @@ def touch_of(run: StructureTrajectory) -> int:
     shares = np.concatenate([[1e-6], (np.arange(NODES) + 0.5) / NODES, [1 - 1e-6]])
     nodes = np.clip(edges[:-1, None] + np.diff(edges)[:, None] * shares, run.start, run.end)
     q, q_dot = run.sample(nodes.ravel())
+    pairs = zip((q, q_dot), run.states.transpose(1, 0, 2), strict=True)
+    sizes = np.array([
+        max(np.abs(part).max(initial=1e-300), np.abs(own).max(initial=0.0)) for part, own in pairs
+    ])  # fmt: skip
     closing = (directions @ q_dot).reshape(len(gaps), *nodes.shape)
     distance = (openings - directions @ q).reshape(closing.shape)
     # from approach to departure, so near that the gap may close between
@@ -311,7 +318,7 @@ def touch_of(run: StructureTrajectory) -> int:
         nearing = np.einsum("ij,ji->i", directions[gap], run.sample(middle)[1]) > 0
         low, high = np.where(nearing, middle, low), np.where(nearing, high, middle)
     if not gap.size:
-        return -1
+        return -1, sizes
     left = openings[gap, 0] - np.einsum("ij,ji->i", directions[gap], run.sample(low)[0])
     size = np.abs(directions[gap]) @ np.abs(q).max(axis=1)
     rests = resting_in(run)
@@ -320,13 +327,13 @@ def touch_of(run: StructureTrajectory) -> int:
         for i, j, close in zip(flight, gap, np.abs(left) < TOUCH * size, strict=True)
         if close and j not in rests[i]
     ]
-    return int(min(found, default=-1))
+    return int(min(found, default=-1)), sizes
 
 
 def resting_in(run: StructureTrajectory) -> list[set[int]]:
     """The gaps that rest in each flight, or come to rest at its end, or were released at its beginning."""
-    found: list[set[int]] = [set()]
-    resting: set[int] = set()
+    resting = set(run._resting())
+    found = [resting]
     for kind, gap in run.events[["kind", "gap"]].tolist():
         if kind == "stick":
             resting = resting | {gap}
@@ -345,19 +352,18 @@ def carried(
     """
     n, events, pace = system.n, run.events, system.pace
     clocks = np.append(events["time"], run.end) * pace.real
-    states = np.concatenate([run.states, [run.first_state, run.final_state]])
-    sizes = np.repeat([np.abs(states[:, j]).max(initial=1e-300) for j in (0, 1)], n)
+    whole_flights, sizes = touch_of(run)
+    sizes = np.repeat(sizes, n)
     found = Carried(
         np.zeros((len(events), 2 * n + 3), complex),
         np.zeros((len(events), 2 * n + 3, 2 * n), complex),
-        start.astype(complex), np.eye(2 * n, dtype=complex), start, None, len(events),
+        start.astype(complex), np.eye(2 * n, dtype=complex), start, None, sizes, len(events),
     )  # fmt: skip
     state, matrix = found.state, found.matrix
     #: Of the last impact the gap; how far it is from closed at its fixed time, and by the state at the start; its
     #: departure speed.
     left: tuple[int, float, _Array, float] | None = None
     touched: dict[int, tuple[float, _Array]] = {}
-    whole_flights = touch_of(run)
     for i, group in groupby(flights(system, run), key=itemgetter(0)):
         kind, gap = ("end", -1) if i == len(events) else events[["kind", "gap"]][i].tolist()
         if kind == "impact" and coupled(system, run, i, sizes[:n], first):

@@ -136,7 +136,10 @@ contains
             gap = run%structure%openings(j) - dot_product(direction, q)
             speed = dot_product(direction, rate)
             scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
-            if (gap < -rounding*scale) status = stat%gap_closed
+            if (gap < -rounding*scale) then
+               scale = scale + 0.5_wp*sum(abs(direction))*reach_of(run, rate)
+               if (gap < -rounding*scale) status = stat%gap_closed
+            end if
             if (gap > rounding*scale) cycle
             ! a state at the end of a simulation that rests has a speed of rounding
             if (abs(speed) <= 8*epsilon(1.0_wp)*dot_product(abs(direction), abs(rate))) then
@@ -147,6 +150,26 @@ contains
       if (status /= stat%ok) return
       call enter(run, closed, q, rate, state, status)
    end subroutine start_at
+
+   !> A length of the size of a motion, of which the rounding errors of its coordinates are a share:
+   !! at an impact all coordinates may be 0, and with R = 0 all velocities.
+   pure real(wp) function reach_of(run, rate) result(reach)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> (n) Velocities.
+      real(wp), intent(in) :: rate(:)
+      real(wp) :: time, force
+      integer :: i
+
+      time = run%regimes(1)%unit
+      if (run%load%frequency > 0) time = max(time, run%period)
+      reach = maxval(abs(rate))*time
+      do i = 1, size(rate)
+         force = abs(run%load%constant(i)) + sum(hypot(run%load%cosine(i, :), run%load%sine(i, :)))
+         if (run%load%step > 0) force = force + maxval(abs(run%load%record(i, :)))
+         reach = max(reach, force/run%structure%mass(i, i)*time**2)
+      end do
+   end function reach_of
 
    !> Puts a state into the regime of closed gaps, without those gaps whose contact would pull.
    pure subroutine enter(run, closed, q, rate, state, status)

@@ -8,13 +8,14 @@ module vi_structure_trajectory
    use vi_status, only: stat
    use vi_structure_record, only: advance_recorded
    use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
-   use vi_structure_run, only: find_regime, new_run, release_event, run_event_type, &
+   use vi_structure_run, only: find_regime, impact_event, new_run, release_event, run_event_type, &
       run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
       whole_periods
    implicit none (type, external)
    private
 
-   public :: sample_structure_arrays, simulate_structure_arrays, simulate_structure_case
+   public :: complete_rests, resting_at_start, sample_structure_arrays, simulate_structure_arrays, &
+      simulate_structure_case
 
    !> Events between two looks at the progress counters.
    integer, parameter :: chunk = 256
@@ -210,7 +211,6 @@ contains
       !> `stat%ok`, or as in `new_regime` and `start_at`.
       integer, intent(out) :: status
       type(run_type) :: run
-      type(run_state_type) :: first
       integer, allocatable :: resting(:)
       type(run_state_type) :: state
       integer :: i, j, n, number
@@ -220,20 +220,16 @@ contains
       values = 0
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      ! gaps may be at rest from the start; in a motion that is not admissible they may be negative
-      call start_at(run, starts(1, 1), starts(2:n + 1, 1), starts(n + 2:, 1), first, status)
-      if (status == stat%gap_closed) status = stat%ok
+      call find_start(run, starts(:, 1), number, status)
       if (status /= stat%ok) return
       j = 1
-      number = first%regime
       resting = run%regimes(number)%resting
       fresh = .true.
       do i = 1, size(times)
          do while (j < size(starts, 2))
             if (starts(1, j + 1) > times(i)) exit
             j = j + 1
-            if (labels(1, j) == stick_event) resting = sorted_with(resting, labels(2, j))
-            if (labels(1, j) == release_event) resting = pack(resting, resting /= labels(2, j))
+            call pass_label(labels(:, j), resting)
             call find_regime(run, resting, number, status)
             if (status /= stat%ok) return
             fresh = .true.
@@ -247,6 +243,97 @@ contains
          call sample_one(run, number, starts(:, j), times(i), values(:n, i), values(n + 1:, i))
       end do
    end subroutine sample_structure_arrays
+
+   !> The regime in which a trajectory starts: gaps may be at rest from the start. In a motion that
+   !! is not admissible they may be negative.
+   pure subroutine find_start(run, start, number, status)
+      !> In and out: the regime of closed gaps is added.
+      type(run_type), intent(inout) :: run
+      !> (1 + 2n) Time, coordinates and velocities.
+      real(wp), intent(in) :: start(:)
+      !> Its number.
+      integer, intent(out) :: number
+      !> `stat%ok`, or as in `start_at`.
+      integer, intent(out) :: status
+      type(run_state_type) :: first
+      integer :: n
+
+      n = (size(start) - 1)/2
+      call start_at(run, start(1), start(2:n + 1), start(n + 2:), first, status)
+      if (status == stat%gap_closed) status = stat%ok
+      number = first%regime
+   end subroutine find_start
+
+   !> The gaps that rest from the start of a trajectory.
+   pure subroutine resting_at_start(structure, load, start, rests, status)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> (1 + 2n) Time, coordinates and velocities.
+      real(wp), intent(in) :: start(:)
+      !> (gaps) Whether each rests.
+      logical, intent(out) :: rests(:)
+      !> `stat%ok`, or as in `new_regime` and `start_at`.
+      integer, intent(out) :: status
+      type(run_type) :: run
+      integer :: number
+
+      rests = .false.
+      call new_run(structure, load, run, status)
+      if (status == stat%ok) call find_start(run, start, number, status)
+      if (status == stat%ok) rests(run%regimes(number)%resting) = .true.
+   end subroutine resting_at_start
+
+   !> Fills in the states at which rests begin and end in a motion of which the impacts are known.
+   !!
+   !! A rest begins with the last impact of its accumulation, as in a simulation. Nothing is
+   !! searched for: unstable motions, and those that pass through a wall, are completed too.
+   pure subroutine complete_rests(structure, load, labels, starts, status)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> (2, segments) As in `sample_structure_arrays`; no gap rests at the start.
+      integer, intent(in) :: labels(:, :)
+      !> (1 + 2n, segments) In: times, and coordinates and velocities at the start and just after
+      !! impacts. Out: those where rests begin and end, too.
+      real(wp), intent(inout) :: starts(:, :)
+      !> `stat%ok`, or as in `new_regime`.
+      integer, intent(out) :: status
+      type(run_type) :: run
+      integer, allocatable :: resting(:)
+      integer :: j, n, before, after
+
+      n = size(structure%mass, 1)
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      allocate (resting(0))
+      before = 1
+      do j = 2, size(starts, 2)
+         call pass_label(labels(:, j), resting)
+         call find_regime(run, resting, after, status)
+         if (status /= stat%ok) return
+         if (labels(1, j) == stick_event) then
+            if (labels(2, j - 1) == labels(2, j) .and. labels(1, j - 1) == impact_event .or. &
+               j == 2) before = after
+         end if
+         if (labels(1, j) /= impact_event) call sample_one(run, before, starts(:, j - 1), &
+            starts(1, j), starts(2:n + 1, j), starts(n + 2:, j))
+         before = after
+      end do
+   end subroutine complete_rests
+
+   !> The gaps that rest after an event.
+   pure subroutine pass_label(label, resting)
+      !> (2) Kind and gap of the event.
+      integer, intent(in) :: label(:)
+      !> In and out: the gaps, in ascending order.
+      integer, allocatable, intent(inout) :: resting(:)
+
+      if (label(1) == stick_event) resting = sorted_with(resting, label(2))
+      if (label(1) == release_event) resting = pack(resting, resting /= label(2))
+   end subroutine pass_label
 
    !> The state at the beginning of a segment under a record.
    pure subroutine start_segment(run, number, start, state)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from test_structure_motion import damper, samples
+from test_structure_rest import BALLS, ball_on_a_table, inelastic_walls, settled_with_rest
 
 PHASES = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
 
@@ -226,6 +227,51 @@ def test_refuses_parameters_that_are_not_there(pair):
     other = vi.exact(damper(restitution=table), vi.Load(0.94, sine=[1, 0]), (PHASES, [0, 1]))
     with pytest.raises(vi.ParameterError, match="is a table"):
         other.gradient(["restitution_0"])
+
+
+@pytest.mark.parametrize("ball", [None, *BALLS])
+def test_motions_that_rest_where_r_is_0_or_the_opening_is(ball):
+    """Against differences of motions, of which those by R = 0 are one-sided."""
+    system = inelastic_walls() if ball is None else ball_on_a_table(*ball)
+    motion = settled_with_rest(*system)
+    structure, load = system
+    names = ["frequency", "load", "opening", "restitution_0"]
+    gradient = motion.gradient(names)
+
+    def moved(**steps):
+        gaps = [
+            vi.Gap(
+                gap.direction,
+                gap.opening + steps.get("opening", 0),
+                gap.restitution + steps.get(f"restitution_{j}", 0),
+            )
+            for j, gap in enumerate(structure.gaps)
+        ]
+        other = vi.Structure(structure.mass, structure.damping, structure.stiffness, gaps)
+        pushed = vi.Load(
+            load.frequency + steps.get("frequency", 0),
+            sine=load.sine * (1 + steps.get("load", 0)),
+            constant=load.constant,
+        )
+        return vi.exact(other, pushed, motion)
+
+    h, weights = 1e-4, np.array([-25, 48, -36, 16, -3])
+    hit = int(motion.gaps[0])
+    for name in names:
+        # the first impact on this gap, whichever comes first in the period
+        parts = [moved(**{name: step * h}) for step in range(5)]
+        first = [part.gaps.tolist().index(hit) for part in parts]
+        for quantity in ("phases", "speeds", "q_dot"):
+            values = [
+                part.states[i, 1] if quantity == "q_dot" else getattr(part, quantity)[i]
+                for part, i in zip(parts, first, strict=True)
+            ]
+            if quantity == "phases":
+                values = np.unwrap(values)
+            slope = np.tensordot(weights, np.array(values), 1) / (12 * h)
+            size = np.abs(gradient[quantity]).max()
+            found = gradient[quantity, name][0]
+            assert found == pytest.approx(slope, rel=1e-5, abs=1e-6 * size), (name, quantity)
 
 
 def test_shows_itself(pair):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.errors import ParameterError, ParameterTypeError, SingularError
+from vibroimpact.structure_motion import repeats
 
 scipy_linalg = pytest.importorskip("scipy.linalg")
 solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
@@ -682,3 +683,19 @@ def test_a_motion_is_lost_beyond_its_bifurcation(frequency, beyond, of):
     assert np.abs(motion.q - [own.X[0], own.Z[0]]).max() < 1e-9
     with pytest.raises(SingularError, match=of):
         vi.exact(gone, loads[1], motion)
+
+
+@pytest.mark.parametrize("phase", [2.63, 3.65])
+def test_a_ball_whose_wall_is_at_0(phase):
+    """Where all coordinates are 0 at the impacts, the period is known, and derivatives are those of one impact."""
+    ball = vi.Structure([1], [0.02], [0], [vi.Gap([1], 0.0, 0.6)])
+    load = vi.Load(1.0, sine=[0.9], constant=[1.0])
+    one = vi.exact(ball, load, ([phase], [0]))
+    two = vi.exact(ball, load, ([phase, phase + 2 * np.pi], [0, 0], 2))
+    assert np.abs(two.states[:, 0]).max() < 1e-13
+    assert repeats(two, 1)
+    assert not repeats(one, 1)
+    for name in ("phases", "speeds", "q_dot"):
+        twice = np.concatenate([one.gradient()[name]] * 2)
+        size = np.abs(twice).max()
+        assert two.gradient()[name] == pytest.approx(twice, rel=1e-9, abs=1e-9 * size), name

@@ -133,6 +133,52 @@ def test_flights_of_a_motion_with_rest(system):
         np.testing.assert_allclose(ours, theirs, atol=1e-9)
 
 
+def inelastic_walls():
+    """The oscillator with R = 0, whose mass rests after every impact."""
+    return vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.0).structure(6.0), vi.Load(
+        0.9, sine=[1, 0]
+    )
+
+
+def ball_on_a_table(opening, restitution, amplitude):
+    """A ball under gravity on a table that shakes; the coordinate counts downwards."""
+    table = vi.Gap([1], opening, restitution)
+    ball = vi.Structure(mass=[1], damping=[0.02], stiffness=[0], gaps=[table])
+    return ball, vi.Load(1.0, sine=[amplitude], constant=[1.0])
+
+
+BALLS = [
+    (opening, restitution, amplitude)
+    for opening in (0.0, 1e-3) for restitution in (0.0, 0.3) for amplitude in (1.2, 1.5)
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("ball", [None, *BALLS])
+def test_a_motion_stays_between_its_walls(ball):
+    """Whatever the opening and R are, samples stay behind the walls, energy balances, and the motion goes on."""
+    structure, load = inelastic_walls() if ball is None else ball_on_a_table(*ball)
+    motion = settled_with_rest(structure, load)
+    assert len(motion.rests)
+    run = motion._run()
+    kinds = run.events["kind"].tolist()
+    assert [kinds.count(kind) for kind in ("impact", "stick", "release")] == [
+        len(motion.gaps), len(motion.rests), len(motion.rests)
+    ]  # fmt: skip
+    assert (np.diff(run.events["time"]) >= 0).all()
+    q, _ = motion.sample(np.linspace(run.start, run.end, 2001))
+    size = np.abs(q).max()
+    for gap in structure.gaps:
+        assert (gap.direction @ q - gap.opening).max() < 1e-12 * size
+    found = motion.quantities()
+    taken = found.damping_loss + found.impact_loss
+    assert found.work == pytest.approx(taken, rel=1e-10, abs=1e-12 * taken)
+    # the state after an impact is one from which a simulation can begin
+    again = vi.simulate(
+        structure, load, cycles=motion.cycles, start=run.start, state=(motion.q, motion.q_dot)
+    )
+    np.testing.assert_allclose(again.final_state[0], motion.q, atol=1e-8 * size)
+
+
 def test_a_trajectory_without_repetition_is_refused():
     wall = vi.Structure([1], [0.02], [1], [vi.Gap([1], 0, 0.95)])
     load = vi.Load(2.76, cosine=[1.0])

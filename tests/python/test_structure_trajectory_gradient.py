@@ -191,6 +191,42 @@ def test_a_motion_with_rest():
         ), name
 
 
+@pytest.mark.parametrize("duration", [0.3, 6.0])
+def test_a_start_at_rest(duration):
+    """A gap that rests at the start joins the masses until it opens; changes that would open it have no slope."""
+    gaps = [vi.Gap([1, -1], 0, 0.5), vi.Gap([1, 0], 3, 0.5)]
+    structure = vi.Structure([1, 0.5], [0.1, 0.05], [1, 0.3], gaps)
+    state = ([0.2, 0.2], [0.3, 0.3])
+
+    def run(start=0.0, frequency=0.0, load=0.0):
+        pushed = vi.Load(1 + frequency, sine=[2 + 2 * load, 0], constant=[0.5, -0.5])
+        return vi.simulate(structure, pushed, duration=duration, start=0.1 + start, state=state)
+
+    trajectory = run()
+    assert set(trajectory.events["kind"]) <= {"release"}
+    assert len(trajectory.events) == (duration > 1)
+    # while it rests both masses have one acceleration, by Newton's law for their sum
+    t = np.linspace(0.1, 0.4, 5)
+    (q, _), (v, _) = trajectory.sample(t)
+    found = trajectory.acceleration(t)
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    assert 1.5 * found[0] == pytest.approx(2 * np.sin(t) - 1.3 * q - 0.15 * v, rel=1e-12)
+    names = ["start", "frequency", "load", "q_0", "q_dot_1", "opening_0", "opening_1"]
+    gradient = trajectory.gradient(names)
+    h = 1e-5
+    for name in names[:3]:
+        ends = [run(**{name: step}).final_state for step in (h, -h)]
+        for i, quantity in enumerate(("final_q", "final_q_dot")):
+            slope = (ends[0][i] - ends[1][i]) / (2 * h)
+            assert gradient[quantity, name] == pytest.approx(slope, rel=1e-6, abs=1e-8), name
+    assert np.isnan(gradient["final_q"]).any(axis=0).tolist() == [
+        name in names[3:6] for name in gradient.parameters
+    ]
+    (reason,) = gradient.status.items()
+    assert reason[0] == "q_0, q_dot_1, opening_0"
+    assert "rests at the start" in reason[1]
+
+
 def test_a_graze(monkeypatch):
     """NaN by name from an impact without approach speed on."""
     wall = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.7)])

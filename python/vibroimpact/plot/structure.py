@@ -364,7 +364,7 @@ class _Scene:
         self.stems.set_segments([[(i, 0), (i, value)] for i, value in zip(x, q, strict=True)])
         colours: list[Any] = [*self.base]
         past = self.run.events[self.run.events["time"] <= time]
-        resting: set[int] = set()
+        resting = set(self.run._resting())
         for event in past[past["kind"] != "impact"]:
             (resting.add if event["kind"] == "stick" else resting.discard)(int(event["gap"]))
         for gap in resting:
