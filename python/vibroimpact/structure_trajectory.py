@@ -188,7 +188,8 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         -------
         Gradient
             NaN from the first event on that has no derivatives: an impact without approach speed, or a rest that
-            ends without its contact force falling through 0; `status` names it.
+            ends without its contact force falling through 0; `status` names it. NaN too by what would open, or
+            close further, a gap that rests at the start.
 
         Raises
         ------
