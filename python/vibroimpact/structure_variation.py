@@ -364,6 +364,8 @@ def carried(
     #: departure speed.
     left: tuple[int, float, _Array, float] | None = None
     touched: dict[int, tuple[float, _Array]] = {}
+    #: Clock of the last impact, and its change; contacts that pull from then on are released there.
+    struck: tuple[float, float, _Array] = (np.nan, 0.0, np.zeros(2 * n, complex))
     for i, group in groupby(flights(system, run), key=itemgetter(0)):
         kind, gap = ("end", -1) if i == len(events) else events[["kind", "gap"]][i].tolist()
         if kind == "impact" and coupled(system, run, i, sizes[:n], first):
@@ -394,6 +396,7 @@ def carried(
             return found
         # the change of the clock at the event, in imaginary steps and by the state at the start
         later, row = touched.get(gap, (0.0, np.zeros(2 * n, complex)))
+        forced = False
         if kind == "impact":
             condition = np.append(system.directions[gap], np.zeros(len(whole) - n))
             residual = (condition @ whole - system.openings[gap]).imag
@@ -405,7 +408,11 @@ def carried(
         elif kind == "release":
             condition = system.pushes(resting, interval)[1][resting.index(gap)]
             residual, by_start = (condition @ whole).imag, condition[: 2 * n] @ matrix
-        if kind != "stick":
+            forced = abs((condition @ whole).real) > EXACT * np.abs(condition) @ np.abs(whole)
+            if forced:
+                # its force jumped, at an impact or at the end of a record
+                later, row = struck[1:] if struck[0] == clocks[i] else (0.0, 0 * row)
+        if kind != "stick" and not forced:
             closing = (condition @ rate @ whole).real
             size = TOUCHING * np.abs(condition) @ np.abs(rate @ whole)
             if kind == "impact":
@@ -417,7 +424,7 @@ def carried(
             later = -residual / closing
         whole = whole + 1j * later * (rate @ whole)
         matrix = matrix + 1j * later * (rate[: 2 * n, : 2 * n] @ matrix)
-        if kind != "stick":
+        if kind != "stick" and not forced:
             by_start = by_start + 1j * later * (condition @ rate)[: 2 * n] @ found.matrix
             row = -by_start / (condition @ rate @ whole)
         state = whole[: 2 * n]
@@ -426,6 +433,7 @@ def carried(
         values[0], slopes[0] = clocks[i] + 1j * later, row
         if kind == "impact":
             touched[gap] = later, row
+            struck = clocks[i], later, row
             speed, by_speed = (
                 system.directions[gap] @ state[n:],
                 system.directions[gap] @ matrix[n:],

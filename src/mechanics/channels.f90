@@ -23,15 +23,16 @@ module vi_channels
    implicit none (type, external)
    private
 
-   public :: bound_fourth, bound_second, first_event, row_derivatives
+   public :: bound_fourth, bound_second, first_event, leading_term, row_derivatives
 
    !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
    !! wall (row 0).
    type, public :: leaving_type
       integer :: row = 0, wall = 0
       real(wp) :: speed = 0
-      !> Whether the gap opens from rest, where its second derivative is 0.
-      logical :: released = .false.
+      !> The order of the first derivative of the distance to the limit that is not 0: 1 with a
+      !! speed; `never` for a row that stays on its limit, which is not watched.
+      integer :: order = 1
    end type leaving_type
 
    !> The lengths of cells, kept by the caller from one flight to the next, and where a search that
@@ -60,6 +61,8 @@ module vi_channels
       integer :: steps = 0
    end type reached_type
 
+   !> The order of a function of which no derivative differs from 0.
+   integer, parameter, public :: never = order + 1
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
    !> 1/i, and 1/i!. An index of implied loops would be a variable that all threads share.
@@ -78,7 +81,7 @@ contains
 
    !> The first event of a flight.
    pure subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space, &
-      patience)
+      patience, partings)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
@@ -98,14 +101,22 @@ contains
       !> Steps after which the search is interrupted; if absent, it never is. A search that goes on
       !! finds the event that it would have found without.
       integer, intent(in), optional :: patience
+      !> Further rows that leave a limit at the start.
+      type(leaving_type), intent(in), optional :: partings(:)
       integer :: most
 
       most = huge(most)
       if (present(patience)) most = patience
       call make_room(regime, space)
-      call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
-         phase, leaving, limit, most, pace, space%pairs, space%work, space%values, space%turns, &
-         space%doubtful, reached)
+      if (present(partings)) then
+         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
+            phase, 1 + size(partings), [leaving, partings], limit, most, pace, space%pairs, &
+            space%work, space%values, space%turns, space%doubtful, reached)
+      else
+         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
+            phase, 1, [leaving], limit, most, pace, space%pairs, space%work, space%values, &
+            space%turns, space%doubtful, reached)
+      end if
    end subroutine first_event
 
    !> Allocates what a search needs.
@@ -130,8 +141,8 @@ contains
    end subroutine make_room
 
    !> The first event of a flight, cell by cell.
-   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, leaving, limit, most, &
-      pace, pairs, work, values, turns, doubtful, reached)
+   pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, starts, leaving, &
+      limit, most, pace, pairs, work, values, turns, doubtful, reached)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> Number of pairs, of rows, and of harmonics of the load.
@@ -140,8 +151,9 @@ contains
       real(wp), intent(in) :: x0(m), v0(m)
       !> As in `first_event`.
       real(wp), intent(in) :: phase
-      !> As in `first_event`.
-      type(leaving_type), intent(in) :: leaving
+      !> How the flight begins: rows that leave a limit, and their number.
+      integer, intent(in) :: starts
+      type(leaving_type), intent(in) :: leaving(starts)
       !> As in `first_event`.
       real(wp), intent(in) :: limit
       !> Steps after which the search is interrupted.
@@ -179,11 +191,13 @@ contains
          cells*regime%steps%length(level), pairs(:, 1), pairs(:, 2), turns(:, 1), values(:, 1), &
          values(:, 2), values(:, 6))
       fresh = .true.
-      if (leaving%row > 0 .and. t <= 0) then
-         values(leaving%row, 1) = merge(regime%upper(leaving%row), regime%lower(leaving%row), &
-            leaving%wall > 0)
-         values(leaving%row, 2) = -leaving%wall*leaving%speed
-      end if
+      do j = 1, starts
+         if (.not. (leaving(j)%row > 0 .and. t <= 0)) cycle
+         associate (row => leaving(j)%row, wall => leaving(j)%wall)
+            values(row, 1) = merge(regime%upper(row), regime%lower(row), wall > 0)
+            values(row, 2) = -wall*leaving(j)%speed
+         end associate
+      end do
       steps = pace%cells
       clear = pace%clear
       longest = pace%longest
@@ -221,7 +235,7 @@ contains
          end do
          call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), pairs(:, 2*next), &
             turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
-         call find_doubts(regime, rows, leaving, t, h, values(:, 2*now - 1), values(:, 2*now), &
+         call find_doubts(regime, rows, starts, leaving, t, h, values(:, 2*now - 1), values(:, 2*now), &
             values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), values(:, 7), &
             values(:, 8), doubtful, n)
          if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
@@ -236,7 +250,8 @@ contains
          row = 0
          do j = 1, n
             call search(regime, x0, v0, phase, pairs(:, 2*now - 1), pairs(:, 2*now), &
-               turns(:, now), doubtful(:, j), leaving, values(doubtful(1, j), 5), t, found, h, &
+               turns(:, now), doubtful(:, j), departure_of(doubtful(1, j), starts, leaving), &
+               values(doubtful(1, j), 5), t, found, h, &
                work, wall, time, speed, taken, reached%complete)
             reached%steps = reached%steps + taken
             if (.not. reached%complete) return
@@ -258,6 +273,21 @@ contains
          if (n == 0 .and. hold < 0) level = max(1, level - 1)
       end do
    end subroutine search_cells
+
+   !> How a row begins.
+   pure function departure_of(row, starts, leaving) result(departure)
+      !> The row.
+      integer, intent(in) :: row
+      !> The rows that leave a limit, and their number.
+      integer, intent(in) :: starts
+      type(leaving_type), intent(in) :: leaving(starts)
+      type(leaving_type) :: departure
+      integer :: i
+
+      do i = 1, starts
+         if (leaving(i)%row == row) departure = leaving(i)
+      end do
+   end function departure_of
 
    !> Adds what growing forces change in a step.
    pure subroutine add_growth(regime, level, t, x, v)
@@ -285,13 +315,14 @@ contains
    end subroutine add_growth
 
    !> The rows that are not proved to stay within their limits over a cell.
-   pure subroutine find_doubts(regime, rows, leaving, t, h, y, rate, y_next, rate_next, bound, &
+   pure subroutine find_doubts(regime, rows, starts, leaving, t, h, y, rate, y_next, rate_next, bound, &
       reserve, above, below, doubtful, n)
       !> The regime, and its number of rows.
       type(regime_type), intent(in) :: regime
       integer, intent(in) :: rows
-      !> How the flight begins.
-      type(leaving_type), intent(in) :: leaving
+      !> How the flight begins: rows that leave a limit, and their number.
+      integer, intent(in) :: starts
+      type(leaving_type), intent(in) :: leaving(starts)
       !> Beginning and length of the cell.
       real(wp), intent(in) :: t, h
       !> Values and rates at its ends.
@@ -305,7 +336,7 @@ contains
       integer, intent(inout) :: doubtful(2, rows)
       integer, intent(out) :: n
       real(wp) :: limit, next(4)
-      integer :: i, side
+      integer :: i, j, side
 
       if (regime%rows%wide) then
          call mark_doubts_wide(rows, h, y, rate, y_next, rate_next, bound, reserve, regime%upper, &
@@ -314,17 +345,23 @@ contains
          call mark_doubts(rows, h, y, rate, y_next, rate_next, bound, reserve, regime%upper, &
             regime%lower, above, below)
       end if
-      if (leaving%row > 0 .and. t <= 0) then
+      do j = 1, starts
+         if (.not. (leaving(j)%row > 0 .and. t <= 0)) cycle
          ! where a row starts on its limit and leaves it, the first coefficient does not count
-         i = leaving%row
-         side = leaving%wall
+         i = leaving(j)%row
+         side = leaving(j)%wall
          limit = merge(regime%upper(i), -regime%lower(i), side > 0) - reserve(i)
          next = [side*(y(i) + 0.25_wp*h*rate(i)), side*(0.5_wp*(y(i) + y_next(i)) &
             + h/6*(rate(i) - rate_next(i))) + (h*h)**2/144*bound(i), &
             side*(y_next(i) - 0.25_wp*h*rate_next(i)), side*y_next(i)]
          if (side > 0) above(i) = merge(0.0_wp, 1.0_wp, all(next < limit))
          if (side < 0) below(i) = merge(0.0_wp, 1.0_wp, all(next < limit))
-      end if
+      end do
+      do j = 1, starts
+         if (leaving(j)%order < never) cycle
+         above(leaving(j)%row) = 0
+         below(leaving(j)%row) = 0
+      end do
       n = 0
       do i = 1, rows
          if (above(i) + below(i) <= 0) cycle
@@ -480,6 +517,90 @@ contains
       end do
    end subroutine row_derivatives
 
+   !> The lowest derivative of a row at the start of a flight that is not 0 to rounding.
+   !!
+   !! All terms of a derivative are also added up without regard to their signs, from those of the
+   !! state on: rounding is in proportion to these sums.
+   pure subroutine leading_term(regime, x0, v0, phase, row, first, last, sense)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the start.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> Load phase at the start (rad).
+      real(wp), intent(in) :: phase
+      !> Number of the row.
+      integer, intent(in) :: row
+      !> The lowest order that is considered.
+      integer, intent(in) :: first
+      !> The order of the derivative; `never` if all are 0.
+      integer, intent(out) :: last
+      !> Its sign; 0 if all are 0.
+      integer, intent(out) :: sense
+      real(wp), parameter :: share = 64*epsilon(1.0_wp)
+      real(wp), dimension(regime%rows%begins(row + 1) - regime%rows%begins(row)) :: x, v, x_size, &
+         v_size, before
+      complex(wp) :: here(size(regime%ripple, 2))
+      real(wp) :: total, sizes
+      integer :: h
+
+      associate (rows => regime%rows, modes => regime%modes)
+         associate (begin => rows%begins(row), end => rows%begins(row + 1) - 1)
+            associate (k => rows%touched(begin:end), of_x => rows%of_x(begin:end), of_v => &
+               rows%of_v(begin:end), stiffness => rows%stiffness(begin:end), &
+               drag => rows%drag(begin:end))
+               x = x0(k)
+               v = v0(k)
+               ! a mode with hardly any part in the state has the rounding of the others
+               x_size = maxval([0.0_wp, pack(abs(x), abs(of_x) + abs(of_v) > 0)])
+               v_size = maxval([0.0_wp, pack(abs(v), abs(of_x) + abs(of_v) > 0)])
+               do h = 1, size(here)
+                  here(h) = regime%ripple(row, h)*turned(h*phase)
+               end do
+               total = rows%offset(row)
+               sizes = abs(total)
+               do last = 0, order
+                  if (last == 1) then
+                     total = rows%offset_rate(row)
+                     sizes = abs(total)
+                  else if (last > 1) then
+                     total = 0
+                     sizes = 0
+                  end if
+                  total = total + sum(of_x*x + of_v*v) + sum(here%re)
+                  sizes = sizes + sum(abs(of_x)*x_size + abs(of_v)*v_size)
+                  do h = 1, size(here)
+                     sizes = sizes + rows%ripple_size(row, h)*(h*regime%frequency)**last
+                     here(h) = here(h)*cmplx(0.0_wp, h*regime%frequency, wp)
+                  end do
+                  sense = 0
+                  if (abs(total) > share*sizes) sense = merge(1, -1, total > 0)
+                  if (last >= first .and. sense /= 0) return
+                  before = x
+                  x = v
+                  v = -stiffness*before - drag*v
+                  before = x_size
+                  x_size = v_size
+                  v_size = stiffness*before + drag*v_size
+                  select case (last)
+                   case (0)
+                     x = x + modes%drift(k)
+                     v = v + modes%force(k)
+                     x_size = x_size + abs(modes%drift(k))
+                     v_size = v_size + abs(modes%force(k))
+                   case (1)
+                     x = x + modes%drift_rate(k)
+                     v = v + modes%force_rate(k)
+                     x_size = x_size + abs(modes%drift_rate(k))
+                     v_size = v_size + abs(modes%force_rate(k))
+                  end select
+               end do
+               last = never
+               sense = 0
+            end associate
+         end associate
+      end associate
+   end subroutine leading_term
+
    !> A bound on the absolute second derivative of a row at the start of a flight, at any phase of
    !! the load.
    pure real(wp) function bound_second(regime, x0, v0, row) result(bound)
@@ -554,7 +675,7 @@ contains
       complex(wp), intent(in) :: turn(:)
       !> The row, and which limits it may reach, as in `find_doubts`.
       integer, intent(in) :: doubt(2)
-      !> How the flight begins.
+      !> How the row begins.
       type(leaving_type), intent(in) :: leaving
       !> Bound on the absolute fourth derivative of the row.
       real(wp), intent(in) :: bound
@@ -585,9 +706,9 @@ contains
             doubt(2) == merge(1, 2, leaving%wall > 0))) then
             opening%wall = leaving%wall
             opening%speed = leaving%speed
-            opening%fourth = bound
+            opening%order = leaving%order
             call expand(regime, x, v, turn, row, bound, begin, -1.0_wp, work, series)
-            call new_opening(leaving%released, series, opening)
+            call new_opening(series, opening)
          else
             call expand(regime, x, v, turn, row, bound, begin, end - begin, work, series)
          end if

@@ -8,6 +8,7 @@ module vi_contact
    use vi_flight, only: flight_position, flight_type
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bound, derivatives
+   use vi_parting, only: leading_order
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
       tolerated
    implicit none (type, external)
@@ -22,7 +23,7 @@ module vi_contact
       integer :: side = 0
       real(wp) :: speed = 0
       !> Whether the gap opens from rest, where its second derivative is 0: the end of a rest on the
-      !! wall.
+      !! wall. Otherwise a gap without speed opens by the first of its derivatives that is not 0.
       logical :: released = .false.
    end type departure_type
 
@@ -56,7 +57,7 @@ contains
       type(contact_type) :: contact
       type(series_type) :: series
       type(opening_type) :: opening
-      real(wp) :: t, far(2), speed
+      real(wp) :: t, far(2), speed, value
       integer :: steps, wall
       logical :: near(2)
 
@@ -71,9 +72,10 @@ contains
       if (departure%side /= 0) then
          opening%wall = departure%side
          opening%speed = departure%speed
-         opening%fourth = derivative_bound(flight, 4, t)
+         if (.not. departure%speed > 0) call leading_order(flight, t, merge(3, &
+            2, departure%released), opening%order, value)
          call expand(flight, t, series)
-         call new_opening(departure%released, series, opening)
+         call new_opening(series, opening)
       end if
       if (present(from)) t = from
       steps = 0

@@ -6,14 +6,15 @@
 module vi_parting
    use vi_flight, only: flight_type
    use vi_kinds, only: wp
-   use vi_oscillation, only: derivative_bounds, derivatives
+   use vi_oscillation, only: derivative_bound, derivative_bounds, derivatives, oscillation_type
    implicit none (type, external)
    private
 
-   public :: leaves_together, parting
+   public :: leading_order, leaves_together, parting
 
-   !> Error that rounding of the motion may cause in a derivative, over the amplitude of its parts.
-   real(wp), parameter :: noise = 1.0e4_wp*epsilon(1.0_wp)
+   !> Error that rounding of the motion may cause in a derivative, over the amplitude of its parts;
+   !! error of its computation from the state alone.
+   real(wp), parameter :: noise = 1.0e4_wp*epsilon(1.0_wp), rounding = 64*epsilon(1.0_wp)
 
    !> Answers of `parting`.
    integer, parameter, public :: parted = 1, in_contact = 0, uncertain = -1
@@ -30,6 +31,32 @@ contains
       leaves_together = abs(x_dot - z_dot) <= 16*epsilon(1.0_wp)*max(abs(x_dot), abs(z_dot), &
          abs(before))
    end function leaves_together
+
+   !> The lowest derivative of x at a time that is not 0 to rounding.
+   !!
+   !! x'' obeys a linear equation of fourth order: if it and its next three derivatives are 0, it
+   !! stays 0.
+   pure subroutine leading_order(motion, t, first, order, value)
+      !> The oscillation, or a flight.
+      class(oscillation_type), intent(in) :: motion
+      !> The time (1/omega).
+      real(wp), intent(in) :: t
+      !> The lowest order that is considered, 2 to 5.
+      integer, intent(in) :: first
+      !> The order; 5 if all are 0.
+      integer, intent(out) :: order
+      !> The derivative; 0 if all are.
+      real(wp), intent(out) :: value
+      real(wp) :: d(0:5)
+
+      d = derivatives(motion, t)
+      do order = first, 5
+         value = d(order)
+         if (abs(value) > rounding*derivative_bound(motion, order, t)) return
+      end do
+      order = 5
+      value = 0
+   end subroutine leading_order
 
    !> Whether the gap opens after an impact on a wall that the masses leave together.
    pure subroutine parting(flight, side, answer, until)

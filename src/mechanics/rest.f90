@@ -6,6 +6,7 @@ module vi_rest
    use vi_advance, only: patience, safe_step
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bound, derivatives, new_oscillation, oscillation_type
+   use vi_parting, only: leading_order
    implicit none (type, external)
    private
 
@@ -49,8 +50,8 @@ contains
       real(wp), intent(out) :: time
       !> False if the step budget ran out.
       logical, intent(out) :: complete
-      real(wp) :: t, step, d(0:5), bound, usual, reach, force
-      integer :: n
+      real(wp) :: t, step, d(0:5), bound, usual, reach, force, value
+      integer :: n, order
 
       time = huge(1.0_wp)
       complete = .true.
@@ -66,7 +67,8 @@ contains
          if (force > 0) step = safe_step(force, -side*d(3), -side*d(4), -side*d(5), &
             bound, reach)
          if (step <= 2*spacing(t)) then
-            if (side*d(3) > 0) then
+            call leading_order(rest, t, 3, order, value)
+            if (side*value > 0) then
                time = t
                return
             end if

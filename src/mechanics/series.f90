@@ -33,34 +33,32 @@ module vi_series
    !> The limits of the function, and the distance g to the one that it leaves at time 0.
    type, public :: opening_type
       real(wp) :: upper = 0, lower = 0
-      !> The limit that is left: +1 upper, -1 lower; 0 none. The speed of departure.
-      integer :: wall = 0
+      !> The limit that is left: +1 upper, -1 lower; 0 none. The order of the first derivative of g
+      !! that is not 0: 1 with a speed of departure > 0, which is kept here.
+      integer :: wall = 0, order = 1
       real(wp) :: speed = 0
       !> k(t) = g(t)/t, and the time up to which this series is valid.
       real(wp) :: k(0:order - 1) = 0, near = 0
-      !> Bounds on the fourth and on the fifth derivative of g.
-      real(wp) :: fourth = 0, fifth = 0
+      !> Bound on the fifth derivative of g.
+      real(wp) :: fifth = 0
    end type opening_type
 
 contains
 
    !> Completes what describes the departure from a limit.
-   pure subroutine new_opening(released, series, opening)
-      !> Whether the gap opens from rest, where its second derivative is 0.
-      logical, intent(in) :: released
+   pure subroutine new_opening(series, opening)
       !> The series about the start, of all orders.
       type(series_type), intent(in) :: series
-      !> In: limits, wall, speed and the bound on the fourth derivative. Out: complete.
+      !> In: limits, wall, order and speed. Out: complete.
       type(opening_type), intent(inout) :: opening
       integer :: m
 
       opening%fifth = series%fifth
       opening%k = -opening%wall*series%c(1:)
-      opening%k(0) = opening%speed
-      if (released) opening%k(1) = 0
       ! the first term of k that is not 0
-      m = 0
-      if (.not. opening%speed > 0) m = merge(2, 1, released)
+      m = opening%order - 1
+      opening%k(:m - 1) = 0
+      if (m == 0) opening%k(0) = opening%speed
       opening%near = 0
       if (.not. abs(opening%k(m)) > 0) return
       ! the omitted terms are below the rounding of the first one; twice this time must not overflow
@@ -164,21 +162,22 @@ contains
       type(opening_type), intent(in) :: opening
       !> Time after the start.
       real(wp), intent(in) :: t
-      real(wp) :: value, slope, curvature, jerk, root
+      real(wp) :: value, slope, curvature, jerk
       integer :: n
 
-      associate (k => opening%k, fourth => opening%fourth)
-         if (t <= 0 .and. .not. opening%speed > 0) then
-            ! k/t >= k1 + k2 t - B/24 t^2: positive up to the first zero of this parabola; after a
-            ! release k1 = 0
-            root = sqrt(max(0.0_wp, k(2)**2 + k(1)*fourth/6))
+      associate (k => opening%k, first => opening%order - 1)
+         if (t <= 0 .and. first > 0) then
+            ! up to this time the first term of k outweighs twice the sum of those that follow it
             step = 0
-            if (k(1) > 0 .and. k(2) <= 0) then
-               step = 2*k(1)/max(root - k(2), 16*tiny(root)*max(1.0_wp, k(1)))
-            else if (k(1) >= 0 .and. k(2) > 0) then
-               step = 12*(k(2) + root)/max(fourth, 16*tiny(fourth)*max(1.0_wp, k(2) + root))
-            end if
-            step = min(opening%near, 0.99_wp*step)
+            if (k(first) > 0) step = opening%near
+            do while (step > 0)
+               value = 0
+               do n = ubound(k, 1), first + 1, -1
+                  value = (value + abs(k(n)))*step
+               end do
+               if (2*value <= k(first)) return
+               step = 0.5_wp*step
+            end do
             return
          end if
          value = 0

@@ -2,7 +2,8 @@
 module vi_structure_assess
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, consistency, stability
-   use vi_channels, only: first_event, leaving_type, pace_type, reached_type, space_type
+   use vi_channels, only: first_event, leading_term, leaving_type, pace_type, reached_type, &
+      space_type
    use vi_eigen_routines, only: dgesv
    use vi_exact, only: exact_acceptance
    use vi_kinds, only: wp
@@ -10,7 +11,7 @@ module vi_structure_assess
    use vi_modes, only: advance
    use vi_motion, only: no, unknown, yes
    use vi_status, only: stat
-   use vi_structure, only: regime_type, structure_type
+   use vi_structure, only: regime_type, restitution_of, structure_type
    use vi_structure_exact, only: instant
    use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
    use vi_structure_motion, only: equations_type, impulse_of, since, state_after
@@ -150,6 +151,9 @@ contains
    end function coupling_at_instants
 
    !> The first contact of a flight of the motion.
+   !!
+   !! An impact with R = 0 leaves no speed. Then the acceleration of the gap has to open it; where
+   !! rounding hides its sign, the search is not complete.
    pure subroutine first_contact(structure, regime, equations, speeds, i, x, v, flight, reached)
       !> The structure.
       type(structure_type), intent(in) :: structure
@@ -168,15 +172,24 @@ contains
       !> The contact.
       type(reached_type), intent(out) :: reached
       type(space_type) :: space
-      real(wp) :: impulse, slope
+      type(leaving_type) :: leaving
+      real(wp) :: restitution, slope
       type(pace_type) :: pace
+      integer :: sense
 
-      associate (gap => equations%gaps(i))
-         call impulse_of(structure, gap, speeds(i), impulse, slope)
-         call first_event(regime, x, v, regime%frequency*equations%times(i), &
-            leaving_type(structure%channel(gap), structure%wall(gap), &
-            impulse/structure%effective(gap) - speeds(i)), &
-            flight + agreement*equations%period, pace, reached, space)
+      associate (gap => equations%gaps(i), phase => regime%frequency*equations%times(i))
+         call restitution_of(structure, gap, speeds(i), restitution, slope)
+         leaving = leaving_type(structure%channel(gap), structure%wall(gap), restitution*speeds(i))
+         if (.not. abs(leaving%speed) > 0) then
+            call leading_term(regime, x, v, phase, leaving%row, 2, leaving%order, sense)
+            if (.not. -leaving%wall*sense > 0) then
+               reached = reached_type(leaving%row, leaving%wall)
+               return
+            end if
+         end if
+         call first_event(regime, x, v, phase, leaving, flight + agreement*equations%period, pace, &
+            reached, space)
+         if (leaving%order > 2) reached%complete = .false.
       end associate
    end subroutine first_contact
 

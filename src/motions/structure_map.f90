@@ -14,7 +14,7 @@ module vi_structure_map
    implicit none (type, external)
    private
 
-   public :: apply_flight, apply_impact, from_coordinates, to_coordinates
+   public :: accelerations, apply_flight, apply_impact, from_coordinates, to_coordinates
 
 contains
 

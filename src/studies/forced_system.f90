@@ -6,13 +6,14 @@ module vi_forced_system
    use vi_kinds, only: wp
    use vi_oscillation, only: oscillation_type
    use vi_oscillator, only: gain, lag, oscillator_type
+   use vi_parting, only: leading_order
    use vi_rest, only: new_rest
    use vi_transition, only: new_transition, transition_type
    implicit none (type, external)
    private
 
    public :: new_forced_system, initial_state, least_clearance, state_time, flight_from, &
-      rest_from, departure_from
+      rest_from, departure_from, stays_together
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
@@ -88,7 +89,7 @@ contains
       !> t (1/omega), x, x', z, z'.
       real(wp), intent(in) :: start(5)
       type(state_type) :: state
-      real(wp) :: y, half, pull, phase
+      real(wp) :: y, half, phase
 
       ! the whole cycles follow from the rounded phase, so that both agree at a whole number of them
       phase = system%r*start(1)
@@ -104,14 +105,30 @@ contains
       if (.not. on_wall(y, half)) return
       state%side = merge(1, -1, y > 0)
       state%speed = state%side*(state%x_dot - state%z_dot)
-      pull = state%side*(system%load*sin(state%phase) - 2*system%osc%xi*state%x_dot - state%x)
       if (state%speed < 0) then                                      ! collides at once
          state%side = 0
          state%speed = 0
-      else if (.not. state%speed > 0 .and. pull <= 0) then
-         state%resting = .true.
+      else if (.not. state%speed > 0) then
+         state%resting = stays_together(system, state)
       end if
    end function initial_state
+
+   !> Whether masses that touch and have the same velocity stay in contact.
+   !!
+   !! They do if the gap would close otherwise: if the first of its derivatives that is not 0 is
+   !! negative. If all are 0, no force acts between them, and they move on together.
+   pure logical function stays_together(system, state)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> The state, on a wall and without a speed relative to it.
+      type(state_type), intent(in) :: state
+      real(wp) :: value
+      integer :: order
+
+      ! the gap is d/2 - side (z - x), and z has no acceleration
+      call leading_order(flight_from(system, state, 0.0_wp), 0.0_wp, 2, order, value)
+      stays_together = .not. state%side*value > 0
+   end function stays_together
 
    !> The least clearance of a simulation: the rounding error of displacements, half of epsilon, is
    !! a millionth of it. The first meeting with a wall is wrong by no more than twice that.

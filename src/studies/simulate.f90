@@ -4,7 +4,8 @@ module vi_simulate
    use vi_contact, only: contact_type, first_contact
    use vi_forced_system, only: departure_from, forced_system_type, event_type, flight_from, &
       impact_event, &
-      new_forced_system, release_event, rest_from, state_time, state_type, stick_event, two_pi
+      new_forced_system, release_event, rest_from, state_time, state_type, stays_together, &
+      stick_event, two_pi
    use vi_bounce, only: bounce
    use vi_kinds, only: wp
    use vi_march, only: march, touch_type
@@ -321,7 +322,8 @@ contains
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
    !! take T = 2u/(a (1 - R)), to first order. Meanwhile the centre of mass moves smoothly. The
    !! relative size of the next order is |j| T/a, where j is the rate of change of a, so the error
-   !! of the time is at most |j| T^2/a: that has to be below 1e-16.
+   !! of the time is at most |j| T^2/a: that has to be below 1e-16. Without a departure speed the
+   !! masses stay together at once, or part.
    pure subroutine accumulate(system, state, s, c, remaining, event, found, over)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -342,9 +344,11 @@ contains
       associate (osc => system%osc)
          x_ddot = system%load*s - 2*osc%xi*state%x_dot - state%x
          closing = -state%side*x_ddot
-         if (.not. closing > 0) return
          duration = 0
-         if (state%speed > 0) then
+         if (.not. state%speed > 0) then
+            if (.not. stays_together(system, state)) return
+         else
+            if (.not. closing > 0) return
             lost = closing*(1 - osc%restitution(merge(right, left, state%side > 0)))
             if (.not. 2*state%speed <= longest*lost) return
             duration = 2*state%speed/lost

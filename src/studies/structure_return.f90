@@ -6,14 +6,16 @@
 !! flight without rest; Newton's method uses the derivative of the simulation in closed form.
 module vi_structure_return
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_assess, only: consistency
+   use vi_assess, only: admission, consistency
+   use vi_channels, only: first_event, leading_term, leaving_type, pace_type, reached_type, &
+      row_derivatives, space_type
    use vi_exact, only: exact_acceptance
    use vi_kinds, only: wp
    use vi_lapack, only: solve
    use vi_motion, only: unknown, yes
    use vi_progress, only: is_stopped
    use vi_status, only: stat
-   use vi_structure, only: load_type, state_of, structure_type
+   use vi_structure, only: load_type, regime_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
    use vi_structure_period, only: exact, periodic_structure, structure_motion_type
    use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
@@ -522,6 +524,7 @@ contains
       real(wp), allocatable :: p(:, :), a(:, :), step(:), s(:), image(:), q(:), rate(:)
       real(wp) :: wait, elapsed, change, before, scale(2), largest
       integer :: i, m, steps
+      logical :: complete
 
       call middle_of_flight(run, first, section, events(:n), found%cycles, wait)
       if (.not. wait >= 0) then
@@ -582,8 +585,8 @@ contains
       end if
       call store_period(run, events(:n), found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
-      found%motion%verdicts%admissible = merge(yes, unknown, found%motion%verdicts%consistent == &
-         yes)
+      if (found%motion%verdicts%consistent == yes) found%motion%verdicts%admissible = &
+         admission(all_rests_push(run, events(:n), state, complete), complete)
       found%motion%verdicts%p = p
       allocate (found%motion%verdicts%multipliers(2*m))
       found%motion%verdicts%multipliers = 0
@@ -591,6 +594,80 @@ contains
       ! an accumulation of many impacts costs digits: entries are accurate to about 1e-10
       call assess_multipliers(1.0e-12_wp*largest, found%motion%verdicts)
    end subroutine by_return
+
+   !> Whether no contact pulls while it rests, apart from the simulation: at the beginning of each
+   !! rest, after each event during it, and in between.
+   logical function all_rests_push(run, events, last, complete) result(push)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The events of a period.
+      type(run_event_type), intent(in) :: events(:)
+      !> The state at its end.
+      type(run_state_type), intent(in) :: last
+      !> Whether all rests could be examined.
+      logical, intent(out) :: complete
+      real(wp) :: duration
+      integer :: i
+
+      push = .true.
+      complete = .true.
+      do i = 1, size(events)
+         if (size(run%regimes(events(i)%regime)%resting) == 0) cycle
+         if (i < size(events)) then
+            duration = real(events(i + 1)%cycle - events(i)%cycle, wp)*run%period &
+               + (events(i + 1)%elapsed - events(i)%elapsed)
+         else
+            duration = real(last%cycle - events(i)%cycle, wp)*run%period + (last%elapsed &
+               - events(i)%elapsed)
+         end if
+         if (duration > 0) push = push .and. forces_push(run%regimes(events(i)%regime), &
+            run%structure%channels, run%load%frequency*events(i)%elapsed, events(i)%x, &
+            events(i)%v, duration, complete)
+      end do
+   end function all_rests_push
+
+   !> Whether no force of a regime falls below 0 between two events.
+   logical function forces_push(regime, channels, phase, x, v, duration, complete) result(push)
+      !> The regime, and the number of channels.
+      type(regime_type), intent(in) :: regime
+      integer, intent(in) :: channels
+      !> Load phase (rad) and pairs (m) after the first event.
+      real(wp), intent(in) :: phase
+      real(wp), contiguous, intent(in) :: x(:), v(:)
+      !> Time to the second one.
+      real(wp), intent(in) :: duration
+      !> In and out: set to false where the search is not complete.
+      logical, intent(inout) :: complete
+      !> A release may be early by this share.
+      real(wp), parameter :: agreement = 1.0e-8_wp
+      type(regime_type) :: alone
+      type(leaving_type) :: rising(size(regime%resting))
+      type(reached_type) :: reached
+      type(space_type) :: space
+      type(pace_type) :: pace
+      real(wp) :: d(0:3)
+      integer :: i, sense
+
+      push = .true.
+      do i = 1, size(rising)
+         call leading_term(regime, x, v, phase, channels + i, 0, rising(i)%order, sense)
+         push = push .and. sense >= 0
+         if (rising(i)%order == 0) cycle
+         rising(i)%row = channels + i
+         rising(i)%wall = -1
+         call row_derivatives(regime, x, v, phase, channels + i, d)
+         if (rising(i)%order == 1) rising(i)%speed = d(1)
+      end do
+      if (.not. push) return
+      ! the gaps were watched by the simulation
+      alone = regime
+      alone%upper(:channels) = huge(1.0_wp)
+      alone%lower(:channels) = -huge(1.0_wp)
+      call first_event(alone, x, v, phase, leaving_type(), duration*(1 - agreement), pace, reached, &
+         space, partings=rising)
+      complete = complete .and. reached%complete
+      push = reached%row == 0
+   end function forces_push
 
    !> How long after the end of a simulated period the middle of its longest flight without rest
    !! comes; negative if there is none.

@@ -1,8 +1,8 @@
 !> Event-by-event simulation of a linear structure with gaps.
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_channels, only: bound_second, first_event, leaving_type, pace_type, reached_type, &
-      row_derivatives, space_type
+   use vi_channels, only: bound_second, first_event, leading_term, leaving_type, pace_type, &
+      reached_type, row_derivatives, space_type
    use vi_forced_system, only: state_type
    use vi_kinds, only: wp
    use vi_modes, only: advance_in_place
@@ -43,8 +43,15 @@ module vi_structure_run
       !> The regime, and its pairs.
       integer :: regime = 1
       real(wp), allocatable :: x(:), v(:)
-      !> How the flight begins, and the lengths of the cells of the previous search.
+      !> Whether contacts have to be judged anew; gaps that touch without a speed at this instant,
+      !! and the one of them that was released because its force fell to 0, or 0.
+      logical :: unsettled = .false.
+      integer, allocatable :: touching(:)
+      integer :: released = 0
+      !> How the flight begins: the impact just before it, and gaps that part from there without a
+      !! speed; the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
+      type(leaving_type), allocatable :: partings(:)
       type(pace_type) :: pace
       !> (n) Room for coordinates and velocities, and for searches.
       real(wp), allocatable :: q(:), rate(:)
@@ -118,8 +125,8 @@ contains
       integer, intent(out) :: status
       !> Share of the size of a gap that counts as rounding of a state computed elsewhere.
       real(wp), parameter :: rounding = 1.0e-13_wp
-      real(wp) :: gap, speed, scale
-      integer, allocatable :: closed(:)
+      real(wp) :: gap, phase, speed, scale
+      integer, allocatable :: closed(:), orders(:)
       integer :: j, n
 
       n = size(q)
@@ -148,7 +155,15 @@ contains
          end associate
       end do
       if (status /= stat%ok) return
-      call enter(run, closed, q, rate, state, status)
+      allocate (state%q(n), state%rate(n), orders(size(closed)))
+      phase = run%load%frequency*state%elapsed
+      call enter(run, closed, phase, q, rate, state, status)
+      if (status /= stat%ok .or. size(closed) == 0) return
+      call settle_contacts(run, closed, phase, q, rate, state, orders, status)
+      if (status /= stat%ok) return
+      ! the first search lists those that part
+      state%touching = closed
+      state%unsettled = .true.
    end subroutine start_at
 
    !> A length of the size of a motion, of which the rounding errors of its coordinates are a share:
@@ -171,50 +186,262 @@ contains
       end do
    end function reach_of
 
-   !> Puts a state into the regime of closed gaps, without those gaps whose contact would pull.
-   pure subroutine enter(run, closed, q, rate, state, status)
+   !> Finds which gaps that touch without a speed rest, and puts a state into their regime.
+   !!
+   !! A gap that rests must push: the first derivative of its force that is not 0, from the force
+   !! itself on, is positive. One that does not must part: the same holds for its opening. A gap of
+   !! which neither has such a derivative rests. As powers of 1/s in the Laplace transform, forces
+   !! and openings obey a linear complementarity problem over an ordered field. The principal minors
+   !! of its matrix are positive, as those of G^T M^-1 G are, so it has one solution, and changing
+   !! the first gap that is wrong, one at a time, finds it (Murty's method).
+   pure subroutine settle_contacts(run, touching, phase, q, rate, state, orders, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The gaps, in ascending order.
+      integer, intent(in) :: touching(:)
+      !> The load phase (rad), and (n) coordinates and velocities.
+      real(wp), intent(in) :: phase, q(:), rate(:)
+      !> In: time, and a regime and pairs from which to begin. Out: the regime and pairs.
+      type(run_state_type), intent(inout) :: state
+      !> (touching) The order of the first derivative that is not 0, of the force of a gap that
+      !! rests, and of the opening of another.
+      integer, intent(out) :: orders(:)
+      !> `stat%ok`, or as in `new_regime`.
+      integer, intent(out) :: status
+      logical :: only_add
+      integer :: changes, i, sense, wrong
+
+      associate (structure => run%structure)
+         do changes = 1, huge(changes) - 1
+            ! rounding may contradict itself where both are almost 0: then the gap rests
+            only_add = changes > 2**min(size(touching) + 2, 20)
+            wrong = 0
+            do i = 1, size(touching)
+               associate (regime => run%regimes(state%regime), gap => touching(i))
+                  if (any(regime%resting == gap)) then
+                     call leading_term(regime, state%x, state%v, phase, structure%channels &
+                        + findloc(regime%resting, gap, dim=1), 0, orders(i), sense)
+                     if (sense < 0 .and. .not. only_add) wrong = gap
+                  else
+                     call leading_term(regime, state%x, state%v, phase, structure%channel(gap), &
+                        merge(3, 2, gap == state%released), orders(i), sense)
+                     if (.not. -structure%wall(gap)*sense > 0) wrong = gap
+                  end if
+               end associate
+               if (wrong > 0) exit
+            end do
+            status = stat%ok
+            if (wrong == 0) return
+            associate (resting => run%regimes(state%regime)%resting)
+               if (any(resting == wrong)) then
+                  call enter(run, pack(resting, resting /= wrong), phase, q, rate, state, status)
+               else
+                  call enter(run, merged(resting, wrong), phase, q, rate, state, status)
+               end if
+            end associate
+            if (status /= stat%ok) return
+         end do
+      end associate
+   end subroutine settle_contacts
+
+   !> Puts a state into the regime of closed gaps.
+   pure subroutine enter(run, closed, phase, q, rate, state, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
-      !> The gaps.
+      !> The gaps, in ascending order.
       integer, intent(in) :: closed(:)
-      !> (n) Coordinates and velocities.
-      real(wp), intent(in) :: q(:), rate(:)
+      !> The load phase (rad), and (n) coordinates and velocities.
+      real(wp), intent(in) :: phase, q(:), rate(:)
       !> In: time. Out: regime and pairs.
       type(run_state_type), intent(inout) :: state
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
-      integer, allocatable :: set(:)
-      real(wp), allocatable :: forces(:)
-      real(wp) :: phase, d(0:3)
-      integer :: i, number
+      integer :: number
 
-      if (.not. allocated(state%q)) allocate (state%q(size(q)), state%rate(size(q)))
-      allocate (set, source=closed)
-      phase = run%load%frequency*state%elapsed
-      do
-         call find_regime(run, set, number, status)
-         if (status /= stat%ok) return
-         state%regime = number
-         if (run%load%step > 0) call set_forces(run%regimes(state%regime), run%load, state%cycle, &
-            state%elapsed)
-         associate (regime => run%regimes(state%regime))
-            if (allocated(state%x)) deallocate (state%x, state%v)
-            allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
-            call to_pairs(regime, phase, q, rate, state%x, state%v)
-            if (size(set) == 0) return
-            allocate (forces(size(set)))
-            do i = 1, size(set)
-               call row_derivatives(regime, state%x, state%v, phase, run%structure%channels + i, &
-                  d)
-               forces(i) = d(0)
-            end do
-         end associate
-         i = minloc(forces, 1)
-         if (forces(i) >= 0) return
-         set = pack(set, set /= set(i))
-         deallocate (forces)
-      end do
+      call find_regime(run, closed, number, status)
+      if (status /= stat%ok) return
+      state%regime = number
+      if (run%load%step > 0) call set_forces(run%regimes(number), run%load, state%cycle, &
+         state%elapsed)
+      associate (regime => run%regimes(number))
+         if (allocated(state%x)) deallocate (state%x, state%v)
+         allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
+         call to_pairs(regime, phase, q, rate, state%x, state%v)
+      end associate
    end subroutine enter
+
+   !> Judges anew which gaps rest after a jump of forces or speeds, and makes one change.
+   !!
+   !! Each change is an event; the next call makes the next one, if there is any. After the last one
+   !! the rows that leave their limits without a speed are listed: gaps that part, and forces that
+   !! rise from 0.
+   pure subroutine judge_contacts(run, state, event, changed, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The change.
+      type(run_event_type), intent(inout) :: event
+      !> Whether there is one.
+      logical, intent(out) :: changed
+      !> `stat%ok`, or as in `new_regime`.
+      integer, intent(out) :: status
+      type(run_state_type) :: next
+      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
+      integer, allocatable :: gaps(:), orders(:)
+      logical, allocatable :: rested(:), rests(:)
+      real(wp) :: phase
+      integer :: i
+
+      changed = .false.
+      status = stat%ok
+      phase = run%load%frequency*state%elapsed
+      if (.not. allocated(state%touching)) then
+         if (all_push(run%regimes(state%regime), run%structure%channels, state%x, state%v, phase)) &
+            then
+            ! as after most impacts on other gaps
+            state%unsettled = .false.
+            if (allocated(state%partings)) deallocate (state%partings)
+            return
+         end if
+      end if
+      allocate (gaps, source=run%regimes(state%regime)%resting)
+      if (allocated(state%touching)) then
+         do i = 1, size(state%touching)
+            if (all(gaps /= state%touching(i))) gaps = merged(gaps, state%touching(i))
+         end do
+      end if
+      allocate (orders(size(gaps)))
+      call state_now(run, state, q, rate)
+      next%cycle = state%cycle
+      next%elapsed = state%elapsed
+      next%regime = state%regime
+      next%released = state%released
+      allocate (next%x, source=state%x)
+      allocate (next%v, source=state%v)
+      call settle_contacts(run, gaps, phase, q, rate, next, orders, status)
+      if (status /= stat%ok) return
+      associate (before => run%regimes(state%regime)%resting, &
+         after => run%regimes(next%regime)%resting)
+         rested = [(any(before == gaps(i)), i=1, size(gaps))]
+         rests = [(any(after == gaps(i)), i=1, size(gaps))]
+      end associate
+      ! releases first, so that all sets on the way are parts of the first or of the last one
+      i = findloc(rested .and. .not. rests, .true., dim=1)
+      if (i == 0) i = findloc(rests .and. .not. rested, .true., dim=1)
+      changed = i > 0
+      if (changed) then
+         call change_contact(run, merge(release_event, stick_event, rested(i)), gaps(i), phase, &
+            q, rate, state, event, status)
+      else
+         state%unsettled = .false.
+         call list_partings(run, gaps, orders, phase, state)
+      end if
+   end subroutine judge_contacts
+
+   !> Whether all gaps that rest push.
+   pure logical function all_push(regime, channels, x, v, phase)
+      !> The regime, and the number of channels.
+      type(regime_type), intent(in) :: regime
+      integer, intent(in) :: channels
+      !> (m) The pairs.
+      real(wp), intent(in) :: x(:), v(:)
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      integer :: i, order, sense
+
+      all_push = .true.
+      do i = 1, size(regime%resting)
+         call leading_term(regime, x, v, phase, channels + i, 0, order, sense)
+         all_push = order == 0 .and. sense > 0
+         if (.not. all_push) return
+      end do
+   end function all_push
+
+   !> Lists the rows that leave their limits at this instant without an impact.
+   pure subroutine list_partings(run, gaps, orders, phase, state)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> Gaps that touch, and the orders of `settle_contacts`.
+      integer, intent(in) :: gaps(:), orders(:)
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      type(leaving_type) :: leaving(size(gaps))
+      real(wp) :: d(0:3)
+      integer :: i
+
+      associate (regime => run%regimes(state%regime), structure => run%structure)
+         do i = 1, size(gaps)
+            if (any(regime%resting == gaps(i))) then
+               leaving(i) = leaving_type(structure%channels + findloc(regime%resting, gaps(i), dim=1), &
+                  -1, 0.0_wp, orders(i))
+               if (orders(i) /= 1) cycle
+               call row_derivatives(regime, state%x, state%v, phase, leaving(i)%row, d)
+               leaving(i)%speed = d(1)
+            else
+               leaving(i) = leaving_type(structure%channel(gaps(i)), structure%wall(gaps(i)), 0.0_wp, &
+                  orders(i))
+            end if
+         end do
+      end associate
+      state%partings = pack(leaving, orders > 0)
+   end subroutine list_partings
+
+   !> A gap begins or ceases to rest.
+   pure subroutine change_contact(run, kind, gap, phase, q, rate, state, event, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> `stick_event` or `release_event`, and the gap.
+      integer, intent(in) :: kind, gap
+      !> The load phase (rad), and (n) coordinates and velocities.
+      real(wp), intent(in) :: phase, q(:), rate(:)
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The change.
+      type(run_event_type), intent(inout) :: event
+      !> `stat%ok`, or as in `new_regime`.
+      integer, intent(out) :: status
+
+      associate (before => run%regimes(state%regime)%resting, structure => run%structure)
+         if (kind == release_event) then
+            call enter(run, pack(before, before /= gap), phase, q, rate, state, status)
+         else
+            ! without what rounding leaves of its speed
+            call enter(run, merged(before, gap), phase, q, rate - structure%mobility(:, gap) &
+               *structure%effective(gap)*dot_product(structure%directions(:, gap), rate), state, &
+               status)
+         end if
+      end associate
+      if (status /= stat%ok) return
+      call touch(state, gap)
+      call state_now(run, state, state%q, state%rate)
+      call note(state, kind, gap, 0.0_wp, 0.0_wp, state%q, state%rate, event)
+   end subroutine change_contact
+
+   !> Notes that a gap touches without a speed, so that contacts are judged anew.
+   pure subroutine touch(state, gap)
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The gap.
+      integer, intent(in) :: gap
+
+      state%unsettled = .true.
+      if (.not. allocated(state%touching)) allocate (state%touching(0))
+      if (all(state%touching /= gap)) state%touching = [state%touching, gap]
+   end subroutine touch
+
+   !> Forgets what holds only at the instant at which a flight began.
+   pure subroutine leave_instant(state)
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+
+      state%leaving = leaving_type()
+      state%released = 0
+      if (allocated(state%touching)) deallocate (state%touching)
+      if (allocated(state%partings)) deallocate (state%partings)
+   end subroutine leave_instant
 
    !> The number of the regime of a set of closed gaps; the regime is made if it is new.
    pure subroutine find_regime(run, set, number, status)
@@ -275,7 +502,7 @@ contains
       type(reached_type) :: reached
       real(wp) :: limit, remaining
       integer :: most
-      logical :: goes_on, in_parts, stuck
+      logical :: changed, goes_on, in_parts
 
       n = 0
       status = stat%ok
@@ -296,10 +523,13 @@ contains
             status = stat%more_events
             return
          end if
-         stuck = .false.
-         if (.not. goes_on) call accumulate(run, state, limit, events(n + 1), stuck, status)
+         changed = .false.
+         if (state%unsettled) call judge_contacts(run, state, events(n + 1), changed, status)
          if (status /= stat%ok) return
-         if (stuck) then
+         if (.not. (changed .or. goes_on)) call accumulate(run, state, limit, events(n + 1), &
+            changed, status)
+         if (status /= stat%ok) return
+         if (changed) then
             n = n + 1
             cycle
          end if
@@ -307,7 +537,7 @@ contains
          if (in_parts) most = patience/(1 + size(state%x)*size(run%regimes(state%regime)%upper))
          call first_event(run%regimes(state%regime), state%x, state%v, &
             run%load%frequency*state%elapsed, state%leaving, limit, state%pace, reached, &
-            state%space, most)
+            state%space, most, state%partings)
          if (.not. reached%complete) status = stat%budget
          if (reached%interrupted) status = stat%more_events
          if (status /= stat%ok) return
@@ -316,7 +546,9 @@ contains
             call move(run, state, limit)
             if (state%elapsed > 0.5_wp*run%period) state%cycle = state%cycle + 1
             state%elapsed = 0
-            state%leaving = leaving_type()
+            call leave_instant(state)
+            ! the force of the record may jump
+            state%unsettled = size(run%regimes(state%regime)%resting) > 0
             cycle
          end if
          if (reached%row == 0) exit
@@ -328,8 +560,10 @@ contains
          if (status /= stat%ok) return
          n = n + 1
       end do
+      if (remaining > 0) call leave_instant(state)
       call move(run, state, remaining)
-      state%leaving = leaving_type()
+      if (run%load%step > 0 .and. remaining > 0) state%unsettled = &
+         size(run%regimes(state%regime)%resting) > 0
       state%cycle = last_cycle
       state%elapsed = last_elapsed
    end subroutine simulate_structure
@@ -352,7 +586,7 @@ contains
       type(state_type) :: here
       logical :: found
 
-      if (state%leaving%row == 0 .or. state%leaving%released .or. state%regime /= 1) return
+      if (state%leaving%row == 0 .or. state%unsettled .or. state%regime /= 1) return
       associate (regime => run%regimes(1), structure => run%structure, h => run%pair%host, &
          p => run%pair%particle)
          call state_now(run, state, state%q, state%rate)
@@ -389,10 +623,17 @@ contains
       !> The last interval.
       integer(int64), intent(in) :: last_cycle
 
+      integer(int64) :: first
+
       if (.not. run%load%step > 0) return
-      if (.not. state%elapsed > 0 .and. state%leaving%row == 0) then
+      if (.not. state%elapsed > 0 .and. state%leaving%row == 0 .and. .not. state%unsettled) then
+         first = state%cycle
          call pass_intervals(run%regimes(state%regime), run%load, state%cycle, last_cycle, &
             state%x, state%v)
+         if (state%cycle > first) then
+            call leave_instant(state)
+            state%unsettled = size(run%regimes(state%regime)%resting) > 0
+         end if
       end if
       call set_forces(run%regimes(state%regime), run%load, state%cycle, state%elapsed)
    end subroutine begin_interval
@@ -441,10 +682,16 @@ contains
             if (are_coupled(structure, gap, gap_of(regime, state%leaving%row, &
                state%leaving%wall))) status = stat%coupled_impacts
          end if
+         if (.not. reached%time > 0 .and. allocated(state%touching)) then
+            do j = 1, size(state%touching)
+               if (are_coupled(structure, gap, state%touching(j))) status = stat%coupled_impacts
+            end do
+         end if
          call move(run, state, reached%time)
          call state_now(run, state, q, rate)
          if (closes_another(run, q, rate, gap)) status = stat%coupled_impacts
          if (status /= stat%ok) return
+         if (reached%time > 0) call leave_instant(state)
          call restitution_of(structure, gap, reached%speed, restitution, slope)
          impulse = (1 + restitution)*structure%effective(gap)*reached%speed
          do j = 1, size(state%x)
@@ -453,6 +700,13 @@ contains
          end do
          rate = rate - impulse*structure%mobility(:, gap)
          state%leaving = leaving_type(reached%row, reached%wall, restitution*reached%speed)
+         state%released = 0
+         if (.not. state%leaving%speed > 0) then
+            state%leaving = leaving_type()
+            call touch(state, gap)
+         end if
+         ! dashpots may change the forces of other contacts
+         if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event)
       end associate
    end subroutine collide
@@ -518,7 +772,8 @@ contains
    pure subroutine accumulate(run, state, remaining, event, stuck, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
-      !> In: just after an impact. Out: at rest, if the accumulation is completed.
+      !> In: just after an impact with a departure speed. Out: at rest, if the accumulation is
+      !! completed.
       type(run_state_type), intent(inout) :: state
       !> Time to the end.
       real(wp), intent(in) :: remaining
@@ -537,9 +792,8 @@ contains
 
       stuck = .false.
       status = stat%ok
-      if (state%leaving%row == 0 .or. state%leaving%released) return
+      if (state%leaving%row == 0) return
       phase = run%load%frequency*state%elapsed
-      duration = 0
       associate (regime => run%regimes(state%regime), leaving => state%leaving)
          ! most departures are too fast, whatever the phase
          if (2*leaving%speed > longest*regime%unit*bound_second(regime, state%x, state%v, &
@@ -548,18 +802,16 @@ contains
          closing = leaving%wall*d(2)
          if (.not. closing > 0) return
          gap = gap_of(regime, leaving%row, leaving%wall)
-         if (leaving%speed > 0) then
-            unit = regime%unit
-            ! with a law R(v) no accumulation is completed unless R stays below 1 as v falls to 0
-            lost = closing*(1 - greatest_below(run%structure%laws(gap), leaving%speed))
-            if (.not. 2*leaving%speed <= longest*unit*lost) return
-            duration = 2*leaving%speed/lost
-            if (run%structure%laws(gap)%kind /= constant_law) then
-               duration = 2*total_of_speeds(run%structure, gap, leaving%speed)/closing
-            end if
-            if (abs(d(3))*duration**2 > time_error*unit*closing) return
-            if (duration > remaining) return
+         unit = regime%unit
+         ! with a law R(v) no accumulation is completed unless R stays below 1 as v falls to 0
+         lost = closing*(1 - greatest_below(run%structure%laws(gap), leaving%speed))
+         if (.not. 2*leaving%speed <= longest*unit*lost) return
+         duration = 2*leaving%speed/lost
+         if (run%structure%laws(gap)%kind /= constant_law) then
+            duration = 2*total_of_speeds(run%structure, gap, leaving%speed)/closing
          end if
+         if (abs(d(3))*duration**2 > time_error*unit*closing) return
+         if (duration > remaining) return
          allocate (q(size(regime%offset)), rate(size(regime%offset)))
          call state_of(regime, phase, state%x, state%v, q, rate)
       end associate
@@ -568,15 +820,18 @@ contains
          rate = rate - structure%mobility(:, gap)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), rate)
       end associate
-      call enter(run, merged(run%regimes(state%regime)%resting, gap), q, rate, state, status)
+      call enter(run, merged(run%regimes(state%regime)%resting, gap), phase, q, rate, state, status)
       if (status /= stat%ok) return
       state%leaving = leaving_type()
-      stuck = any(run%regimes(state%regime)%resting == gap)
-      if (.not. stuck) return
+      stuck = .true.
+      state%unsettled = .true.
       pace = state%pace
       call first_event(run%regimes(state%regime), state%x, state%v, phase, state%leaving, &
-         duration, pace, reached, state%space)
-      if (reached%row == 0) call move(run, state, duration)
+         duration, pace, reached, state%space, partings=state%partings)
+      if (reached%row == 0) then
+         call leave_instant(state)
+         call move(run, state, duration)
+      end if
       call state_now(run, state, q, rate)
       call note(state, stick_event, gap, 0.0_wp, 0.0_wp, q, rate, event)
    end subroutine accumulate
@@ -628,27 +883,16 @@ contains
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       real(wp) :: q(size(run%structure%mass, 1)), rate(size(run%structure%mass, 1)), phase
-      integer, allocatable :: set(:)
-      integer :: gap, number
+      integer :: gap
 
+      if (reached%time > 0) call leave_instant(state)
       call move(run, state, reached%time)
       phase = run%load%frequency*state%elapsed
-      associate (regime => run%regimes(state%regime))
-         gap = -regime%lower_gap(reached%row)
-         set = pack(regime%resting, regime%resting /= gap)
-         call state_of(regime, phase, state%x, state%v, q, rate)
-      end associate
-      call find_regime(run, set, number, status)
-      if (status /= stat%ok) return
-      state%regime = number
-      deallocate (state%x, state%v)
-      associate (regime => run%regimes(state%regime))
-         allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
-         call to_pairs(regime, phase, q, rate, state%x, state%v)
-      end associate
-      state%leaving = leaving_type(run%structure%channel(gap), run%structure%wall(gap), 0.0_wp, &
-         .true.)
-      call note(state, release_event, gap, 0.0_wp, 0.0_wp, q, rate, event)
+      gap = -run%regimes(state%regime)%lower_gap(reached%row)
+      call state_of(run%regimes(state%regime), phase, state%x, state%v, q, rate)
+      ! its force is 0, and so is the acceleration of its opening, unless the record ends here
+      state%released = merge(gap, 0, state%elapsed > 0 .or. .not. run%load%step > 0)
+      call change_contact(run, release_event, gap, phase, q, rate, state, event, status)
    end subroutine release
 
    !> Records an event.

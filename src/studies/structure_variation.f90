@@ -7,8 +7,9 @@ module vi_structure_variation
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_status, only: stat
-   use vi_structure, only: structure_type
-   use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
+   use vi_structure, only: regime_type, structure_type
+   use vi_structure_map, only: accelerations, apply_flight, apply_impact, from_coordinates, &
+      to_coordinates
    use vi_structure_run, only: impact_event, release_event, run_event_type, run_state_type, &
       run_type, &
       stick_event
@@ -25,6 +26,8 @@ module vi_structure_variation
       real(wp) :: elapsed = 0
       !> (m) The pairs there; (2m, columns) changes of x, then of v.
       real(wp), allocatable :: x(:), v(:), d(:, :)
+      !> (columns) Changes of the time of the last event, if it is an impact.
+      real(wp), allocatable :: later(:)
    end type tangent_type
 
 contains
@@ -78,6 +81,7 @@ contains
 
       tangent%number = first%regime
       allocate (tangent%d(2*size(first%x), size(p, 2)))
+      allocate (tangent%later(size(p, 2)), source=0.0_wp)
       call from_coordinates(run%regimes(first%regime), p, tangent%d)
       call set_place(first%cycle, first%elapsed, first%x, first%v, tangent)
    end subroutine start_tangent
@@ -100,6 +104,9 @@ contains
    end subroutine set_place
 
    !> Carries changes to the next event and through it.
+   !!
+   !! A gap is released where its force falls to 0, so that accelerations do not jump, or where an
+   !! impact at the same instant makes it pull: then they jump at the time of that impact.
    pure subroutine through_event(run, event, tangent, status)
       !> The structure, its load and its regimes.
       type(run_type), intent(in) :: run
@@ -110,9 +117,12 @@ contains
       !> `stat%ok` or `stat%zero_approach`.
       integer, intent(out) :: status
       real(wp), allocatable :: p(:, :), x_before(:), v_before(:)
+      real(wp), dimension(size(run%structure%mass, 1)) :: before, after
       real(wp) :: time
+      integer :: j, n
 
       status = stat%ok
+      n = size(before)
       time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
          tangent%elapsed))
       associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime))
@@ -121,12 +131,25 @@ contains
             allocate (v_before, source=tangent%v)
             call advance(regime%modes, time, tangent%x, tangent%v, x_before, v_before)
             call apply_flight(regime, time, tangent%d)
+            if (event%speed > 0) tangent%later = -closing_of(regime, run%structure%directions(:, &
+               event%gap), tangent%d)/event%speed
             call apply_impact(run%structure, regime, event%gap, run%load%frequency*event%elapsed, &
                event%speed, x_before, v_before, event%x, event%v, tangent%d, status)
          else
-            allocate (p(2*size(run%structure%mass, 1), size(tangent%d, 2)))
+            allocate (p(2*n, size(tangent%d, 2)))
             if (event%kind == release_event) call apply_flight(regime, time, tangent%d)
             call to_coordinates(regime, tangent%d, p)
+            if (event%kind == release_event .and. .not. time > 0) then
+               associate (phase => run%load%frequency*event%elapsed)
+                  call accelerations(regime, phase, tangent%x, tangent%v, before)
+                  call accelerations(next, phase, event%x, event%v, after)
+               end associate
+               do j = 1, size(p, 2)
+                  p(n + 1:, j) = p(n + 1:, j) - (after - before)*tangent%later(j)
+               end do
+            else
+               tangent%later = 0
+            end if
             ! the accumulation is completed at its last impact, and the rest begins there
             if (event%kind == stick_event) call apply_rest(run%structure, next%resting, &
                event%gap, p)
@@ -140,6 +163,22 @@ contains
       tangent%number = event%regime
       call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
    end subroutine through_event
+
+   !> How much a gap closes by changes of the pairs.
+   pure function closing_of(regime, direction, d) result(closing)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (n) The direction of the gap.
+      real(wp), intent(in) :: direction(:)
+      !> (2m, columns) Changes of x, then of v.
+      real(wp), intent(in) :: d(:, :)
+      real(wp) :: closing(size(d, 2))
+      integer :: m
+
+      m = size(d, 1)/2
+      closing = matmul(matmul(direction, regime%qx), d(:m, :)) + matmul(matmul(direction, &
+         regime%qv), d(m + 1:, :))
+   end function closing_of
 
    !> Carries changes to a later state of the same flight or rest.
    pure subroutine to_state(run, last, tangent)

@@ -9,7 +9,7 @@ module studies_structure_runs
    use vi_structure, only: load_type, new_load, new_structure, structure_type
    use vi_structure_return, only: repetition
    use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
-      run_state_type, run_type, simulate_structure, start_at, stick_event
+      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event
    use vi_structure_trajectory, only: sample_structure_arrays, simulate_structure_arrays, &
       simulate_structure_case
    use vi_structure_variation, only: derivative_of_run
@@ -32,6 +32,7 @@ contains
       call test_mirrored_accumulations()
       call test_gaps_that_close_together()
       call test_spread_of_speeds()
+      call test_released_by_an_impact()
    end subroutine test_structure_runs
 
    !> A simulation that reaches its end ends there to the last bit.
@@ -329,5 +330,66 @@ contains
       end do
       call check(all(with > 20), 'spread: different speeds, and rests')
    end subroutine test_spread_of_speeds
+
+   !> Where an impact makes a contact pull, through a dashpot, it is released at the time of that
+   !! impact: the derivative of the simulation contains the jump of accelerations.
+   subroutine test_released_by_an_impact()
+      real(wp), parameter :: step = 1.0e-5_wp
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(run_type) :: run
+      type(run_state_type) :: first, last
+      type(run_event_type) :: events(20)
+      real(wp) :: at(4), damping, ends(4, -2:2), p(4, 4), slopes(4), spread
+      integer :: i, j, k, n, status
+
+      do i = 1, 20
+         damping = draw(random, 0.2_wp, 0.8_wp)
+         structure = new_structure(reshape([1.0_wp, 0.0_wp, 0.0_wp, draw(random, 0.8_wp, 2.0_wp), &
+            damping, -damping, -damping, damping, 0.0_wp, 0.0_wp, 0.0_wp, draw(random, 0.0_wp, &
+            0.1_wp)], [2, 2, 3]), reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), &
+            reshape([0.0_wp, 0.0_wp, 0.6_wp, draw(random, 0.7_wp, 1.0_wp)], [2, 2]))
+         call new_run(structure, new_load(0.0_wp, reshape([real(wp) ::], [2, 2, 0]), [0.05_wp, &
+            0.0_wp]), run, status)
+         at = [0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
+         call simulate(at)
+         call check(any(events(:n)%kind == release_event), 'released by an impact: it is')
+         if (.not. any(events(:n)%kind == release_event)) cycle
+         associate (after => events(findloc(events(:n)%kind, release_event, dim=1)))
+            call check(after%gap == 1 .and. abs(after%elapsed - events(1)%elapsed) <= 0, &
+               'released by an impact: at its time')
+         end associate
+         call derivative_of_run(run, first, events(:n), last, p, spread, status)
+         ! the first body must not move at the start
+         do j = 2, 4, 2
+            do k = -2, 2
+               at = [0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
+               at(j) = at(j) + k*step
+               call simulate(at)
+               ends(:, k) = [last_state()]
+            end do
+            slopes = (8*(ends(:, 1) - ends(:, -1)) - (ends(:, 2) - ends(:, -2)))/(12*step)
+            call check(maxval(abs(p(:, j) - slopes)) <= 1.0e-8_wp*max(1.0_wp, &
+               maxval(abs(slopes))), 'released by an impact: the derivative')
+         end do
+      end do
+   contains
+      !> Simulates from a state.
+      subroutine simulate(from)
+         !> Coordinates and velocities.
+         real(wp), intent(in) :: from(4)
+
+         call start_at(run, 0.0_wp, from(:2), from(3:), first, status)
+         last = first
+         call simulate_structure(run, last, 1_int64, 0.5_wp, events, n, status)
+      end subroutine simulate
+
+      !> Coordinates and velocities at the end.
+      function last_state() result(numbers)
+         real(wp) :: numbers(4)
+
+         call state_now(run, last, numbers(:2), numbers(3:))
+      end function last_state
+   end subroutine test_released_by_an_impact
 
 end module studies_structure_runs

@@ -187,3 +187,34 @@ def test_without_load_the_frequency_ratio_does_not_matter():
     assert one["kind"].tolist() == other["kind"].tolist()
     np.testing.assert_allclose(one["time"], other["time"], rtol=1e-9)
     np.testing.assert_allclose(one["x"], other["x"], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("mu", [0.1, 2.0])
+def test_an_impact_that_leaves_neither_speed_nor_acceleration(mu):
+    """With R = 0 the masses move on together from x = 0, and part half a period of both later."""
+    osc = vi.Oscillator(xi=0, mu=mu, restitution=0.0)
+    run = vi.simulate(osc, 1.1, 2, 2, state(z_dot=1.0), load=0)
+    assert run.events["kind"].tolist()[:3] == ["impact", "stick", "release"]
+    half = math.pi * math.sqrt(1 + mu)
+    assert run.events["time"][:3] == pytest.approx([1, 1, 1 + half], abs=1e-14)
+    v = mu / (1 + mu)
+    t = np.linspace(0.1, 0.9 * half, 5)
+    sampled = run.sample(1 + t)
+    assert sampled[0] == pytest.approx(v * math.sqrt(1 + mu) * np.sin(t / math.sqrt(1 + mu)), abs=1e-14)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("x_dot", [1.0, -1.0])
+def test_masses_that_touch_without_acceleration_part_by_the_next_derivative(restitution, x_dot):
+    """At x = 0 the primary mass is not accelerated; then its velocity decides on which wall the free mass stays."""
+    osc = vi.Oscillator(xi=0, mu=0.5, restitution=restitution)
+    for side in (1, -1):
+        run = vi.simulate(osc, 1.1, 2, 1, state(x_dot=x_dot, z=float(side), z_dot=x_dot), load=0)
+        apart = 1 - side * (run.sample(0.5)[2] - run.sample(0.5)[0])
+        if side * x_dot > 0:
+            assert apart == pytest.approx(0, abs=1e-15)
+            assert run.events["kind"][0] == "release"
+        else:
+            # z = side + x_dot t, x = x_dot sin t
+            assert apart == pytest.approx(0.5 - math.sin(0.5), abs=1e-14)
+        assert len(run.events) < 40

@@ -244,3 +244,132 @@ def test_progress_of_find_may_end_it():
         vi.find(*unequal_walls(), progress=stop)
     assert shares == sorted(shares)
     assert 0 < shares[-1] <= 1
+
+
+def falling(run):
+    """The kinds of the events of a run, with their gaps and times."""
+    return [(str(kind), int(gap), float(time)) for kind, gap, time in run.events[["kind", "gap", "time"]].tolist()]  # fmt: skip
+
+
+@pytest.mark.parametrize("last", [1.0, 0.4])
+def test_a_contact_that_the_end_of_a_record_makes_pull(last):
+    """A mass that a record presses against a wall falls away where the record ends, by q = -t^2/4."""
+    structure = vi.Structure([1], [0], [0], [vi.Gap([1], 0.0, 0.0)])
+    record = vi.Record(1.0, [[1.0], [1.0]], constant=[-0.5])
+    run = vi.simulate(structure, record, duration=3 + last, state=([0], [0]))
+    assert falling(run) == [("release", 0, 1.0)]
+    assert run.final_state[0] == pytest.approx([-0.25 * (2 + last) ** 2], rel=1e-14)
+    assert run.final_state[1] == pytest.approx([-0.5 * (2 + last)], rel=1e-14)
+
+
+def dashpot_between(restitution=1.0):
+    """Two bodies and a dashpot between them; a wall touches the first, and one is 1 from the second."""
+    gaps = [vi.Gap([1, 0], 0.0, 0.0), vi.Gap([0, 1], 1.0, restitution)]
+    return vi.Structure([1, 1], [[0.5, -0.5], [-0.5, 0.5]], [0, 0], gaps)
+
+
+def test_an_impact_elsewhere_makes_a_contact_pull():
+    """The dashpot pushes the first body while the second one approaches its wall, and pulls after its impact."""
+    run = vi.simulate(dashpot_between(), vi.Load(constant=[0.1, 0]), duration=3, state=([0, 0], [0, 1]))  # fmt: skip
+    # 1 - exp(-t/2) = 1/2
+    assert falling(run) == [("impact", 1, pytest.approx(2 * np.log(2))), ("release", 0, pytest.approx(2 * np.log(2)))]  # fmt: skip
+    t = 3 - 2 * np.log(2)
+    # the sum of the velocities grows by 0.1 t, their difference u obeys u' = 0.1 - u
+    whole, difference = -0.5 + 0.1 * t, 0.1 + 0.4 * np.exp(-t)
+    assert run.final_state[1] == pytest.approx([0.5 * (whole + difference), 0.5 * (whole - difference)], abs=1e-14)  # fmt: skip
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_bodies_that_touch_part_by_the_first_derivative_that_is_not_zero(restitution):
+    """Forces that vanish with one, two and three of their derivatives, for any R: which sign lets the bodies part."""
+    for order, cosine, sine, constant in [
+        (1, [0], [1], 0), (2, [1], [0], -1), (3, [0, 0], [1, -0.5], 0), (4, [1, -0.25], [0, 0], -0.75),
+    ]:  # fmt: skip
+        structure = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.0, restitution)])
+        for sign in (1, -1):
+            load = vi.Load(
+                1.0, cosine=sign * np.array(cosine)[:, None], sine=sign * np.array(sine)[:, None],
+                constant=[sign * float(constant)],
+            )  # fmt: skip
+            run = vi.simulate(structure, load, duration=6, state=([0], [0]))
+            t = 1e-2
+            force = sum(c * np.cos((h + 1) * t) + s * np.sin((h + 1) * t) for h, (c, s) in enumerate(zip(cosine, sine, strict=True))) + constant  # fmt: skip
+            assert len(run.events) < 200
+            away = run.sample(0.3)[0][0] < 0
+            assert away == (sign * force < 0), (order, sign)
+            if not away and run.events.size:
+                assert run.events["kind"][0] == "release"
+
+
+def test_bodies_that_move_on_together_rest():
+    """Particles without forces stay together after an impact with R = 0, and at the start; nothing is hit again."""
+    structure = vi.Structure([1, 2, 3], [0] * 3, [0] * 3, [vi.Gap([1, -1, 0], 1.0, 0.0), vi.Gap([0, 1, -1], 90.0, 0.5)])
+    run = vi.simulate(structure, vi.Load(constant=[0, 0, 0]), duration=20, state=([0] * 3, [3, 0, 0]))
+    assert falling(run)[:2] == [("impact", 0, pytest.approx(1 / 3)), ("stick", 0, pytest.approx(1 / 3))]
+    assert run.states[1, 1] == pytest.approx([1, 1, 0], abs=1e-15)
+
+
+def test_rests_that_end_together():
+    """Each contact that pulls is released, also several at one instant, and each has its event."""
+    gaps = [vi.Gap([1, 0, 0], 0.0, 0.0), vi.Gap([0, 1, 0], 0.0, 0.3), vi.Gap([0, 0, 1], 0.0, 1.0)]
+    structure = vi.Structure([1, 2, 3], [0] * 3, [0] * 3, gaps)
+    record = vi.Record(1.0, [[2.0, 2.0, 4.0]] * 3, constant=[-1.0, -1.0, 1.0])
+    run = vi.simulate(structure, record, duration=4, state=([0] * 3, [0] * 3))
+    assert falling(run) == [("release", 0, 2.0), ("release", 1, 2.0)]
+    assert run.final_state[0] == pytest.approx([-2, -1, 0], abs=1e-14)
+    load = vi.Load(1.0, sine=[1.0, 1.0, 1.0])
+    run = vi.simulate(structure, load, duration=4, state=([0] * 3, [0] * 3))
+    assert sorted(falling(run)) == [("release", gap, pytest.approx(np.pi)) for gap in range(3)]
+    assert run.final_state[0] == pytest.approx((np.pi - 4 - np.sin(4)) / np.array([1, 2, 3]), abs=1e-12)
+
+
+def random_rests(seed):
+    """Bodies on springs and dashpots, several of which touch walls, and a record or harmonics."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 6))
+    damping, stiffness = np.zeros((n, n)), np.diag(rng.uniform(0, 2, n))
+    for _ in range(n):
+        ends = np.eye(n)[rng.integers(n)] - np.eye(n)[rng.integers(n)]
+        damping += rng.uniform(0.2, 1.5) * np.outer(ends, ends)
+    gaps = [
+        vi.Gap(np.eye(n)[i] * rng.choice([-1, 1]), rng.choice([0, 0, 0.3]), rng.choice([0, 0, 0.5, 1]))
+        for i in range(n)
+    ]
+    start = (np.zeros(n), np.array([-np.abs(rng.normal()) * gap.direction[i] for i, gap in enumerate(gaps)]) * (rng.random(n) < 0.5))
+    structure = vi.Structure(rng.uniform(0.5, 2, n), damping, stiffness, gaps)
+    if seed % 2:
+        return structure, vi.Record(0.7, rng.choice([0.0, 1.0, -1.0, 2.0], (5, n)), constant=rng.choice([0, 0.3, -0.5], n)), start  # fmt: skip
+    return structure, vi.Load(1.3, sine=rng.choice([0.0, 1.0, -1.0], n), cosine=rng.choice([0.0, 1.0], n), constant=rng.choice([0, 0.3, -0.5], n)), start  # fmt: skip
+
+
+def test_no_contact_pulls():
+    """Resting forces at dense times, from the equations of motion: none is negative, and no gap is."""
+    rests = 0
+    for seed in range(60):
+        structure, load, start = random_rests(seed)
+        run = vi.simulate(structure, load, duration=6, state=start)
+        n, directions = structure.coordinates, np.array([gap.direction for gap in structure.gaps])
+        openings = np.array([gap.opening for gap in structure.gaps])
+        edges = np.concatenate([[0], run.events["time"], [6.0]])
+        if isinstance(load, vi.Record):
+            edges = np.unique(np.concatenate([edges, 0.7 * np.arange(5)]))
+        for begin, end in zip(edges[:-1], edges[1:], strict=True):
+            if end - begin < 1e-6:
+                continue
+            times = begin + (end - begin) * np.linspace(1e-6, 1 - 1e-6, 12)
+            q, rate = run.sample(times)
+            gap = openings[:, None] - directions @ q
+            assert gap.min() > -1e-12
+            closed = np.flatnonzero(np.abs(gap).max(axis=1) < 1e-12)
+            if not closed.size:
+                continue
+            rests += closed.size
+            if isinstance(load, vi.Record):
+                force = np.array([np.interp(times, 0.7 * np.arange(5), column, right=0) for column in load.force.T])
+                force += load.constant[:, None]
+            else:
+                force = load.sine.T @ [np.sin(1.3 * times)] + load.cosine.T @ [np.cos(1.3 * times)] + load.constant[:, None]
+            force = force - structure.damping @ rate - structure.stiffness @ q
+            kicks = np.linalg.solve(structure.mass, directions[closed].T)
+            assert np.linalg.solve(directions[closed] @ kicks, kicks.T @ force).min() > -1e-11, (seed, begin)
+    assert rests > 200
