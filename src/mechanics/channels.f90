@@ -707,6 +707,7 @@ contains
             opening%wall = leaving%wall
             opening%speed = leaving%speed
             opening%order = leaving%order
+            opening%fourth = bound
             call expand(regime, x, v, turn, row, bound, begin, -1.0_wp, work, series)
             call new_opening(series, opening)
          else

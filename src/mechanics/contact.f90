@@ -72,6 +72,7 @@ contains
       if (departure%side /= 0) then
          opening%wall = departure%side
          opening%speed = departure%speed
+         opening%fourth = derivative_bound(flight, 4, t)
          if (.not. departure%speed > 0) call leading_order(flight, t, merge(3, &
             2, departure%released), opening%order, value)
          call expand(flight, t, series)

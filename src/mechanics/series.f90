@@ -39,8 +39,8 @@ module vi_series
       real(wp) :: speed = 0
       !> k(t) = g(t)/t, and the time up to which this series is valid.
       real(wp) :: k(0:order - 1) = 0, near = 0
-      !> Bound on the fifth derivative of g.
-      real(wp) :: fifth = 0
+      !> Bounds on the fourth and on the fifth derivative of g.
+      real(wp) :: fourth = 0, fifth = 0
    end type opening_type
 
 contains
@@ -49,7 +49,7 @@ contains
    pure subroutine new_opening(series, opening)
       !> The series about the start, of all orders.
       type(series_type), intent(in) :: series
-      !> In: limits, wall, order and speed. Out: complete.
+      !> In: limits, wall, order, speed and the bound on the fourth derivative. Out: complete.
       type(opening_type), intent(inout) :: opening
       integer :: m
 
@@ -162,11 +162,23 @@ contains
       type(opening_type), intent(in) :: opening
       !> Time after the start.
       real(wp), intent(in) :: t
-      real(wp) :: value, slope, curvature, jerk
+      real(wp) :: value, slope, curvature, jerk, root
       integer :: n
 
-      associate (k => opening%k, first => opening%order - 1)
-         if (t <= 0 .and. first > 0) then
+      associate (k => opening%k, first => opening%order - 1, fourth => opening%fourth)
+         if (t <= 0 .and. first > 0 .and. first < 3) then
+            ! k/t >= k1 + k2 t - B/24 t^2: positive up to the first zero of this parabola; after a
+            ! release k1 = 0
+            root = sqrt(max(0.0_wp, k(2)**2 + k(1)*fourth/6))
+            step = 0
+            if (k(1) > 0 .and. k(2) <= 0) then
+               step = 2*k(1)/max(root - k(2), 16*tiny(root)*max(1.0_wp, k(1)))
+            else if (k(1) >= 0 .and. k(2) > 0) then
+               step = 12*(k(2) + root)/max(fourth, 16*tiny(fourth)*max(1.0_wp, k(2) + root))
+            end if
+            step = min(opening%near, 0.99_wp*step)
+            return
+         else if (t <= 0 .and. first > 0) then
             ! up to this time the first term of k outweighs twice the sum of those that follow it
             step = 0
             if (k(first) > 0) step = opening%near

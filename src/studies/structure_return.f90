@@ -524,7 +524,7 @@ contains
       real(wp), allocatable :: p(:, :), a(:, :), step(:), s(:), image(:), q(:), rate(:)
       real(wp) :: wait, elapsed, change, before, scale(2), largest
       integer :: i, m, steps
-      logical :: complete
+      logical :: complete, push
 
       call middle_of_flight(run, first, section, events(:n), found%cycles, wait)
       if (.not. wait >= 0) then
@@ -585,8 +585,9 @@ contains
       end if
       call store_period(run, events(:n), found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
+      call examine_rests(run, events(:n), state, push, complete)
       if (found%motion%verdicts%consistent == yes) found%motion%verdicts%admissible = &
-         admission(all_rests_push(run, events(:n), state, complete), complete)
+         admission(push, complete)
       found%motion%verdicts%p = p
       allocate (found%motion%verdicts%multipliers(2*m))
       found%motion%verdicts%multipliers = 0
@@ -597,15 +598,15 @@ contains
 
    !> Whether no contact pulls while it rests, apart from the simulation: at the beginning of each
    !! rest, after each event during it, and in between.
-   logical function all_rests_push(run, events, last, complete) result(push)
+   pure subroutine examine_rests(run, events, last, push, complete)
       !> The run.
       type(run_type), intent(in) :: run
       !> The events of a period.
       type(run_event_type), intent(in) :: events(:)
       !> The state at its end.
       type(run_state_type), intent(in) :: last
-      !> Whether all rests could be examined.
-      logical, intent(out) :: complete
+      !> Whether all contacts push; whether all rests could be examined.
+      logical, intent(out) :: push, complete
       real(wp) :: duration
       integer :: i
 
@@ -620,14 +621,14 @@ contains
             duration = real(last%cycle - events(i)%cycle, wp)*run%period + (last%elapsed &
                - events(i)%elapsed)
          end if
-         if (duration > 0) push = push .and. forces_push(run%regimes(events(i)%regime), &
+         if (duration > 0) call examine_rest(run%regimes(events(i)%regime), &
             run%structure%channels, run%load%frequency*events(i)%elapsed, events(i)%x, &
-            events(i)%v, duration, complete)
+            events(i)%v, duration, push, complete)
       end do
-   end function all_rests_push
+   end subroutine examine_rests
 
    !> Whether no force of a regime falls below 0 between two events.
-   logical function forces_push(regime, channels, phase, x, v, duration, complete) result(push)
+   pure subroutine examine_rest(regime, channels, phase, x, v, duration, push, complete)
       !> The regime, and the number of channels.
       type(regime_type), intent(in) :: regime
       integer, intent(in) :: channels
@@ -636,8 +637,8 @@ contains
       real(wp), contiguous, intent(in) :: x(:), v(:)
       !> Time to the second one.
       real(wp), intent(in) :: duration
-      !> In and out: set to false where the search is not complete.
-      logical, intent(inout) :: complete
+      !> In and out: set to false where one does; where the search is not complete.
+      logical, intent(inout) :: push, complete
       !> A release may be early by this share.
       real(wp), parameter :: agreement = 1.0e-8_wp
       type(regime_type) :: alone
@@ -648,7 +649,6 @@ contains
       real(wp) :: d(0:3)
       integer :: i, sense
 
-      push = .true.
       do i = 1, size(rising)
          call leading_term(regime, x, v, phase, channels + i, 0, rising(i)%order, sense)
          push = push .and. sense >= 0
@@ -667,7 +667,7 @@ contains
          space, partings=rising)
       complete = complete .and. reached%complete
       push = reached%row == 0
-   end function forces_push
+   end subroutine examine_rest
 
    !> How long after the end of a simulated period the middle of its longest flight without rest
    !! comes; negative if there is none.

@@ -48,6 +48,8 @@ module vi_structure_run
       logical :: unsettled = .false.
       integer, allocatable :: touching(:)
       integer :: released = 0
+      !> Rests and releases at this instant.
+      integer :: changes = 0
       !> How the flight begins: the impact just before it, and gaps that part from there without a
       !! speed; the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
@@ -208,41 +210,66 @@ contains
       integer, intent(out) :: orders(:)
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
-      logical :: only_add
-      integer :: changes, i, sense, wrong
+      integer :: changes, wrong
 
-      associate (structure => run%structure)
-         do changes = 1, huge(changes) - 1
-            ! rounding may contradict itself where both are almost 0: then the gap rests
-            only_add = changes > 2**min(size(touching) + 2, 20)
-            wrong = 0
-            do i = 1, size(touching)
-               associate (regime => run%regimes(state%regime), gap => touching(i))
-                  if (any(regime%resting == gap)) then
+      do changes = 1, huge(changes) - 1
+         ! rounding may contradict itself where both are almost 0: then the gap rests
+         call find_wrong(run, touching, phase, state, changes > 2**min(size(touching) + 2, 20), &
+            orders, wrong)
+         status = stat%ok
+         if (wrong == 0) return
+         associate (resting => run%regimes(state%regime)%resting)
+            if (any(resting == wrong)) then
+               call enter(run, pack(resting, resting /= wrong), phase, q, rate, state, status)
+            else
+               call enter(run, merged(resting, wrong), phase, q, rate, state, status)
+            end if
+         end associate
+         if (status /= stat%ok) return
+      end do
+   end subroutine settle_contacts
+
+   !> The first gap of those that touch that rests but pulls, or does not rest and would close.
+   pure subroutine find_wrong(run, touching, phase, state, only_add, orders, wrong)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The gaps.
+      integer, intent(in) :: touching(:)
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      !> Whether each gap that rests is right: a derivative of its force below 0 is rounding.
+      logical, intent(in) :: only_add
+      !> (touching) As in `settle_contacts`, up to the wrong gap.
+      integer, intent(out) :: orders(:)
+      !> The gap; 0 if all are right.
+      integer, intent(out) :: wrong
+      integer :: i, sense
+
+      orders = 0
+      wrong = 0
+      associate (regime => run%regimes(state%regime), structure => run%structure)
+         do i = 1, size(touching)
+            associate (gap => touching(i))
+               if (any(regime%resting == gap)) then
+                  call leading_term(regime, state%x, state%v, phase, structure%channels &
+                     + findloc(regime%resting, gap, dim=1), 0, orders(i), sense)
+                  if (sense < 0 .and. .not. only_add) wrong = gap
+                  do while (sense < 0 .and. only_add)
                      call leading_term(regime, state%x, state%v, phase, structure%channels &
-                        + findloc(regime%resting, gap, dim=1), 0, orders(i), sense)
-                     if (sense < 0 .and. .not. only_add) wrong = gap
-                  else
-                     call leading_term(regime, state%x, state%v, phase, structure%channel(gap), &
-                        merge(3, 2, gap == state%released), orders(i), sense)
-                     if (.not. -structure%wall(gap)*sense > 0) wrong = gap
-                  end if
-               end associate
-               if (wrong > 0) exit
-            end do
-            status = stat%ok
-            if (wrong == 0) return
-            associate (resting => run%regimes(state%regime)%resting)
-               if (any(resting == wrong)) then
-                  call enter(run, pack(resting, resting /= wrong), phase, q, rate, state, status)
+                        + findloc(regime%resting, gap, dim=1), orders(i) + 1, orders(i), sense)
+                  end do
                else
-                  call enter(run, merged(resting, wrong), phase, q, rate, state, status)
+                  call leading_term(regime, state%x, state%v, phase, structure%channel(gap), &
+                     merge(3, 2, gap == state%released), orders(i), sense)
+                  if (.not. -structure%wall(gap)*sense > 0) wrong = gap
                end if
             end associate
-            if (status /= stat%ok) return
+            if (wrong > 0) return
          end do
       end associate
-   end subroutine settle_contacts
+   end subroutine find_wrong
 
    !> Puts a state into the regime of closed gaps.
    pure subroutine enter(run, closed, phase, q, rate, state, status)
@@ -289,22 +316,13 @@ contains
       type(run_state_type) :: next
       real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
       integer, allocatable :: gaps(:), orders(:)
-      logical, allocatable :: rested(:), rests(:)
       real(wp) :: phase
-      integer :: i
+      integer :: i, wrong
+      logical :: only_add
 
       changed = .false.
       status = stat%ok
       phase = run%load%frequency*state%elapsed
-      if (.not. allocated(state%touching)) then
-         if (all_push(run%regimes(state%regime), run%structure%channels, state%x, state%v, phase)) &
-            then
-            ! as after most impacts on other gaps
-            state%unsettled = .false.
-            if (allocated(state%partings)) deallocate (state%partings)
-            return
-         end if
-      end if
       allocate (gaps, source=run%regimes(state%regime)%resting)
       if (allocated(state%touching)) then
          do i = 1, size(state%touching)
@@ -312,51 +330,46 @@ contains
          end do
       end if
       allocate (orders(size(gaps)))
+      only_add = state%changes > 2**min(size(gaps) + 2, 20)
+      call find_wrong(run, gaps, phase, state, only_add, orders, wrong)
+      if (wrong == 0) then
+         state%unsettled = .false.
+         call list_partings(run, gaps, orders, phase, state)
+         return
+      end if
       call state_now(run, state, q, rate)
-      next%cycle = state%cycle
-      next%elapsed = state%elapsed
-      next%regime = state%regime
-      next%released = state%released
-      allocate (next%x, source=state%x)
-      allocate (next%v, source=state%v)
-      call settle_contacts(run, gaps, phase, q, rate, next, orders, status)
-      if (status /= stat%ok) return
-      associate (before => run%regimes(state%regime)%resting, &
-         after => run%regimes(next%regime)%resting)
-         rested = [(any(before == gaps(i)), i=1, size(gaps))]
-         rests = [(any(after == gaps(i)), i=1, size(gaps))]
-      end associate
-      ! releases first, so that all sets on the way are parts of the first or of the last one
-      i = findloc(rested .and. .not. rests, .true., dim=1)
-      if (i == 0) i = findloc(rests .and. .not. rested, .true., dim=1)
-      changed = i > 0
+      if (size(gaps) > 1 .and. .not. only_add) then
+         next%cycle = state%cycle
+         next%elapsed = state%elapsed
+         next%regime = state%regime
+         next%released = state%released
+         allocate (next%x, source=state%x)
+         allocate (next%v, source=state%v)
+         call settle_contacts(run, gaps, phase, q, rate, next, orders, status)
+         if (status /= stat%ok) return
+         associate (before => run%regimes(state%regime)%resting, &
+            after => run%regimes(next%regime)%resting)
+            ! releases first, so that all sets on the way are parts of the first or of the last one
+            wrong = 0
+            do i = size(gaps), 1, -1
+               if (any(after == gaps(i)) .and. all(before /= gaps(i))) wrong = gaps(i)
+            end do
+            do i = size(gaps), 1, -1
+               if (any(before == gaps(i)) .and. all(after /= gaps(i))) wrong = gaps(i)
+            end do
+         end associate
+      end if
+      changed = wrong > 0
       if (changed) then
-         call change_contact(run, merge(release_event, stick_event, rested(i)), gaps(i), phase, &
-            q, rate, state, event, status)
+         call change_contact(run, merge(release_event, stick_event, &
+            any(run%regimes(state%regime)%resting == wrong)), wrong, phase, q, rate, state, event, &
+            status)
       else
+         ! what seems wrong is rounding
          state%unsettled = .false.
          call list_partings(run, gaps, orders, phase, state)
       end if
    end subroutine judge_contacts
-
-   !> Whether all gaps that rest push.
-   pure logical function all_push(regime, channels, x, v, phase)
-      !> The regime, and the number of channels.
-      type(regime_type), intent(in) :: regime
-      integer, intent(in) :: channels
-      !> (m) The pairs.
-      real(wp), intent(in) :: x(:), v(:)
-      !> The load phase (rad).
-      real(wp), intent(in) :: phase
-      integer :: i, order, sense
-
-      all_push = .true.
-      do i = 1, size(regime%resting)
-         call leading_term(regime, x, v, phase, channels + i, 0, order, sense)
-         all_push = order == 0 .and. sense > 0
-         if (.not. all_push) return
-      end do
-   end function all_push
 
    !> Lists the rows that leave their limits at this instant without an impact.
    pure subroutine list_partings(run, gaps, orders, phase, state)
@@ -415,6 +428,7 @@ contains
          end if
       end associate
       if (status /= stat%ok) return
+      state%changes = state%changes + 1
       call touch(state, gap)
       call state_now(run, state, state%q, state%rate)
       call note(state, kind, gap, 0.0_wp, 0.0_wp, state%q, state%rate, event)
@@ -439,6 +453,7 @@ contains
 
       state%leaving = leaving_type()
       state%released = 0
+      state%changes = 0
       if (allocated(state%touching)) deallocate (state%touching)
       if (allocated(state%partings)) deallocate (state%partings)
    end subroutine leave_instant
