@@ -514,6 +514,8 @@ contains
       !> Steps before a search is interrupted, each times the pairs and rows that it computes; they
       !! take about 0.1 s.
       integer, parameter :: patience = 1000000
+      !> Rounding of times between two samples.
+      real(wp), parameter :: at_sample = 16*epsilon(1.0_wp)
       type(reached_type) :: reached
       real(wp) :: limit, remaining
       integer :: most
@@ -556,6 +558,9 @@ contains
          if (.not. reached%complete) status = stat%budget
          if (reached%interrupted) status = stat%more_events
          if (status /= stat%ok) return
+         ! a force that falls to 0 at a sample is judged there, by how it goes on
+         if (reached%row > run%structure%channels .and. limit < remaining .and. &
+            limit - reached%time <= at_sample*run%period) reached%row = 0
          if (reached%row == 0 .and. limit < remaining) then
             ! to the next sample
             call move(run, state, limit)

@@ -262,6 +262,18 @@ def test_a_contact_that_the_end_of_a_record_makes_pull(last):
     assert run.final_state[1] == pytest.approx([-0.5 * (2 + last)], rel=1e-14)
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("step", [0.6914710939708643, 1.0, 0.3])
+def test_a_force_that_only_touches_zero_at_a_sample_ends_no_rest(restitution, step):
+    """A record falls to 0 at a sample and rises again, or stays 0 after its end: the mass rests for ever."""
+    structure = vi.Structure([1.7], [0.3], [2.0], [vi.Gap([1], 0.0, restitution)])
+    for force in ([1.0, 0.0, 1.0], [2.0, 0.5, 0.0]):
+        record = vi.Record(step, [[one - 0.5] for one in force], constant=[0.5])
+        run = vi.simulate(structure, record, duration=1.9 * step, state=([0], [0]), max_events=1000)
+        assert not run.events.size
+        assert run.final_state[0] == pytest.approx([0], abs=1e-16)
+
+
 def dashpot_between(restitution=1.0):
     """Two bodies and a dashpot between them; a wall touches the first, and one is 1 from the second."""
     gaps = [vi.Gap([1, 0], 0.0, 0.0), vi.Gap([0, 1], 1.0, restitution)]
