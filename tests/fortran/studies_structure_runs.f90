@@ -101,7 +101,8 @@ contains
       type(random_type) :: random
       type(run_type) :: run
       type(run_state_type) :: state
-      real(wp) :: direction(2), matrices(2, 2, 3), opening, q(2), rate(2), scale
+      real(wp) :: direction(2), matrices(2, 2, 3), opening, q(2), rate(2), scale, &
+         reach
       integer :: i, status
 
       matrices = 0
@@ -122,7 +123,12 @@ contains
          scale = abs(opening) + sum(abs(direction))*maxval(abs(q))
          call start(0.9e-13_wp, 0)
          call check(status == stat%ok .and. state%regime > 1, 'starts: a gap closed by rounding')
-         call start(1.1e-13_wp, 0)
+         ! the load and the velocities tell the size of the motion where the coordinates do not
+         reach = max(maxval(abs(rate)), 50*maxval(abs(direction)))
+         reach = 0.5_wp*sum(abs(direction))*reach/scale
+         call start(0.9e-13_wp*(1 + reach), 0)
+         call check(status == stat%ok, 'starts: a gap closed by rounding of the motion')
+         call start(1.1e-13_wp*(1 + reach), 0)
          call check(status == stat%gap_closed, 'starts: a start in a gap')
          call start(-0.9e-13_wp, 0)
          call check(status == stat%ok .and. state%regime > 1, 'starts: a gap open by rounding')
