@@ -43,7 +43,11 @@ module vi_decoupling
 contains
 
    !> Finds the pairs of a structure.
-   pure subroutine decouple(mass, damping, stiffness, decoupled, status)
+   !!
+   !! What is as small as its rounding error counts as 0. The entries of the matrices may be sums of
+   !! larger terms, as where a closed gap holds both ends of a spring: then their own size tells
+   !! nothing of their errors.
+   pure subroutine decouple(mass, damping, stiffness, decoupled, status, terms)
       !> (n, n) Symmetric matrices M (positive definite), C and K (semidefinite).
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
       !> The pairs.
@@ -54,10 +58,17 @@ contains
       !! `stat%too_stiff` where rounding leaves too few digits; `stat%extreme_units`; or
       !! `stat%lapack_failed`.
       integer, intent(out) :: status
+      !> (n, n, 2) The sums of the moduli of the terms of which the entries of C and K were
+      !! computed; the moduli of the entries if it is left out.
+      real(wp), intent(in), optional :: terms(:, :, :)
+      real(wp) :: sizes(size(mass, 1), size(mass, 1), 2)
       integer :: body(size(mass, 1))
       integer :: i, n
 
       n = size(mass, 1)
+      sizes(:, :, 1) = abs(damping)
+      sizes(:, :, 2) = abs(stiffness)
+      if (present(terms)) sizes = terms
       call find_bodies(mass, damping, stiffness, body)
       allocate (decoupled%stiffness(n), decoupled%damping(n), decoupled%body(n))
       allocate (decoupled%qx(n, n), decoupled%qv(n, n), decoupled%dx(n, n), decoupled%dv(n, n), &
@@ -66,7 +77,7 @@ contains
       status = stat%ok
       do i = 1, maxval(body)
          call decouple_body(pack([(n, n=1, size(body))], body == i), i, mass, damping, stiffness, &
-            decoupled, status)
+            sizes, decoupled, status)
          if (status /= stat%ok) return
       end do
    end subroutine decouple
@@ -104,17 +115,18 @@ contains
    end subroutine find_bodies
 
    !> The pairs of one body, stored at the indices of its coordinates.
-   pure subroutine decouple_body(at, body, mass, damping, stiffness, decoupled, status)
+   pure subroutine decouple_body(at, body, mass, damping, stiffness, terms, decoupled, status)
       !> (m) Its coordinates, and its number.
       integer, intent(in) :: at(:), body
-      !> (n, n) Matrices of the structure.
-      real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
+      !> (n, n) Matrices of the structure; (n, n, 2) the sums of the moduli of the terms of C and K.
+      real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :), terms(:, :, :)
       !> In and out: filled in.
       type(decoupled_type), intent(inout) :: decoupled
       !> As in `decouple`.
       integer, intent(out) :: status
       real(wp) :: shapes(size(at), size(at)), factor(size(at), size(at)), &
-         coupling(size(at), size(at)), omega_squared(size(at)), work(max(66*size(at), 8))
+         coupling(size(at), size(at)), noise(size(at), size(at)), omega_squared(size(at)), &
+         work(max(66*size(at), 8))
       real(wp) :: scale
       integer :: i, j, m, info, order(size(at))
 
@@ -132,10 +144,11 @@ contains
       if (status /= stat%ok) return
       shapes(order, :) = shapes
       scale = maxval(abs(omega_squared))
-      call find_zeros(stiffness(at, at), shapes, omega_squared, status)
+      call find_zeros(stiffness(at, at), terms(at, at, 2), shapes, omega_squared, status)
       if (status /= stat%ok) return
       call refine_free(stiffness(at, at), omega_squared, shapes)
       coupling = 0
+      noise = 0
       if (any(abs(damping(at, at)) > 0)) then
          coupling = matmul(transpose(shapes), matmul(damping(at, at), shapes))
          call decouple_free(omega_squared, shapes, coupling, info)
@@ -143,19 +156,26 @@ contains
             status = stat%lapack_failed
             return
          end if
+         noise = epsilon(1.0_wp)*matmul(transpose(abs(shapes)), matmul(terms(at, at, 1), &
+            abs(shapes)))
+         ! damping across a closed gap, or in proportion to the stiffness, leaves rounding errors
+         where (abs(coupling) <= 64*m*noise) coupling = 0
       end if
       do i = 1, m
          if (coupling(i, i) < -no_coupling*max(sqrt(scale), maxval(abs(coupling)))) then
             status = stat%negative_stiffness
          end if
          coupling(i, i) = max(0.0_wp, coupling(i, i))
-         ! damping that is proportional to the stiffness leaves rounding errors for a drag at
-         ! frequency 0
          if (.not. omega_squared(i) > 0 .and. coupling(i, i) <= 64*m*epsilon(1.0_wp)*maxval(abs( &
             coupling))) coupling(i, i) = 0
       end do
       if (status /= stat%ok) return
       decoupled%body(at) = body
+      if (any([(omega_squared(i) + coupling(i, i) > 0 .and. noise(i, i) > largest_error* &
+         max(sqrt(omega_squared(i)), coupling(i, i)), i=1, m)])) then
+         status = stat%too_stiff
+         return
+      end if
       if (all([((i == j .or. abs(coupling(i, j)) <= no_coupling*max(sqrt(sqrt(omega_squared(i)* &
          omega_squared(j))), coupling(i, i), coupling(j, j)), i=1, m), j=1, m)])) then
          decoupled%stiffness(at) = omega_squared
@@ -168,8 +188,7 @@ contains
       else
          decoupled%classical = .false.
          call decouple_damping(at, mass(at, at), shapes, omega_squared, coupling, &
-            matmul(transpose(abs(shapes)), matmul(abs(damping(at, at)), abs(shapes))), decoupled, &
-            status)
+            noise/epsilon(1.0_wp), decoupled, status)
       end if
    end subroutine decouple_body
 
@@ -197,9 +216,10 @@ contains
    end subroutine order_by_speed
 
    !> Sets omega^2 of modes of frequency 0 to 0: where x^T K x is as small as its rounding error.
-   pure subroutine find_zeros(stiffness, shapes, omega_squared, status)
-      !> (m, m) K, and the modes with x^T M x = 1.
-      real(wp), intent(in) :: stiffness(:, :), shapes(:, :)
+   pure subroutine find_zeros(stiffness, terms, shapes, omega_squared, status)
+      !> (m, m) K, the sums of the moduli of the terms of its entries, and the modes with
+      !! x^T M x = 1.
+      real(wp), intent(in) :: stiffness(:, :), terms(:, :), shapes(:, :)
       !> (m) In and out: omega^2 of the modes.
       real(wp), intent(inout) :: omega_squared(:)
       !> `stat%ok`; `stat%negative_stiffness`; `stat%too_stiff` where another omega^2 may have a
@@ -211,7 +231,7 @@ contains
 
       m = size(shapes, 1)
       elastic = matmul(transpose(shapes), matmul(stiffness, shapes))
-      noise = epsilon(1.0_wp)*sum(abs(shapes)*matmul(abs(stiffness), abs(shapes)), 1)
+      noise = epsilon(1.0_wp)*sum(abs(shapes)*matmul(terms, abs(shapes)), 1)
       status = stat%ok
       do i = 1, m
          if (abs(elastic(i, i)) <= 64*m*noise(i)) then
@@ -341,6 +361,9 @@ contains
       integer, intent(out) :: status
       real(wp), allocatable, dimension(:, :) :: a, matrix, sizes, vectors, back
       real(wp), allocatable :: re(:), im(:), work(:), speeds(:), omega2(:), sigma(:), plane(:, :)
+      !> Least share of a drag's eigenvector that is used as a combination of modes of frequency 0.
+      real(wp), parameter :: least_share = 0.1_wp
+      real(wp), allocatable :: known(:, :), part(:)
       real(wp) :: unused(1, 1), to_pairs(size(at), size(at))
       integer, allocatable :: rigid(:), others(:), reals(:), list(:), free(:)
       integer :: i, j, k, m, n, info
@@ -415,14 +438,24 @@ contains
          a(:, [k, n + k]) = plane
          k = k + 1
       end do
-      ! each 0 is paired with the real eigenvalue of a drag on modes of frequency 0: any combination
-      ! of these is at rest, also that which the drag slows down
+      ! each 0 is paired with a real eigenvalue, and any combination of modes of frequency 0 is at
+      ! rest: best the one which a drag slows down, unless it is lost in rounding or not a new one
+      allocate (known(size(free), size(free)))
       do m = 1, min(count(zero), size(reals))
          j = reals(maxloc(norm2(vectors(free, reals), 1)/norm2(vectors(:n, reals), 1), 1))
          reals = pack(reals, reals /= j)
+         part = vectors(free, j)
+         known(:, m) = without(part, known(:, :m - 1))
+         if (norm2(known(:, m)) < least_share*norm2(vectors(:n, j))) then
+            part = 0
+            part(minloc(sum(known(:, :m - 1)**2, 2))) = 1
+            known(:, m) = without(part, known(:, :m - 1))
+            part = known(:, m)*(norm2(vectors(:n, j))/norm2(known(:, m)))
+         end if
+         known(:, m) = known(:, m)/norm2(known(:, m))
          omega2(k) = 0
          sigma(k) = -0.5_wp*re(j)
-         a(free, k) = vectors(free, j)
+         a(free, k) = part
          a(:, n + k) = (vectors(:, j) - a(:, k))/re(j)
          k = k + 1
       end do
@@ -472,6 +505,15 @@ contains
       decoupled%vq(at(others), at) = matmul(back(n + 1:, :n), to_pairs(others, :))
       decoupled%vd(at(others), at) = matmul(back(n + 1:, n + 1:), to_pairs(others, :))
    end subroutine decouple_damping
+
+   !> A vector without its parts along others.
+   pure function without(vector, others) result(rest)
+      !> The vector, and (:, others) orthonormal vectors.
+      real(wp), intent(in) :: vector(:), others(:, :)
+      real(wp) :: rest(size(vector))
+
+      rest = vector - matmul(others, matmul(vector, others))
+   end function without
 
    !> Whether the pairs are those of A: A between the pairs, but for rounding, leaves each of them
    !! its omega^2 and sigma, and couples none of them.

@@ -16,8 +16,8 @@ module vi_structure
    implicit none (type, external)
    private
 
-   public :: check_structure, inputs_of, is_extreme, new_load, new_regime, new_structure, &
-      restitution_of, state_of, to_pairs
+   public :: check_structure, find_narrow, inputs_of, is_extreme, new_load, new_regime, &
+      new_structure, project, restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
@@ -99,7 +99,8 @@ module vi_structure
       type(rows_type) :: rows, coordinates
       !> (m, gaps) Change of x and v due to an impulse of -1 on each gap.
       real(wp), allocatable, dimension(:, :) :: kick_x, kick_v
-      !> The shortest time scale: 1 over the largest of omega, 2 sigma and Omega; 1 if all are 0.
+      !> The shortest time scale: 1 over the largest of omega, 2 sigma and Omega; if all are 0, the
+      !! time between the samples of a record, or 1.
       real(wp) :: unit = 1
       !> Tables for steps in time, and (harmonics, levels) e^(i h Omega h_j).
       type(steps_type) :: steps
@@ -284,16 +285,27 @@ contains
       logical, intent(in), optional :: searched
       type(decoupled_type) :: parts
       real(wp), allocatable :: basis(:, :), inverse(:, :), forces(:, :), drifts(:, :)
+      real(wp), allocatable, dimension(:, :) :: mass, damping, stiffness, pushes
+      real(wp), allocatable :: terms(:, :, :), terms_of_mass(:, :)
       logical :: with_tables
       integer :: h
 
       regime%resting = resting
       regime%frequency = load%frequency
-      call constraint(structure, resting, basis, inverse, regime%offset, status)
+      call constraint(structure, resting, basis, inverse, regime%offset, pushes, status)
       if (status == stat%singular) status = stat%dependent_rests
       if (status /= stat%ok) return
-      call decouple(between(structure%mass), between(structure%damping), &
-         between(structure%stiffness), parts, status)
+      if (size(resting) == 0) then
+         mass = structure%mass
+         call decouple(mass, structure%damping, structure%stiffness, parts, status)
+      else
+         allocate (terms(size(basis, 2), size(basis, 2), 2), &
+            terms_of_mass(size(basis, 2), size(basis, 2)))
+         call project(structure%mass, basis, mass, terms_of_mass)
+         call project(structure%damping, basis, damping, terms(:, :, 1))
+         call project(structure%stiffness, basis, stiffness, terms(:, :, 2))
+         call decouple(mass, damping, stiffness, parts, status, terms)
+      end if
       if (status /= stat%ok) return
       regime%modes%stiffness = parts%stiffness
       regime%modes%damping = parts%damping
@@ -323,7 +335,7 @@ contains
          forces(:, 2:harmonics + 1) = load%cosine
          forces(:, harmonics + 2:) = load%sine
          if (size(resting) > 0) forces = matmul(transpose(basis), forces)
-         call inputs_of(between(structure%mass), parts%xd, parts%vd, forces, drifts, status)
+         call inputs_of(mass, parts%xd, parts%vd, forces, drifts, status)
          if (status /= stat%ok) return
          regime%modes%drift = drifts(:, 1)
          regime%modes%force = forces(:, 1)
@@ -333,6 +345,9 @@ contains
             regime%steady_rate(size(basis, 1), harmonics))
          do h = 1, harmonics
             call steady_motion(regime, h, status)
+            if (status == stat%resonance) call check_resonance(regime, parts, mass, &
+               matmul(transpose(abs(basis)), abs(load%cosine(:, h)) + abs(load%sine(:, h))), h, &
+               status)
             if (status /= stat%ok) return
          end do
       end associate
@@ -340,7 +355,7 @@ contains
       if (load%step > 0) then
          forces = transpose(basis)
          ! this succeeds: inputs_of has solved with the same matrix
-         call solve_columns(between(structure%mass), forces, status)
+         call solve_columns(mass, forces, status)
          regime%to_drift = matmul(parts%xd, forces)
          regime%drifts = any(abs(regime%to_drift) > 0)
          regime%to_force = matmul(parts%vd, forces)
@@ -348,13 +363,13 @@ contains
          regime%base_drift = regime%modes%drift
          regime%base_force = regime%modes%force
       end if
-      call set_rows(structure, load, regime, status)
+      call set_rows(structure, load, pushes, regime, status)
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
       with_tables = .true.
       if (present(searched)) with_tables = searched
-      call set_rates(regime, with_tables)
+      call set_rates(regime, with_tables, load%step)
       if (.not. regime%unit >= shortest_unit) status = stat%extreme_units
       associate (openings => structure%openings)
          if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &
@@ -364,22 +379,67 @@ contains
       end associate
       if (status /= stat%ok) return
       if (with_tables) call set_tables(regime)
-   contains
-      !> A matrix of the structure between the vectors of the basis.
-      pure function between(matrix) result(reduced)
-         !> (n, n)
-         real(wp), intent(in) :: matrix(:, :)
-         real(wp) :: reduced(size(basis, 2), size(basis, 2))
-
-         if (size(resting) == 0) then
-            reduced = matrix
-         else
-            reduced = matmul(transpose(basis), matmul(matrix, basis))
-            reduced = 0.5_wp*(reduced + transpose(reduced))
-            where (abs(reduced) <= 8*epsilon(1.0_wp)*maxval(abs(reduced))) reduced = 0
-         end if
-      end function between
    end subroutine new_regime
+
+   !> A symmetric matrix between vectors, V^T A V; an entry as small as its rounding error is 0.
+   pure subroutine project(matrix, vectors, projected, terms)
+      !> (n, n) A; (n, m) the columns of V.
+      real(wp), intent(in) :: matrix(:, :), vectors(:, :)
+      !> (m, m) V^T A V.
+      real(wp), allocatable, intent(out) :: projected(:, :)
+      !> (m, m) The sums of the moduli of its terms.
+      real(wp), intent(out) :: terms(:, :)
+
+      projected = matmul(transpose(vectors), matmul(matrix, vectors))
+      projected = 0.5_wp*(projected + transpose(projected))
+      terms = matmul(transpose(abs(vectors)), matmul(abs(matrix), abs(vectors)))
+      terms = 0.5_wp*(terms + transpose(terms))
+      where (abs(projected) <= 8*epsilon(1.0_wp)*terms) projected = 0
+   end subroutine project
+
+   !> A gap that is too narrow for a simulation: the rounding error of the displacements that close
+   !! it, half of epsilon, is more than a millionth of the way between its walls or, where it has
+   !! only one, of its opening and of its distance from the wall at the start.
+   pure subroutine find_narrow(structure, regime, q, gap, least)
+      !> The structure, checked.
+      type(structure_type), intent(in) :: structure
+      !> Its regime without resting gaps.
+      type(regime_type), intent(in) :: regime
+      !> (n) Coordinates at the start.
+      real(wp), intent(in) :: q(:)
+      !> The first such gap; 0 if there is none.
+      integer, intent(out) :: gap
+      !> The least way, or the least opening that is not 0.
+      real(wp), intent(out) :: least
+      !> The rounding error of a displacement of 1, times a million.
+      real(wp), parameter :: share = 0.5e6_wp*epsilon(1.0_wp)
+      real(wp), dimension(size(regime%modes%stiffness)) :: x, v
+      real(wp) :: sizes(size(q)), way
+      integer :: other
+
+      ! displacements of the start, and under the harmonics and the constant forces
+      x = 0
+      where (regime%modes%stiffness > 0) x = (regime%modes%force + 2*regime%modes%damping &
+         *regime%modes%drift)/regime%modes%stiffness
+      v = merge(-regime%modes%drift, 0.0_wp, regime%modes%stiffness > 0)
+      sizes = max(abs(q), sum(abs(regime%steady), 2), abs(matmul(regime%qx, x) &
+         + matmul(regime%qv, v)))
+      do gap = 1, size(structure%openings)
+         least = share*dot_product(abs(structure%directions(:, gap)), sizes)
+         other = findloc(structure%channel == structure%channel(gap) .and. &
+            structure%wall /= structure%wall(gap), .true., 1)
+         if (other > 0) then
+            way = structure%openings(gap) + structure%openings(other)
+         else
+            way = abs(structure%openings(gap))
+            if (way > 0) way = max(way, abs(structure%openings(gap) - dot_product( &
+               structure%directions(:, gap), q)))
+         end if
+         if (way > 0 .and. way < least) return
+      end do
+      gap = 0
+      least = 0
+   end subroutine find_narrow
 
    !> The inputs p and f of the pairs due to forces.
    pure subroutine inputs_of(mass, xd, vd, forces, drifts, status)
@@ -418,7 +478,7 @@ contains
    !! Coordinates are scaled by the square roots of their masses, so that the digits do not depend
    !! on
    !! their units.
-   pure subroutine constraint(structure, resting, basis, inverse, offset, status)
+   pure subroutine constraint(structure, resting, basis, inverse, offset, pushes, status)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The closed gaps.
@@ -428,10 +488,17 @@ contains
       real(wp), allocatable, intent(out) :: basis(:, :), inverse(:, :)
       !> (n) The shortest q, in scaled coordinates, at which these gaps are closed.
       real(wp), allocatable, intent(out) :: offset(:)
+      !> (gaps, n) The forces of the gaps due to forces on the coordinates, by the factors of the
+      !! directions; not set where `set_rows` keeps the digits without them.
+      real(wp), allocatable, intent(out) :: pushes(:, :)
       !> `stat%ok`, or `stat%singular` where the gaps cannot be closed independently.
       integer, intent(out) :: status
-      real(wp), allocatable :: directions(:, :), q(:, :), work(:), gram(:, :), needed(:, :)
-      real(wp) :: tau(size(resting)), unit(size(structure%mass, 1))
+      !> Least independent part of a direction of length 1 for which products of directions may be
+      !! formed: they lose twice the digits. A light body between heavy ones has less.
+      real(wp), parameter :: well_apart = 0.1_wp
+      real(wp), allocatable :: directions(:, :), q(:, :), work(:), gram(:, :), needed(:, :), &
+         factor(:, :)
+      real(wp) :: tau(size(resting)), lengths(size(resting)), unit(size(structure%mass, 1))
       integer :: i, n, s, info
 
       n = size(structure%mass, 1)
@@ -453,7 +520,8 @@ contains
       allocate (directions(n, s))
       do i = 1, s
          directions(:, i) = unit*structure%directions(:, resting(i))
-         directions(:, i) = directions(:, i)/norm2(directions(:, i))
+         lengths(i) = norm2(directions(:, i))
+         directions(:, i) = directions(:, i)/lengths(i)
       end do
       q(:, :s) = directions
       allocate (work(64*n))
@@ -463,6 +531,10 @@ contains
          if (abs(q(i, i)) <= 1.0e-10_wp) status = stat%singular
       end do
       if (status /= stat%ok) return
+      allocate (factor(s, s), source=0.0_wp)
+      do i = 1, s
+         factor(:i, i) = q(:i, i)
+      end do
       call dorgqr(n, n, s, q, n, tau, work, size(work), info)
       allocate (basis, source=q(:, s + 1:))
       where (abs(basis) <= 4*epsilon(1.0_wp)) basis = 0
@@ -471,14 +543,27 @@ contains
          basis(i, :) = unit(i)*basis(i, :)
          inverse(:, i) = inverse(:, i)/unit(i)
       end do
-      gram = matmul(transpose(directions), directions)
       allocate (needed(s, 1))
-      do i = 1, s
-         needed(i, 1) = structure%openings(resting(i))/norm2(unit*structure%directions(:, &
-            resting(i)))
-      end do
-      call solve_columns(gram, needed, status)
-      if (status == stat%ok) offset = unit*matmul(directions, needed(:, 1))
+      needed(:, 1) = structure%openings(resting)/lengths
+      if (all([(abs(factor(i, i)) >= well_apart, i=1, s)])) then
+         gram = matmul(transpose(directions), directions)
+         call solve_columns(gram, needed, status)
+         if (status == stat%ok) offset = unit*matmul(directions, needed(:, 1))
+         return
+      end if
+      call solve_columns(transpose(factor), needed, status)
+      if (status /= stat%ok) return
+      offset = unit*matmul(q(:, :s), needed(:, 1))
+      ! with W = L^-1 G = Q F, where L is diagonal and M = L N L, the forces of the gaps are
+      ! F^-1 (Q^T N^-1 Q)^-1 Q^T N^-1 L^-1 f
+      needed = q(:, :s)
+      call solve_columns(structure%mass*spread(unit, 1, n)*spread(unit, 2, n), needed, status)
+      if (status /= stat%ok) return
+      gram = matmul(transpose(q(:, :s)), needed)
+      pushes = transpose(needed*spread(unit, 2, s))
+      call solve_columns(gram, pushes, status)
+      if (status == stat%ok) call solve_columns(factor, pushes, status)
+      pushes = pushes/spread(lengths, 2, n)
    end subroutine constraint
 
    !> The steady motion under one harmonic of the load.
@@ -501,12 +586,64 @@ contains
       regime%steady_rate(:, h) = regime%steady(:, h)*cmplx(0.0_wp, h*regime%frequency, wp)
    end subroutine steady_motion
 
+   !> Whether the forces on pairs that resonate are more than rounding errors, as where a load does
+   !! not act on a mode.
+   pure subroutine check_resonance(regime, parts, mass, sizes, h, status)
+      !> The regime, with its steady motion, in which the pairs that resonate have no part.
+      type(regime_type), intent(in) :: regime
+      !> Its pairs.
+      type(decoupled_type), intent(in) :: parts
+      !> (m, m) M, and (m) the sums of the moduli of the terms of the forces.
+      real(wp), intent(in) :: mass(:, :), sizes(:)
+      !> The harmonic, from 1.
+      integer, intent(in) :: h
+      !> `stat%ok` or `stat%resonance`.
+      integer, intent(out) :: status
+      !> Largest factor of rounding errors between pairs that counts: with more, a load on a mode
+      !! cannot be told from one on another.
+      real(wp), parameter :: most_turn = 1.0e3_wp
+      complex(wp), dimension(size(sizes)) :: x, v
+      real(wp), dimension(size(sizes)) :: of_x, of_v
+      real(wp) :: turn(size(sizes), size(sizes))
+      logical :: resonant(size(sizes))
+      integer :: i, j
+
+      of_x = largest_error(parts%xd)
+      of_v = largest_error(parts%vd)
+      call steady_response(regime%modes%stiffness, regime%modes%damping, h*regime%frequency, &
+         regime%wave_drift(:, h), regime%wave_force(:, h), x, v, resonant)
+      ! a pair also takes a share of each other one, as much as rounding errors turn it
+      do i = 1, size(sizes)
+         turn(:, i) = [(min(most_turn, maxval(regime%modes%stiffness)/max(tiny(1.0_wp), &
+            abs(regime%modes%stiffness(i) - regime%modes%stiffness(j)))), j=1, size(sizes))]
+         turn(i, i) = 1
+      end do
+      status = merge(stat%resonance, stat%ok, any(resonant .and. (abs(regime%wave_drift(:, h)) &
+         > matmul(of_x, turn) .or. abs(regime%wave_force(:, h)) > matmul(of_v, turn))))
+   contains
+      !> Bounds on the rounding errors of a linear function of the accelerations.
+      pure function largest_error(of_rates) result(bounds)
+         !> (m, m) The function.
+         real(wp), intent(in) :: of_rates(:, :)
+         real(wp) :: bounds(size(sizes))
+         real(wp), allocatable :: of_forces(:, :)
+         integer :: not_used
+
+         ! this succeeds: inputs_of has solved with the same matrix
+         of_forces = transpose(of_rates)
+         call solve_columns(mass, of_forces, not_used)
+         bounds = 64*size(sizes)*epsilon(1.0_wp)*matmul(transpose(abs(of_forces)), sizes)
+      end function largest_error
+   end subroutine check_resonance
+
    !> The rows: channels, and forces of closed gaps.
-   pure subroutine set_rows(structure, load, regime, status)
+   pure subroutine set_rows(structure, load, pushes, regime, status)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Its load.
       type(load_type), intent(in) :: load
+      !> As of `constraint`.
+      real(wp), allocatable, intent(in) :: pushes(:, :)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
       !> `stat%ok` or `stat%singular`.
@@ -545,8 +682,12 @@ contains
          gram = matmul(transpose(structure%directions(:, regime%resting)), &
             structure%mobility(:, regime%resting))
          associate (forces => of_force(structure%channels + 1:, :))
-            forces = transpose(structure%mobility(:, regime%resting))
-            call solve_columns(gram, forces, status)
+            if (allocated(pushes)) then
+               forces = pushes
+            else
+               forces = transpose(structure%mobility(:, regime%resting))
+               call solve_columns(gram, forces, status)
+            end if
             if (status /= stat%ok) return
             of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
             of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
@@ -580,11 +721,13 @@ contains
    end subroutine set_rows
 
    !> The rows for fast evaluation, and the shortest time scale.
-   pure subroutine set_rates(regime, coordinates)
+   pure subroutine set_rates(regime, coordinates, step)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
       !> Whether the coordinates are wanted, too.
       logical, intent(in) :: coordinates
+      !> Time between the samples of a record; 0 without one.
+      real(wp), intent(in) :: step
 
       call new_rows(regime%modes, regime%position, regime%velocity, regime%row_offset, &
          regime%ripple, regime%frequency, regime%rows)
@@ -592,7 +735,11 @@ contains
          regime%steady, regime%frequency, regime%coordinates, regime%dx, regime%dv)
       associate (speeds => [sqrt(regime%modes%stiffness), 2*regime%modes%damping, &
          regime%frequency])
-         if (any(speeds > 0)) regime%unit = 1/maxval(speeds)
+         if (any(speeds > 0)) then
+            regime%unit = 1/maxval(speeds)
+         else if (step > 0) then
+            regime%unit = step
+         end if
       end associate
    end subroutine set_rates
 
@@ -606,7 +753,7 @@ contains
       integer :: h, j
 
       speeds = [sqrt(regime%modes%stiffness), 2*regime%modes%damping, regime%frequency]
-      longest = 1
+      longest = 64*time_of_free(regime)
       if (any(speeds > 0)) longest = min(4/minval(speeds, speeds > 0), &
          largest_ratio/maxval(speeds))
       call new_steps(regime%modes, longest, regime%steps)
@@ -624,6 +771,30 @@ contains
          end do
       end do
    end subroutine set_tables
+
+   !> A time scale of free masses: the time between the samples of a record, or that in which the
+   !! constant forces close the widest gap.
+   pure real(wp) function time_of_free(regime) result(time)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      real(wp) :: way, acceleration
+      integer :: channels
+
+      channels = size(regime%upper) - size(regime%resting)
+      associate (upper => regime%upper(:channels), lower => regime%lower(:channels))
+         way = maxval([0.0_wp, pack(abs(upper), abs(upper) < never), pack(abs(lower), &
+            abs(lower) < never)])
+      end associate
+      acceleration = maxval([0.0_wp, abs(matmul(regime%position(:channels, :), &
+         regime%modes%force))])
+      if (allocated(regime%to_force)) then
+         time = regime%unit
+      else if (way > 0 .and. acceleration > 0) then
+         time = sqrt(way/acceleration)
+      else
+         time = 1
+      end if
+   end function time_of_free
 
    !> The pairs of a state: its free part.
    pure subroutine to_pairs(regime, phase, q, rate, x, v)

@@ -5,7 +5,7 @@
 module vi_structure_path
    use vi_kinds, only: wp
    use vi_restitution, only: restitution_type, table_law
-   use vi_structure, only: load_type, structure_type
+   use vi_structure, only: load_type, project, structure_type
    use vi_text, only: counted, number_text, whole
    implicit none (type, external)
    private
@@ -127,15 +127,18 @@ contains
       type(structure_type), intent(inout) :: structure
       !> In and out: the load.
       type(load_type), intent(inout) :: load
-      real(wp) :: across(size(part, 2), size(part, 1))
-      real(wp), allocatable :: openings(:), restitution(:), gaps(:, :)
+      real(wp) :: across(size(part, 2), size(part, 1)), terms(size(part, 2), size(part, 2))
+      real(wp), allocatable :: openings(:), restitution(:), gaps(:, :), reduced(:, :)
       type(restitution_type), allocatable :: laws(:)
       integer :: i
 
       across = transpose(part)
-      structure%mass = between(structure%mass)
-      structure%damping = between(structure%damping)
-      structure%stiffness = between(structure%stiffness)
+      call project(structure%mass, part, reduced, terms)
+      call move_alloc(reduced, structure%mass)
+      call project(structure%damping, part, reduced, terms)
+      call move_alloc(reduced, structure%damping)
+      call project(structure%stiffness, part, reduced, terms)
+      call move_alloc(reduced, structure%stiffness)
       allocate (gaps(size(part, 1), size(kept)), openings(size(kept)), restitution(size(kept)), &
          laws(size(kept)))
       do i = 1, size(kept)
@@ -161,17 +164,6 @@ contains
 
          reduced = matmul(across, matrix)
       end function across_columns
-
-      !> V^T A V, symmetric, without rounding where it is 0.
-      pure function between(matrix) result(reduced)
-         !> (n, n) A.
-         real(wp), intent(in) :: matrix(:, :)
-         real(wp) :: reduced(size(part, 2), size(part, 2))
-
-         reduced = matmul(across, matmul(matrix, part))
-         reduced = 0.5_wp*(reduced + transpose(reduced))
-         where (abs(reduced) <= 8*epsilon(1.0_wp)*maxval(abs(reduced))) reduced = 0
-      end function between
    end subroutine reduce
 
    !> An entry at a value of the parameter.
