@@ -6,10 +6,11 @@
 !! `matrices` are M, C, K; `gap_values` as in `new_structure`; `loads` the cosine and sine parts of
 !! each harmonic; `record` samples of a force every `step` (0: no record). A column of `table` is
 !! time, approach speed, impulse, coordinates and velocities just after an event; one of `labels`
-!! its kind and gap.
+!! its kind and gap. Events are kept from the time `first` on, when the state is `first_state`;
+!! `resting` tells which gaps rest from then on to the end.
 subroutine simulate_structure(n, gaps, width, harmonics, samples, matrices, directions, &
-   gap_values, frequency, loads, constant, step, record, start, state, last, capacity, table, &
-   labels, n_events, end_state, end_time, status)
+   gap_values, frequency, loads, constant, step, record, start, state, first, last, capacity, &
+   table, labels, n_events, first_state, end_state, end_time, resting, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_trajectory, only: simulate_structure_arrays
@@ -18,16 +19,35 @@ subroutine simulate_structure(n, gaps, width, harmonics, samples, matrices, dire
    integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, capacity
    real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
       frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), start, &
-      state(2*n), last
+      state(2*n), first, last
    real(c_double), intent(inout) :: table(2*n + 3, capacity)
    integer(c_int), intent(inout) :: labels(2, capacity)
-   integer(c_int), intent(out) :: n_events, status
-   real(c_double), intent(out) :: end_state(2*n), end_time
+   integer(c_int), intent(out) :: n_events, resting(gaps), status
+   real(c_double), intent(out) :: first_state(2*n), end_state(2*n), end_time
 
    call simulate_structure_arrays(new_structure(matrices, directions, gap_values), &
       new_load(frequency, loads, constant, step, record), start, state(:n), state(n + 1:), last, &
-      table, labels, n_events, end_state, end_time, status)
+      table, labels, n_events, end_state, end_time, status, first, first_state, resting)
 end subroutine simulate_structure
+
+!> The first gap, from 1, that is too narrow for a simulation from a state, and the least opening,
+!! or sum of openings, that is allowed; 0 if there is none.
+subroutine narrow_gap(n, gaps, width, harmonics, matrices, directions, gap_values, frequency, &
+   loads, constant, q, gap, least)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_gaps, only: narrow_gap_of => narrow_gap
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), q(n)
+   integer(c_int), intent(out) :: gap
+   real(c_double), intent(out) :: least
+
+   call narrow_gap_of(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant), q, gap, least)
+end subroutine narrow_gap
 
 !> Coordinates and velocities of a structure at the given times, which ascend.
 subroutine sample_structure(n, gaps, width, harmonics, samples, m, k, matrices, directions, &

@@ -286,6 +286,24 @@ class _MotionGradient(Protocol):
     ) -> tuple[_Real, _Real, _Integer, int]: ...
 
 @type_check_only
+class _NarrowGap(Protocol):
+    # gap, least
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        q: ArrayLike,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+    ) -> tuple[int, float]: ...
+
+@type_check_only
 class _NewResult(Protocol):
     # handle, status
     def __call__(
@@ -631,7 +649,7 @@ class _SimulateBundle(Protocol):
 
 @type_check_only
 class _SimulateStructure(Protocol):
-    # n_events, end_state, end_time, status
+    # n_events, first_state, end_state, end_time, resting, status
     def __call__(
         self,
         matrices: ArrayLike,
@@ -644,6 +662,7 @@ class _SimulateStructure(Protocol):
         record: ArrayLike,
         start: float,
         state: ArrayLike,
+        first: float,
         last: float,
         table: _Real,
         labels: _Integer,
@@ -653,7 +672,7 @@ class _SimulateStructure(Protocol):
         harmonics: int = ...,
         samples: int = ...,
         capacity: int = ...,
-    ) -> tuple[int, _Real, float, int]: ...
+    ) -> tuple[int, _Real, _Real, float, _Integer, int]: ...
 
 @type_check_only
 class _Spaced(Protocol):
@@ -804,6 +823,7 @@ impact_maps: _ImpactMaps
 least_clearance: _LeastClearance
 linear_system: _LinearSystem
 motion_gradient: _MotionGradient
+narrow_gap: _NarrowGap
 new_result: _NewResult
 open_table: _OpenTable
 perform: _Perform

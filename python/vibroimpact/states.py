@@ -104,22 +104,33 @@ def as_numbers(state: Mapping[str, Any] | None) -> dict[str, float] | None:
         return dict.fromkeys(NEEDED, 0.0)
     if any(name in state for name in (*EXTRA, "since")):
         return None
-    return {name: float(state[name]) for name in NEEDED}
+    return {name: float(value) for name, value in completed_state(state).items()}
+
+
+def completed_state(state: Mapping[str, Any]) -> dict[str, Any]:
+    """A state of five numbers; those that are left out are 0.
+
+    Those that a `final_state` adds belong to all of its numbers: then none may be missing.
+    """
+    missing = [name for name in NEEDED if name not in state]
+    unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]
+    extra = [name for name in state if name in (*EXTRA, "since")]
+    if unknown or (missing and extra) or not state:
+        fault = f"unknown: {unknown}" if unknown else f"missing: {missing}"
+        raise ParameterError(
+            f"state with the keys {', '.join(map(repr, state)) or '(none)'}: must have some of "
+            f"{', '.join(NEEDED)} (the others are 0), or be a final_state; {fault}"
+        )
+    return dict.fromkeys(NEEDED, 0.0) | dict(state)
 
 
 def checked_state(state: Any, clearance: float) -> dict[str, float]:
-    """The numbers of a state given by the caller."""
+    """The numbers of a state given by the caller; of the first five, those that are left out are 0."""
     if not isinstance(state, Mapping):
         raise ParameterTypeError(
-            f"state = {state!r}: must be a mapping with t, x, x_dot, z, z_dot, or a final_state"
+            f"state = {state!r}: must be a mapping with some of t, x, x_dot, z, z_dot, or a final_state"
         )
-    missing = [name for name in NEEDED if name not in state]
-    unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]
-    if missing or unknown:
-        raise ParameterError(
-            f"state with {', '.join(map(repr, state))}: must have {', '.join(NEEDED)} "
-            f"(missing: {missing}, unknown: {unknown})"
-        )
+    state = completed_state(state)
     given = {}
     for name in state:
         if name == "since":

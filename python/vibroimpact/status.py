@@ -14,6 +14,7 @@ VERDICT = {1: True, 0: False, -1: None}
 #: Codes of the core's vi_status that are handled separately.
 NO_MOTION, MORE_EVENTS, NOT_COMPUTED, DEFECTIVE, GAP_CLOSED = 7, 8, 12, 17, 20
 SHORTER_PERIOD, SYMMETRIC = 31, 32
+EVENT_LIMIT, NARROW_GAP = 13, 37
 
 
 def status_text(code: int) -> str:

@@ -22,6 +22,7 @@ from .restitution import (
     keys_of_law,
     numbers_of,
 )
+from .states import completed_state
 from .status import DEFECTIVE, raise_status, sentence
 
 __all__ = ["Gap", "Load", "Structure"]
@@ -29,6 +30,8 @@ __all__ = ["Gap", "Load", "Structure"]
 _Array = NDArray[np.float64]
 #: Largest number of coordinates of a structure, and of gaps.
 MOST = 500
+#: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
+LARGEST, LARGEST_MODAL = 1e100, 1e40
 
 
 def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Array:
@@ -70,9 +73,9 @@ class Gap(ByValue):
     def __init__(
         self, direction: ArrayLike, opening: float, restitution: Restitution = 1.0
     ) -> None:
-        wanted = "numbers, one a coordinate, not all 0"
+        wanted = "numbers from -1e40 to 1e40, one a coordinate, not all 0"
         direction = _numbers(direction, "direction", wanted, (-1,))
-        if not direction.any():
+        if not direction.any() or (np.abs(direction) > LARGEST_MODAL).any():
             raise ParameterError(f"direction = {direction.tolist()!r}: must be {wanted}")
         opening = checks.to_float(opening, "opening", "a finite number")
         if not np.isfinite(opening):
@@ -97,7 +100,8 @@ class Structure(ByValue):
     Parameters
     ----------
     mass, damping, stiffness : array_like (n, n)
-        Symmetric matrices M (positive definite), C and K (positive semidefinite). A vector (n,) is a diagonal.
+        Symmetric matrices M (positive definite), C and K (positive semidefinite), of numbers from -1e100 to 1e100.
+        A vector (n,) is a diagonal.
     gaps : sequence of Gap
 
     Raises
@@ -125,25 +129,22 @@ class Structure(ByValue):
     ) -> None:
         matrices = {}
         for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
-            matrices[name] = _matrix(values, name)
+            matrices[name] = _square(values, name)
         n = len(matrices["mass"])
         if not 1 <= n <= MOST:
             raise ParameterError(f"mass of shape {(n, n)}: must be for 1 to {MOST} coordinates")
+        masses = np.diag(matrices["mass"])
+        # coordinates scaled by the roots of their masses: what is refused does not depend on their units
+        unit = 1 / np.sqrt(masses) if (masses > 0).all() else np.ones(n)
         for name, matrix in matrices.items():
             if len(matrix) != n:
                 raise ParameterError(
                     f"{name} of shape {matrix.shape}: must be ({n}, {n}) as mass is"
                 )
-            least = float(np.linalg.eigvalsh(matrix).min())
-            if name == "mass" and not least > 0:
-                raise ParameterError(
-                    f"mass: must be positive definite; its least eigenvalue is {least:.3g}"
-                )
-            if least < -1e-12 * max(1e-300, float(np.abs(matrix).max())) * n:
-                raise ParameterError(
-                    f"{name}: must have no negative eigenvalue; the least one is {least:.3g}"
-                )
-            object.__setattr__(self, name, matrix)
+            object.__setattr__(self, name, _symmetric(matrix, unit, name))
+            if ((masses < 1e-40) | (masses > 1e40)).any():
+                # such masses are refused by a simulation; their factors would overflow
+                unit = np.ones(n)
         gaps = _list_of_gaps(gaps)
         for i, gap in enumerate(gaps):
             if len(gap.direction) != n:
@@ -179,14 +180,21 @@ class Structure(ByValue):
         >>> beam.gaps[0].direction.tolist()
         [2.0, -2.0]
         """
-        wanted = "numbers >= 0, one a mode"
+        wanted = "numbers from 0 to 1e40, one a mode"
         omega = _numbers(frequencies, "frequencies", wanted, (-1,))
         n = len(omega)
         _check_size(omega, "frequencies")
         zeta = _numbers(damping_ratios, "damping_ratios", wanted, (n,))
-        if (omega < 0).any() or (zeta < 0).any():
-            raise ParameterError(f"frequencies and damping_ratios: must be {wanted}")
-        points = _numbers(shapes, "shapes", "an array (points, modes)", (-1, n))
+        for name, values in {"frequencies": omega, "damping_ratios": zeta}.items():
+            outside = (values < 0) | (values > LARGEST_MODAL)
+            if outside.any():
+                i = int(np.argmax(outside))
+                raise ParameterError(f"{name}[{i}] = {float(values[i])!r}: must be {wanted}")
+        wanted = "an array (points, modes) of numbers from -1e40 to 1e40"
+        points = _numbers(shapes, "shapes", wanted, (-1, n))
+        if (np.abs(points) > LARGEST_MODAL).any():
+            value = float(points.flat[int(np.argmax(np.abs(points)))])
+            raise ParameterError(f"shapes with {value!r}: must be {wanted}")
         modal = []
         for i, gap in enumerate(_list_of_gaps(gaps)):
             if len(gap.direction) != len(points):
@@ -197,6 +205,11 @@ class Structure(ByValue):
             direction = np.zeros(n)
             for factor, shape in zip(gap.direction, points, strict=True):
                 direction = direction + factor * shape
+            if not direction.any() or (np.abs(direction) > LARGEST_MODAL).any():
+                raise ParameterError(
+                    f"gaps[{i}].direction and shapes give {direction.tolist()!r} for the modes: must be "
+                    "numbers from -1e40 to 1e40, not all 0"
+                )
             modal.append(Gap(direction, gap.opening, gap.restitution))
         return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
 
@@ -284,22 +297,48 @@ def _list_of_gaps(gaps: Any) -> tuple[Gap, ...]:
     return found
 
 
-def _matrix(values: Any, name: str) -> _Array:
-    """A symmetric matrix; a vector is taken as its diagonal."""
+def _square(values: Any, name: str) -> _Array:
+    """A square matrix; a vector is taken as its diagonal."""
     wanted = "a symmetric matrix (n, n), or its diagonal (n,)"
     array = checks.real_array(values, name, wanted)
     _check_size(array, name)
     array = _numbers(np.diag(array) if array.ndim == 1 else array, name, wanted, (-1, -1))
     if array.shape[0] != array.shape[1]:
         raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
-    apart = np.abs(array - array.T)
-    if apart.size and apart.max() > 1e-12 * np.abs(array).max():
+    outside = np.abs(array) > LARGEST
+    if outside.any():
+        i, j = np.unravel_index(int(np.argmax(outside)), array.shape)
+        raise ParameterError(
+            f"{name}[{i}, {j}] = {float(array[i, j])!r}: must be a number from -1e100 to 1e100"
+        )
+    return array
+
+
+def _symmetric(matrix: _Array, unit: _Array, name: str) -> _Array:
+    """A matrix that is symmetric, and definite as it must be, but for rounding; `unit` scales the coordinates."""
+    scales = np.outer(unit, unit)
+    scaled = matrix * scales
+    apart = np.abs(scaled - scaled.T)
+    largest = np.abs(scaled).max()
+    if apart.max() > 1e-12 * largest:
         i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
         raise ParameterError(
-            f"{name}[{i}, {j}] = {float(array[i, j])} and {name}[{j}, {i}] = {float(array[j, i])}: must be equal"
+            f"{name}[{i}, {j}] = {float(matrix[i, j])} and {name}[{j}, {i}] = {float(matrix[j, i])}: must be equal"
         )
-    symmetric: _Array = np.array(0.5 * (array + array.T))
+    symmetric: _Array = np.array(0.5 * (matrix + matrix.T))
     symmetric.flags.writeable = False
+    n = len(matrix)
+    least = float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T)).min())
+    rule = ""
+    if name == "mass" and not least > n * np.finfo(float).eps:
+        rule = "must be positive definite; its least eigenvalue"
+    elif least < -1e-12 * largest * n:
+        rule = "must have no negative eigenvalue; the least one"
+    if rule:
+        # the sign may be lost where the units of coordinates differ
+        own = float(np.linalg.eigvalsh(symmetric).min())
+        lost = " with coordinates scaled by the square roots of their masses" if own > 0 else ""
+        raise ParameterError(f"{name}: {rule} is {least if own > 0 else own:.3g}{lost}")
     return symmetric
 
 
@@ -459,8 +498,6 @@ def state_by_coordinates(given: dict[str, Any]) -> None:
     """Turns the argument `state` of a study of an oscillator into those of a structure, if it is a mapping."""
     state = given.get("state")
     if isinstance(state, Mapping):
-        wanted = ("t", "x", "x_dot", "z", "z_dot")
-        if sorted(state) != sorted(wanted):
-            raise ParameterError(f"state = {state!r}: must have the keys {', '.join(wanted)}")
-        given["start"] = state["t"]
-        given["state"] = ([state["x"], state["z"]], [state["x_dot"], state["z_dot"]])
+        numbers = completed_state(state)
+        given["start"] = numbers["t"]
+        given["state"] = ([numbers["x"], numbers["z"]], [numbers["x_dot"], numbers["z_dot"]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ from .record import Record
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
 from .sizes import memory_for
 from .states import MOST, SPAN
-from .status import GAP_CLOSED, MORE_EVENTS, raise_status, sentence
+from .status import EVENT_LIMIT, GAP_CLOSED, MORE_EVENTS, NARROW_GAP, raise_status, sentence
 from .structure import Gap, Load, Structure
 from .structure_gradient import Wanted, structure_trajectory_gradient
 from .structure_groups import system_of
@@ -36,7 +36,7 @@ ROOM = 2**26
 #: The note on a trajectory that reached the limit on events.
 FULL = "max_events was reached"
 #: The keys of a &simulate of a &structure.
-REQUEST = ("duration", "cycles", "q", "q_dot", "start", "max_events")
+REQUEST = ("duration", "cycles", "discard", "q", "q_dot", "start", "max_events")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -48,7 +48,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     structure : Structure
     load : Load, Record or None
     start, end : float
-        Times between which it was simulated.
+        Times between which it is kept.
     events : structured array
         ``time, kind`` (impact; stick, the end of an accumulation of impacts; release), ``gap`` (from 0),
         ``speed`` (approach speed) and ``impulse``.
@@ -63,6 +63,8 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         The case by the keys of a &simulate; None if it was read from a file without its case.
     cut : str
         How far it got, if it was stopped.
+    permanent : tuple of int
+        Gaps that are at rest from `start` to `end`, so that no event tells of them.
     """
 
     structure: Structure
@@ -76,6 +78,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
     complete: bool
     request: dict[str, Any] | None = None
     cut: str = ""
+    permanent: tuple[int, ...] = ()
 
     @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike) -> tuple[_Array, _Array]:
@@ -235,6 +238,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
                 "q": [q for q, _ in moments], "q_dot": [rate for _, rate in moments],
             }),
             **structure_tables(s, load),
+            "rests": (("rest",), {"gap": list(self.permanent)}),
             "run": ((), {
                 "frequency": load.frequency if isinstance(load, Load) else 0.0,
                 "loaded": load is not None, "finished": self.complete,
@@ -284,9 +288,12 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         for array in (events, states):
             array.flags.writeable = False
         request = request_of(result, "simulate", REQUEST, {"q", "q_dot"})
+        # files of earlier versions have no such table
+        kept = result.column("rests", "gap").values.tolist() if "rests" in result.tables else []
+        permanent = tuple(map(int, kept))
         return cls(
             structure, load, float(start), float(end), events, states, (q[0], rate[0]), (q[1], rate[1]),
-            bool(finished), request, "" if result.cut == FULL else result.cut,
+            bool(finished), request, "" if result.cut == FULL else result.cut, permanent,
         )  # fmt: skip
 
     def _draw_small(self, ax: Any) -> None:
@@ -341,6 +348,7 @@ class StructureTrajectory(Savable, study="simulate_structure"):
         rests = int((self.events["kind"] == "stick").sum())
         return (
             f"<StructureTrajectory t = {self.start:g} to {self.end:g}: {impacts} impacts, {rests} rests"
+            f"{''.join(f', gap {gap} rests all the time' for gap in self.permanent)}"
             f"{'' if self.complete else ', NOT complete'}>"
         )
 
@@ -571,6 +579,7 @@ def simulate_structure(
     state: tuple[ArrayLike, ArrayLike] | None = None,
     start: float = 0.0,
     max_events: int = 1_000_000,
+    discard: float = 0.0,
 ) -> StructureTrajectory:
     """Simulate a structure with gaps; no impact is missed, and accumulating impacts are completed.
 
@@ -593,6 +602,9 @@ def simulate_structure(
         Time at the start.
     max_events : int
         Events after which the trajectory ends, if there are more (`complete` is then False).
+    discard : float
+        How long to simulate before what is kept: load cycles if `cycles` is given, else time. The trajectory
+        starts that much after `start`; of a record, `duration` is by default what then remains.
 
     Returns
     -------
@@ -601,7 +613,8 @@ def simulate_structure(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed; nothing was computed.
+        If an argument is not allowed; nothing was computed. Also if an opening is below a million times the
+        rounding error of the displacements, or `max_events` is reached in what is discarded.
     SingularError
         If a gap is less than closed at the start, a mode without damping resonates with the load, two modes
         coincide by damping, or coupled gaps close at one instant. If events came before, the motion up to
@@ -630,22 +643,31 @@ def simulate_structure(
                 f"load for {load.coordinates} coordinates: must be for {n} as the structure is"
             )
     if isinstance(load, Record) and cycles is None and duration is None:
-        duration = max(0.0, load.duration - checks.to_float(start, "start", "a number"))
+        begin = [checks.to_float(value, name, "a number") for name, value in
+                 (("start", start), ("discard", discard))]  # fmt: skip
+        duration = max(0.0, load.duration - sum(begin))
     if (cycles is None) == (duration is None):
         raise ParameterError(
             f"cycles = {cycles!r}, duration = {duration!r}: must be one of them, not both"
         )
     wanted = "a number >= 0"
+    discard = checks.to_float(discard, "discard", wanted)
+    before = discard
     if duration is None:
         if not isinstance(load, Load) or not load.frequency:
             raise ParameterError(
                 f"cycles = {cycles!r}: must be given with a load that has a frequency; give duration without"
             )
         span = checks.number(cycles, "cycles_simulated", "cycles") * 2 * np.pi / load.frequency
+        before = discard * 2 * np.pi / load.frequency
     else:
         span = duration = checks.to_float(duration, "duration", wanted)
     if not 0 <= span <= 1e12:
         raise ParameterError(f"duration = {span!r}: must be a number with 0 <= duration <= 1e+12")
+    if not 0 <= before <= 1e12:
+        raise ParameterError(
+            f"discard = {discard!r}: must be a number >= 0, and take at most 1e+12 units of time"
+        )
     start = checks.to_float(start, "start", "a number")
     if not 0 <= start <= 1e12:
         raise ParameterError(f"start = {start!r}: must be a number with 0 <= start <= 1e+12")
@@ -657,14 +679,20 @@ def simulate_structure(
     while True:
         table = np.empty((2 * n + 3, room), order="F")
         labels = np.empty((2, room), dtype=np.int32, order="F")
-        count, final, end, status = _core.simulate_structure(
-            *arguments, start, first, start + span, table, labels
+        count, kept, final, end, resting, status = _core.simulate_structure(
+            *arguments, start, first, start + before, start + before + span, table, labels
         )
-        if status != MORE_EVENTS or room == max_events:
+        if status not in (MORE_EVENTS, EVENT_LIMIT) or room == max_events:
             break
         room = min(8 * room, max_events)
     failed = status not in (0, MORE_EVENTS)
+    if status == EVENT_LIMIT:
+        raise ParameterError(
+            f"max_events = {max_events}: must be more; it was reached within the discarded time"
+        )
     if failed and count == 0:
+        if status == NARROW_GAP:
+            _refuse_opening(structure, arguments, q)
         if status == GAP_CLOSED:
             apart = [gap.opening - gap.direction @ q for gap in structure.gaps]
             i = int(np.argmin(apart))
@@ -678,24 +706,25 @@ def simulate_structure(
     if 2 * count < room:
         states = np.ascontiguousarray(states)  # else most of the table stays in memory
     states = states.reshape(count, 2, n)
-    for array in (events, states, final):
+    for array in (events, states, kept, final):
         array.flags.writeable = False
     lasting = {"duration": duration} if cycles is None else {"cycles": float(cycles)}
-    request = lasting | {
+    request = lasting | ({"discard": discard} if discard else {}) | {
         "q": q.tolist(), "q_dot": rate.tolist(), "start": start, "max_events": max_events,
     }  # fmt: skip
     run = StructureTrajectory(
         structure,
         load,
-        start,
+        start + before,
         end,
         events,
         states,
-        (q, rate),
+        (kept[:n], kept[n:]),
         (final[:n], final[n:]),
         status == 0,
         request,
         sentence(status) if failed else "",
+        tuple(np.flatnonzero(resting[: len(structure.gaps)]).tolist()),
     )
     if failed:
         error = SingularError(
@@ -704,6 +733,23 @@ def simulate_structure(
         error.result = run
         raise error
     return run
+
+
+def _refuse_opening(structure: Structure, arguments: tuple[Any, ...], q: _Array) -> NoReturn:
+    """ParameterError for the gap that is too narrow for a simulation from a state."""
+    matrices, directions, values, frequency, harmonics, constant = arguments[:6]
+    number, least = _core.narrow_gap(
+        matrices, directions, values, frequency, harmonics, constant, q
+    )
+    gap = structure.gaps[number - 1]
+    wanted = f"at least {1.06 * least:.1e}, a million times the rounding error of the displacements"
+    for i, other in enumerate(structure.gaps):
+        if (other.direction == -gap.direction).all():
+            total = gap.opening + other.opening
+            raise ParameterError(
+                f"gaps[{number - 1}].opening + gaps[{i}].opening = {total!r}: must be {wanted}"
+            )
+    raise ParameterError(f"gaps[{number - 1}].opening = {gap.opening!r}: must be 0 or {wanted}")
 
 
 def _state(state: Any, n: int) -> tuple[_Array, _Array]:

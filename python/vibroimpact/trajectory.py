@@ -341,6 +341,10 @@ class Trajectory(Savable, study="simulate"):
         n, m = (int((self.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
         impacts = f"{n} impact{'s' * (n != 1)}"
         rests = f", {m} rest{'s' * (m != 1)}" if m else ""
+        if self.initial_state["resting"] and not (self.events["kind"] == "release").any():
+            # this rest began before the first event, which therefore does not tell of it
+            wall = "R" if self.initial_state["side"] > 0 else "L"
+            rests += f", m rests on {wall} all the time"
         cut = "" if self.complete else f"; cut short, {self.cut or FULL}"
         return (
             f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
@@ -397,10 +401,10 @@ def simulate(
     cycles : float
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
-        ``t, x, x_dot, z, z_dot`` with the load phase r t at time t; default: all 0. Or the
-        `final_state` of a trajectory, which continues it bit for bit. From all 0 the free mass stays at rest in
-        the middle until |X| reaches D/2. |X| settles to the amplitude A without impacts, so that with D > 2 A no
-        wall reaches it, unless the transient does: start it with a velocity there.
+        Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; the others are 0, and by default all
+        are. Or the `final_state` of a trajectory, which continues it bit for bit. From all 0 the free mass stays
+        at rest in the middle until |X| reaches D/2. |X| settles to the amplitude A without impacts, so that with D
+        > 2 A no wall reaches it, unless the transient does: start it with a velocity there.
     load : float
         Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free
         vibration.

@@ -80,6 +80,10 @@ module vi_status
       integer :: unbalanced = 34
       !> Stiffnesses or masses of a structure differ so much that slow modes are lost in rounding.
       integer :: too_stiff = 35
+      !> The motion on which a simulation settles is one in which gaps stay at rest.
+      integer :: permanent_rest = 36
+      !> An opening is so small that rounding errors of the displacements decide when it closes.
+      integer :: narrow_gap = 37
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -190,6 +194,11 @@ contains
       case (stat%too_stiff)
          text = 'masses or stiffnesses differ so much that slow modes keep fewer than 7 digits: &
             &make stiff springs rigid, or give the structure by its modes'
+      case (stat%permanent_rest)
+         text = 'the simulation settles on a rest that never ends, without impacts; start from &
+            &another state'
+      case (stat%narrow_gap)
+         text = 'an opening is below a million times the rounding error of the displacements'
       case default
          text = 'unknown status code'
       end select

@@ -51,8 +51,8 @@ module vi_basins_structure_study
 
    !> Labels of states without an attractor.
    integer, parameter :: undecided = 0, not_reached = -1, event_limited = -2, closed = -3
-   character(14), parameter :: other_names(0:2) = [character(14) :: 'no impacts', 'chaotic', &
-      'quasi-periodic']
+   character(14), parameter :: other_names(0:3) = [character(14) :: 'no impacts', 'chaotic', &
+      'quasi-periodic', 'permanent rest']
 
    type(column_type), parameter :: basins_columns(*) = [ &
       column_type('states', 'q', each='coordinate', label='q_#', &
@@ -206,8 +206,8 @@ contains
          counted(reached, 'state')//' not decided')
    end subroutine run_basins
 
-   !> Numbers the attractors by decreasing share: motions, the one without impacts, and all that are
-   !! chaotic, and quasi-periodic.
+   !> Numbers the attractors by decreasing share: motions, the one without impacts, all that are
+   !! chaotic, all that are quasi-periodic, and rests that never end.
    pure subroutine number_attractors(list, kinds, status, labels, numbers, names)
       !> The motions on which states settle.
       type(found_list_type), intent(in) :: list
@@ -225,6 +225,7 @@ contains
       where (status == stat%no_impacts) labels = list%n + 1
       where (kinds == chaotic) labels = list%n + 1 + chaotic
       where (kinds == quasi_periodic) labels = list%n + 1 + quasi_periodic
+      where (status == stat%permanent_rest) labels = list%n + size(other_names)
       do i = 1, size(counts)
          counts(i) = count(labels == i)
       end do

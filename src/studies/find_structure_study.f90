@@ -167,14 +167,14 @@ contains
       call result%put('motions', 'settled', settled(order))
       call result%open('search', '', [integer ::])
       call result%put('search', 'states', [reached])
-      without = count(status == stat%no_impacts)
+      without = count(status == stat%no_impacts .or. status == stat%permanent_rest)
       call result%put('search', 'without_impacts', [without])
       call result%put('search', 'chaotic', [count(others == chaotic)])
       call result%put('search', 'quasi_periodic', [count(others == quasi_periodic)])
       call result%put('search', 'unsettled', [reached - sum(settled) - without - count(others > 0)])
       call result%put('search', 'guesses', [sum(failures) - failures(stat%not_computed) - reached])
       ! these have columns of their own
-      failures([stat%ok, stat%not_computed, stat%no_impacts]) = 0
+      failures([stat%ok, stat%not_computed, stat%no_impacts, stat%permanent_rest]) = 0
       failures(stat%no_period) = failures(stat%no_period) - count(others > 0)
       kinds = pack([(i, i=0, codes)], failures > 0)
       call result%open('failures', 'failure', [size(kinds)])

@@ -138,7 +138,7 @@ contains
       if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped before its end'
       else if (status /= stat%ok) then
-         call start_fault(structure, case%study%numbers('q'), status, text)
+         call start_fault(structure, load, case%study%numbers('q'), status, text)
          call result%fail('no exponents: '//text)
       end if
       if (result%empty) return

@@ -24,6 +24,9 @@ module vi_simulate_structure_study
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, may_miss=.true., or='duration', &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
       meaning='how long, as a number of cycles of the load; fractions are allowed'), &
+      key_type('discard', default='0', low=0.0_wp, high=longest, &
+      meaning='how long to simulate before what is kept: load cycles if cycles is given, else &
+      &time'), &
       start_keys, &
       key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
       meaning='events after which the simulation is cut short')]
@@ -43,6 +46,8 @@ module vi_simulate_structure_study
       column_type('moments', 'time', listed=.false., meaning='time'), &
       column_type('moments', 'q', each='coordinate', listed=.false., meaning='coordinates'), &
       column_type('moments', 'q_dot', each='coordinate', listed=.false., meaning='velocities'), &
+      column_type('rests', 'gap', wholes, listed=.false., &
+      meaning='number of a gap that rests from the start to the end'), &
       column_type('run', 'frequency', listed=.false., &
       meaning='circular frequency of the load; 0 if there is none'), &
       column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &
@@ -98,32 +103,37 @@ contains
             end_of_record = record_end(case)
             if (end_of_record < 0) then
                call study%refuse('duration', 'or give cycles')
-            else if (.not. end_of_record - study%number('start') <= longest) then
+               return
+            end if
+            end_of_record = end_of_record - study%number('start') - study%number('discard')
+            if (.not. end_of_record <= longest) then
                call study%refuse('duration', 'the record is longer than that')
             else
-               call study%set('duration', [max(0.0_wp, end_of_record - study%number('start'))])
+               call study%set('duration', [max(0.0_wp, end_of_record)])
             end if
          else if (.not. load_frequency(case) > 0) then
             call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &
                &duration')
-         else if (.not. span(case) <= longest) then
+         else if (.not. span(case, 'cycles') <= longest) then
             call study%refuse('cycles', 'they must take at most '//trim(number_text(longest, &
+               .false.))//' units of time')
+         else if (.not. span(case, 'discard') <= longest) then
+            call study%refuse('discard', 'they must take at most '//trim(number_text(longest, &
                .false.))//' units of time')
          end if
       end associate
    end subroutine check_simulate
 
-   !> How long a case is simulated.
-   pure real(wp) function span(case)
+   !> The time of a key that may count load cycles.
+   pure real(wp) function span(case, key)
       !> The case.
       type(case_type), intent(in) :: case
+      !> The key: `cycles`, `duration` or `discard`.
+      character(*), intent(in) :: key
       real(wp), parameter :: pi = acos(-1.0_wp)
 
-      if (case%study%has('cycles')) then
-         span = case%study%number('cycles')*2*pi/load_frequency(case)
-      else
-         span = case%study%number('duration')
-      end if
+      span = case%study%number(key)
+      if (case%study%has('cycles')) span = span*2*pi/load_frequency(case)
    end function span
 
    !> Bytes for the matrices of the structure and those that follow from them; the events are
@@ -154,10 +164,11 @@ contains
       type(load_type) :: load
       real(wp), allocatable :: table(:, :)
       integer, allocatable :: labels(:, :)
-      real(wp), allocatable :: last_state(:)
+      real(wp), allocatable :: first_state(:), last_state(:)
+      integer, allocatable :: resting(:)
       character(:), allocatable :: text
-      real(wp) :: start, end_time
-      integer :: n, most, status
+      real(wp) :: start, first, end_time
+      integer :: i, n, most, status
       logical :: room
 
       associate (not_used => threads)    ! one simulation has one thread
@@ -165,10 +176,18 @@ contains
       call structure_of(case, structure, load)
       start = case%study%number('start')
       most = case%study%whole_number('max_events')
+      first = start + span(case, 'discard')
       associate (s => case%study)
          call simulate_structure_case(structure, load, start, s%numbers('q'), s%numbers('q_dot'), &
-            start + span(case), most, table, labels, n, last_state, end_time, status, progress)
+            first + span(case, trim(merge('cycles  ', 'duration', s%has('cycles')))), most, table, &
+            labels, n, last_state, end_time, status, progress, first, first_state, resting)
       end associate
+      if (status == stat%event_limit) then
+         result%empty = .true.
+         call result%fail('max_events = '//whole(most)//': must be more; it was reached within the &
+            &discarded time')
+         return
+      end if
       ! the table, once more in the columns of the result, and room to make them
       room = has_memory(24.0_wp*size(table, 1)*n)
       if (.not. room) status = stat%no_memory
@@ -181,14 +200,18 @@ contains
       else if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped after '//counted(count(labels(1, :n) == &
             impact_event), 'impact')
+         result%empty = end_time < first
+         if (result%empty) return
       else if (status /= stat%ok .and. status /= stat%more_events) then
          result%empty = .true.
-         call start_fault(structure, case%study%numbers('q'), status, text)
+         call start_fault(structure, load, case%study%numbers('q'), status, text)
          call result%fail(text)
          return
       end if
       call put_events(result, table(:, :n), labels(:, :n))
-      call put_moments(result, case, start, end_time, last_state)
+      call put_moments(result, [first, end_time], first_state, last_state)
+      call result%open('rests', 'rest', [size(resting)])
+      call result%put('rests', 'gap', resting - 1)
       call put_structure(result, structure, load)
       call result%open('run', '', [integer ::])
       call result%put('run', 'frequency', [load_frequency(case)])
@@ -200,6 +223,9 @@ contains
       call result%remark('final time: '//exact(end_time))
       call result%add_note(counted(count(labels(1, :n) == impact_event), 'impact')//', '// &
          counted(count(labels(1, :n) == stick_event), 'rest'))
+      do i = 1, size(resting)
+         call result%add_note('gap '//whole(resting(i) - 1)//' rests all the time')
+      end do
       if (status == stat%more_events) call result%fail('cut short, max_events was reached')
    end subroutine run_simulate
 
@@ -240,23 +266,21 @@ contains
    end subroutine put_record
 
    !> Fills the table of the start and the end.
-   pure subroutine put_moments(result, case, start, end_time, last_state)
+   pure subroutine put_moments(result, times, first_state, last_state)
       !> The result.
       type(result_type), intent(inout) :: result
-      !> The case.
-      type(case_type), intent(in) :: case
-      !> Times of the start and of the end.
-      real(wp), intent(in) :: start, end_time
-      !> (2n) Coordinates and velocities at the end.
-      real(wp), intent(in) :: last_state(:)
+      !> Times of the start and of the end of what is kept.
+      real(wp), intent(in) :: times(2)
+      !> (2n) Coordinates and velocities at both.
+      real(wp), intent(in) :: first_state(:), last_state(:)
+      integer :: n
 
-      associate (n => case%coordinates)
-         call result%open('moments', 'moment', [2])
-         call result%put('moments', 'moment', [1, 2])
-         call result%put('moments', 'time', [start, end_time])
-         call result%put('moments', 'q', [case%study%numbers('q'), last_state(:n)])
-         call result%put('moments', 'q_dot', [case%study%numbers('q_dot'), last_state(n + 1:)])
-      end associate
+      n = size(first_state)/2
+      call result%open('moments', 'moment', [2])
+      call result%put('moments', 'moment', [1, 2])
+      call result%put('moments', 'time', times)
+      call result%put('moments', 'q', [first_state(:n), last_state(:n)])
+      call result%put('moments', 'q_dot', [first_state(n + 1:), last_state(n + 1:)])
    end subroutine put_moments
 
 end module vi_simulate_structure_study

@@ -4,7 +4,7 @@ module vi_simulate_study
    use vi_forced_system, only: least_clearance, new_forced_system, state_time, state_type
    use vi_kinds, only: wp
    use vi_processor, only: has_memory
-   use vi_simulate, only: event_type, impact_event, stick_event
+   use vi_simulate, only: event_type, impact_event, release_event, stick_event
    use vi_status, only: stat, status_text
    use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
       wholes, words
@@ -207,6 +207,9 @@ contains
       call result%add_note(counted(count(events%kind == impact_event), &
          'impact')//', '//counted(count( &
          events%kind == stick_event), 'rest'))
+      ! this rest began before what is kept
+      if (moments(1)%resting .and. .not. any(events%kind == release_event)) call result%add_note( &
+         'the free mass rests on '//merge('R', 'L', moments(1)%side > 0)//' all the time')
       if (status == stat%more_events) call result%fail('cut short, max_events was reached')
    end subroutine run_simulate
 

@@ -4,18 +4,23 @@ module vi_structure_gaps
    use vi_kinds, only: wp
    use vi_restitution, only: constant_law, power_law, table_law
    use vi_status, only: stat, status_text
-   use vi_structure, only: structure_type
+   use vi_structure, only: check_structure, find_narrow, load_type, new_regime, regime_type, &
+      structure_type
    use vi_structure_matrices, only: most_coordinates
-   use vi_text, only: number_text, whole
+   use vi_text, only: number_text, shown, whole
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: check_gap, gaps_of, start_fault
+   public :: check_gap, gaps_of, narrow_gap, start_fault
+
+   !> Largest modulus of a number of a direction, or of a mode shape.
+   real(wp), parameter, public :: most_direction = 1.0e40_wp
 
    type(key_type), parameter, public :: gap_keys(*) = [ &
-      key_type('direction', most=most_coordinates, &
-      takes='one number for each coordinate (with modes for each point), not all 0', &
+      key_type('direction', most=most_coordinates, low=-most_direction, high=most_direction, &
+      takes='one number from -1e40 to 1e40 for each coordinate (with modes for each point), not &
+      &all 0', &
       meaning='the gap closes in this direction: opening - direction.q >= 0'), &
       key_type('opening', meaning='opening of the gap at q = 0; negative if it is closed there'), &
       key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', never='law=table', &
@@ -120,26 +125,56 @@ contains
       end if
    end subroutine law_of
 
-   !> Why a simulation failed; where a gap is less than closed at its start, with that gap.
-   pure subroutine start_fault(structure, q, status, text)
-      !> The structure.
+   !> A gap that is too narrow for a simulation from a state, as in `find_narrow`.
+   pure subroutine narrow_gap(structure, load, q, gap, least)
+      !> The structure and its load.
       type(structure_type), intent(in) :: structure
+      type(load_type), intent(in) :: load
+      !> (n) The coordinates at the start.
+      real(wp), intent(in) :: q(:)
+      !> As in `find_narrow`.
+      integer, intent(out) :: gap
+      real(wp), intent(out) :: least
+      type(structure_type) :: complete
+      type(regime_type) :: regime
+      integer :: status
+
+      gap = 0
+      least = 0
+      complete = structure
+      call check_structure(complete, status)
+      if (status == stat%ok) call new_regime(complete, load, [integer ::], regime, status, .false.)
+      if (status == stat%ok) call find_narrow(complete, regime, q, gap, least)
+   end subroutine narrow_gap
+
+   !> Why a simulation failed; where a gap is less than closed at its start or too narrow, with that
+   !! gap.
+   pure subroutine start_fault(structure, load, q, status, text)
+      !> The structure and its load.
+      type(structure_type), intent(in) :: structure
+      type(load_type), intent(in) :: load
       !> (n) The coordinates at the start; empty for 0.
       real(wp), intent(in) :: q(:)
       !> The status of the simulation.
       integer, intent(in) :: status
       !> The text.
       character(:), allocatable, intent(out) :: text
-      real(wp) :: apart(size(structure%openings))
+      real(wp) :: apart(size(structure%openings)), least
       integer :: gap
 
       text = status_text(status)
-      if (status /= stat%gap_closed) return
-      apart = structure%openings
-      if (size(q) > 0) apart = apart - matmul(q, structure%directions)
-      gap = minloc(apart, dim=1)
-      text = text//': gap '//whole(gap - 1)//' is '//trim(number_text(apart(gap), .false., 6))// &
-         ', must be >= 0'
+      if (status == stat%gap_closed) then
+         apart = structure%openings
+         if (size(q) > 0) apart = apart - matmul(q, structure%directions)
+         gap = minloc(apart, dim=1)
+         text = text//': gap '//whole(gap - 1)//' is '//trim(number_text(apart(gap), .false., 6)) &
+            //', must be >= 0'
+      else if (status == stat%narrow_gap) then
+         call narrow_gap(structure, load, q, gap, least)
+         ! what is shown may be rounded down
+         text = text//': that of gap '//whole(gap - 1)//', or its sum with that of the opposite &
+            &gap, must be at least '//shown(1.06_wp*least, 'es9.1')
+      end if
    end subroutine start_fault
 
 end module vi_structure_gaps

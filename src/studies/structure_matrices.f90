@@ -5,6 +5,7 @@ module vi_structure_matrices
    use vi_kinds, only: wp
    use vi_matrix_file, only: beside, read_matrix
    use vi_namelist, only: group_type
+   use vi_structure, only: is_extreme
    use vi_text, only: brief, number_text, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
@@ -17,19 +18,24 @@ module vi_structure_matrices
    !> Largest number of numbers of a matrix.
    integer, parameter, public :: most_numbers = most_coordinates**2
 
+   !> Largest modulus of a number of a matrix, and of a frequency, a damping ratio or a shape.
+   real(wp), parameter :: largest = 1.0e100_wp, largest_modal = 1.0e40_wp
+
    character(*), parameter :: matrix_takes = 'n numbers (the diagonal) or n*n numbers (a symmetric &
-      &matrix, row by row), with n at most 500'
+      &matrix, row by row) from -1e100 to 1e100, with n at most 500'
    character(*), parameter :: file_takes = 'a Matrix Market file (real, general or symmetric) or a &
-      &NumPy file (.npy, float64), with a symmetric matrix of at most 500 rows or its diagonal'
+      &NumPy file (.npy, float64), with a symmetric matrix of at most 500 rows or its diagonal, of &
+      &numbers from -1e100 to 1e100'
 
    type(key_type), parameter, public :: structure_keys(*) = [ &
-      key_type('mass', most=most_numbers, takes=matrix_takes, or='mass_file', never='frequencies', &
+      key_type('mass', most=most_numbers, low=-largest, high=largest, takes=matrix_takes, &
+      or='mass_file', never='frequencies', &
       meaning='mass matrix M of M q'''' + C q'' + K q = f, positive definite'), &
-      key_type('damping', most=most_numbers, takes=matrix_takes, may_miss=.true., &
-      or='damping_file', never='frequencies', &
+      key_type('damping', most=most_numbers, low=-largest, high=largest, takes=matrix_takes, &
+      may_miss=.true., or='damping_file', never='frequencies', &
       meaning='damping matrix C, without negative eigenvalues; 0 if it is left out'), &
-      key_type('stiffness', most=most_numbers, takes=matrix_takes, may_miss=.true., &
-      or='stiffness_file', never='frequencies', &
+      key_type('stiffness', most=most_numbers, low=-largest, high=largest, takes=matrix_takes, &
+      may_miss=.true., or='stiffness_file', never='frequencies', &
       meaning='stiffness matrix K, without negative eigenvalues; 0 if it is left out'), &
       key_type('mass_file', a_word, takes=file_takes, may_miss=.true., or='mass', &
       never='frequencies', meaning='file with M; its path starts at the folder of the namelist'), &
@@ -37,14 +43,15 @@ module vi_structure_matrices
       never='frequencies', meaning='file with C'), &
       key_type('stiffness_file', a_word, takes=file_takes, may_miss=.true., or='stiffness', &
       never='frequencies', meaning='file with K'), &
-      key_type('frequencies', most=most_coordinates, low=0.0_wp, may_miss=.true., &
-      takes='one number >= 0 for each mode, at most 500', &
+      key_type('frequencies', most=most_coordinates, low=0.0_wp, high=largest_modal, &
+      may_miss=.true., takes='one number from 0 to 1e40 for each mode, at most 500', &
       meaning='circular frequencies of modes, in place of matrices; the coordinates are their &
       &amplitudes'), &
-      key_type('damping_ratios', most=most_coordinates, low=0.0_wp, only='frequencies', &
-      takes='one number >= 0 for each mode', meaning='damping ratio of each mode'), &
-      key_type('shapes', most=most_numbers, only='frequencies', &
-      takes='one number for each mode, point by point', &
+      key_type('damping_ratios', most=most_coordinates, low=0.0_wp, high=largest_modal, &
+      only='frequencies', takes='one number from 0 to 1e40 for each mode', &
+      meaning='damping ratio of each mode'), &
+      key_type('shapes', most=most_numbers, low=-largest_modal, high=largest_modal, &
+      only='frequencies', takes='one number from -1e40 to 1e40 for each mode, point by point', &
       meaning='mass-normalised shapes of the modes at the points to which gaps refer')]
 
    character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
@@ -72,6 +79,8 @@ contains
          call structure%text(name//'_file', file)
          call beside(path, file, full)
          call read_matrix(full, most_coordinates, numbers, message)
+         if (len(message) == 0 .and. any(abs(numbers) > largest)) message = &
+            'it holds the number '//trim(number_text(numbers(maxloc(abs(numbers), 1)), .false.))
          if (len(message) > 0) then
             call structure%refuse(name//'_file', full//': '//brief(message))
             return
@@ -149,17 +158,21 @@ contains
 
    !> Checks the matrices, and completes them: each is a diagonal, or else the whole symmetric
    !! matrix, and files are replaced by what they hold.
+   !!
+   !! Their entries are compared after the coordinates are scaled by the square roots of their
+   !! masses, so that what is refused does not depend on the units of any coordinate.
    pure subroutine check_matrices(structure, n)
       !> In and out: &structure.
       type(values_type), intent(inout) :: structure
       !> Number of coordinates.
       integer, intent(in) :: n
-      real(wp), allocatable :: matrix(:, :)
-      real(wp) :: apart, least, scale
-      character(:), allocatable :: name
+      real(wp), allocatable :: matrix(:, :), scaled(:, :)
+      real(wp) :: unit(n), least, own, scale
+      character(:), allocatable :: name, rule
       integer :: i, j, k, at(2)
 
       if (structure%has('frequencies')) return
+      unit = 1
       do i = 1, size(matrices)
          name = trim(matrices(i))
          if (.not. structure%has(name)) then
@@ -167,10 +180,11 @@ contains
             cycle
          end if
          matrix = as_matrix(structure%numbers(name), n)
-         scale = maxval(abs(matrix))
-         at = maxloc(abs(matrix - transpose(matrix)))
-         apart = abs(matrix(at(1), at(2)) - matrix(at(2), at(1)))
-         if (apart > 1.0e-12_wp*scale) then
+         if (i == 1) call set_units(matrix, unit)
+         scaled = matrix*spread(unit, 1, n)*spread(unit, 2, n)
+         scale = maxval(abs(scaled))
+         at = maxloc(abs(scaled - transpose(scaled)))
+         if (abs(scaled(at(1), at(2)) - scaled(at(2), at(1))) > 1.0e-12_wp*scale) then
             j = minval(at)
             k = maxval(at)
             call structure%refuse(trim(given_as(structure, i)), 'row '//whole(j)//', column '// &
@@ -178,24 +192,48 @@ contains
                whole(k)//', column '//whole(j)//' '//trim(number_text(matrix(k, j), .false.)))
             return
          end if
-         matrix = 0.5_wp*(matrix + transpose(matrix))
-         call least_eigenvalue(matrix, least)
-         if (i == 1 .and. .not. least > 0) then
-            call structure%refuse(trim(given_as(structure, i)), 'it must be positive definite, and &
-               &its least eigenvalue is '//trim(number_text(least, .false., 3)))
-            return
+         scaled = 0.5_wp*(scaled + transpose(scaled))
+         call least_eigenvalue(scaled, least)
+         if (i == 1 .and. .not. least > n*epsilon(least)) then
+            rule = 'it must be positive definite, and its least eigenvalue is '
          else if (least < -1.0e-12_wp*scale*n) then
-            call structure%refuse(trim(given_as(structure, i)), &
-               'it must have no negative eigenvalue, &
-               &and the least one is '//trim(number_text(least, .false., 3)))
+            rule = 'it must have no negative eigenvalue, and the least one is '
+         else
+            rule = ''
+         end if
+         matrix = 0.5_wp*(matrix + transpose(matrix))
+         if (len(rule) > 0) then
+            call least_eigenvalue(matrix, own)
+            ! the sign may be lost where the units of coordinates differ
+            if (own > 0) then
+               rule = rule//trim(number_text(least, .false., 3))//' with coordinates scaled by the &
+                  &square roots of their masses'
+            else
+               rule = rule//trim(number_text(own, .false., 3))
+            end if
+            call structure%refuse(trim(given_as(structure, i)), rule)
             return
          end if
          call structure%set(name, shortest(matrix))
+         ! such masses are refused by a simulation; their factors would overflow
+         if (i == 1 .and. any([(is_extreme(matrix(j, j)), j=1, n)])) unit = 1
       end do
       do i = 1, size(matrices)
          call structure%drop(trim(matrices(i))//'_file')
       end do
    end subroutine check_matrices
+
+   !> The factors that scale coordinates by the square roots of their masses.
+   pure subroutine set_units(mass, unit)
+      !> (n, n) M.
+      real(wp), intent(in) :: mass(:, :)
+      !> (n) In: 1. Out: the factors; still 1 where a mass is not allowed.
+      real(wp), intent(inout) :: unit(:)
+      integer :: i
+
+      if (any([(.not. mass(i, i) > 0, i=1, size(unit))])) return
+      unit = [(1/sqrt(mass(i, i)), i=1, size(unit))]
+   end subroutine set_units
 
    !> A matrix from its diagonal or from all its numbers.
    pure function as_matrix(numbers, n) result(matrix)

@@ -91,10 +91,9 @@ contains
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
-      !! `stat%no_impacts`, once it is steady; `stat%no_motion` where it has more than `most_events`
-      !! events in a
-      !! period, or no flight without rest; `stat%event_limit`, `stat%not_computed` if it was
-      !! stopped; or a status of the simulation or of Newton's method.
+      !! `stat%no_impacts` or `stat%permanent_rest`, once it is steady; `stat%no_motion` where it has
+      !! more than `most_events` events in a period, or no flight without rest; `stat%event_limit`,
+      !! `stat%not_computed` if it was stopped; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
@@ -129,7 +128,7 @@ contains
          if (found%cycles == 0) cycle
          at = state
          call conclude(structure, run, at, elapsed, events, found, status, progress)
-         if (status == stat%no_impacts) return
+         if (status == stat%no_impacts .or. status == stat%permanent_rest) return
          if (status == stat%ok) then
             if (found%motion%verdicts%stable == yes) then
                call take_shortest(structure, run, at, elapsed, events, found, progress)
@@ -378,7 +377,8 @@ contains
          call by_return(run, state, elapsed, events, n, found, status)
       else if (n == 0) then
          ! a mass that still moves slowly will hit a gap
-         status = merge(stat%no_impacts, stat%no_period, is_steady(run, state))
+         status = merge(merge(stat%permanent_rest, stat%no_impacts, state%regime /= 1), &
+            stat%no_period, is_steady(run, state))
       else
          found%gaps = events(:n)%gap
          allocate (found%resting(0), found%rests(2, 0))

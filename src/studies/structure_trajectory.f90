@@ -7,7 +7,7 @@ module vi_structure_trajectory
    use vi_progress, only: add_expected_work, is_stopped, report_share
    use vi_status, only: stat
    use vi_structure_record, only: advance_recorded
-   use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
+   use vi_structure, only: find_narrow, load_type, regime_type, state_of, structure_type, to_pairs
    use vi_structure_run, only: find_regime, impact_event, new_run, release_event, run_event_type, &
       run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
       whole_periods
@@ -26,7 +26,7 @@ contains
 
    !> Simulates a structure from a state to a final time, or until there are too many events.
    pure subroutine simulate_structure_arrays(structure, load, start, q, rate, last, table, labels, &
-      n, end_state, end_time, status)
+      n, end_state, end_time, status, first, first_state, resting)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -44,25 +44,46 @@ contains
       !! full; the time there.
       real(wp), contiguous, intent(out) :: end_state(:)
       real(wp), intent(out) :: end_time
-      !> `stat%ok`, or as in `start_at` and `simulate_structure`.
+      !> `stat%ok`, `stat%narrow_gap`, or as in `start_at` and `simulate_structure`;
+      !! `stat%event_limit` where there are more events before `first` than the table has columns.
       integer, intent(out) :: status
+      !> Time from which events are kept, `start` if it is left out; (2n) coordinates and velocities
+      !! there; (gaps) whether each gap rests from then on to the end.
+      real(wp), intent(in), optional :: first
+      real(wp), contiguous, intent(out), optional :: first_state(:)
+      integer, intent(out), optional :: resting(:)
       type(run_type) :: run
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
       integer(int64) :: last_cycle
+      integer, allocatable :: begun(:)
       real(wp) :: last_elapsed
-      integer :: i, m
+      integer :: i, left, m
 
       n = 0
       m = size(q)
       end_state = [q, rate]
       end_time = start
+      if (present(first_state)) first_state = end_state
+      if (present(resting)) resting = 0
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      call start_at(run, start, q, rate, state, status)
+      call begin(run, start, q, rate, state, status)
       if (status /= stat%ok) return
-      last_cycle = whole_periods(run, last)
-      last_elapsed = max(0.0_wp, last - real(last_cycle, wp)*run%period)
+      if (present(first)) then
+         left = size(labels, 2)
+         do while (first > start)
+            call pass_events(run, state, first, left, status)
+            if (status /= stat%more_events) exit
+         end do
+         end_time = real(state%cycle, wp)*run%period + state%elapsed
+         call state_now(run, state, end_state(:m), end_state(m + 1:))
+         if (status /= stat%ok) return
+         end_time = first
+      end if
+      if (present(first_state)) first_state = end_state
+      begun = run%regimes(state%regime)%resting
+      call find_parts(run, last, last_cycle, last_elapsed)
       allocate (events(chunk))
       do
          call simulate_structure(run, state, last_cycle, last_elapsed, &
@@ -74,11 +95,81 @@ contains
       call state_now(run, state, end_state(:m), end_state(m + 1:))
       end_time = real(state%cycle, wp)*run%period + state%elapsed
       if (status == stat%ok) end_time = last
+      if (present(resting)) resting(without(begun, labels(:, :n))) = 1
    end subroutine simulate_structure_arrays
+
+   !> A state from coordinates and velocities, where no gap is too narrow.
+   pure subroutine begin(run, start, q, rate, state, status)
+      !> In and out: the regime of closed gaps is added.
+      type(run_type), intent(inout) :: run
+      !> Time, coordinates (n) and velocities (n) at the start.
+      real(wp), intent(in) :: start, q(:), rate(:)
+      !> The state.
+      type(run_state_type), intent(out) :: state
+      !> `stat%ok`, `stat%narrow_gap`, or as in `start_at`.
+      integer, intent(out) :: status
+      real(wp) :: least
+      integer :: gap
+
+      call start_at(run, start, q, rate, state, status)
+      if (status /= stat%ok) return
+      call find_narrow(run%structure, run%regimes(1), q, gap, least)
+      if (gap > 0) status = stat%narrow_gap
+   end subroutine begin
+
+   !> A time as whole periods and the remainder.
+   pure subroutine find_parts(run, time, cycle, elapsed)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The time.
+      real(wp), intent(in) :: time
+      !> Whole periods, and the remainder.
+      integer(int64), intent(out) :: cycle
+      real(wp), intent(out) :: elapsed
+
+      cycle = whole_periods(run, time)
+      elapsed = max(0.0_wp, time - real(cycle, wp)*run%period)
+   end subroutine find_parts
+
+   !> Simulates to a time from which events are kept, or some events further.
+   pure subroutine pass_events(run, state, first, left, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The time.
+      real(wp), intent(in) :: first
+      !> In and out: events after which the simulation is given up.
+      integer, intent(inout) :: left
+      !> `stat%ok` at that time, `stat%more_events` before it, `stat%event_limit` if none is left,
+      !! or as in `simulate_structure`.
+      integer, intent(out) :: status
+      type(run_event_type), allocatable :: events(:)
+      integer(int64) :: cycle
+      real(wp) :: elapsed
+      integer :: n
+
+      call find_parts(run, first, cycle, elapsed)
+      allocate (events(min(chunk, left)))
+      call simulate_structure(run, state, cycle, elapsed, events, n, status, .true.)
+      left = left - n
+      if (status == stat%more_events .and. left == 0) status = stat%event_limit
+   end subroutine pass_events
+
+   !> The members of a set of resting gaps that no event releases.
+   pure function without(set, labels) result(rest)
+      !> The set; (2, events) kind and gap of each event.
+      integer, intent(in) :: set(:), labels(:, :)
+      integer, allocatable :: rest(:)
+      integer :: i
+
+      rest = pack(set, [(.not. any(labels(1, :) == release_event .and. labels(2, :) == set(i)), &
+         i=1, size(set))])
+   end function without
 
    !> As `simulate_structure_arrays`, with arrays that grow, and until it is stopped.
    subroutine simulate_structure_case(structure, load, start, q, rate, last, most, table, labels, &
-      n, end_state, end_time, status, progress)
+      n, end_state, end_time, status, progress, first, first_state, resting)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -103,12 +194,18 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      !> Time from which events are kept, `start` if it is left out; (2n) coordinates and velocities
+      !! there; the gaps that rest from then on to the end.
+      real(wp), intent(in), optional :: first
+      real(wp), allocatable, intent(out), optional :: first_state(:)
+      integer, allocatable, intent(out), optional :: resting(:)
       type(run_type) :: run
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
       integer(int64) :: last_cycle
+      integer, allocatable :: begun(:)
       real(wp) :: last_elapsed
-      integer :: i, m, reported
+      integer :: i, left, m, reported
       logical :: room
 
       n = 0
@@ -116,14 +213,32 @@ contains
       reported = 0
       end_state = [q, rate]
       end_time = start
+      if (present(first_state)) first_state = end_state
+      if (present(resting)) allocate (resting(0))
       allocate (table(3 + 2*m, min(most, chunk)), labels(2, min(most, chunk)))
       call add_expected_work(simulation_work, progress)
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      call start_at(run, start, q, rate, state, status)
+      call begin(run, start, q, rate, state, status)
       if (status /= stat%ok) return
-      last_cycle = whole_periods(run, last)
-      last_elapsed = max(0.0_wp, last - real(last_cycle, wp)*run%period)
+      if (present(first)) then
+         left = most
+         do while (first > start)
+            call pass_events(run, state, first, left, status)
+            end_time = real(state%cycle, wp)*run%period + state%elapsed
+            if (status /= stat%more_events) exit
+            call report_share((end_time - start)/(last - start), simulation_work, reported, &
+               progress)
+            if (is_stopped(progress)) status = stat%not_computed
+            if (status == stat%not_computed) exit
+         end do
+         call state_now(run, state, end_state(:m), end_state(m + 1:))
+         if (present(first_state)) first_state = end_state
+         if (status /= stat%ok) return
+         end_time = first
+      end if
+      begun = run%regimes(state%regime)%resting
+      call find_parts(run, last, last_cycle, last_elapsed)
       allocate (events(chunk))
       do
          if (n == size(labels, 2)) then
@@ -146,6 +261,7 @@ contains
       call state_now(run, state, end_state(:m), end_state(m + 1:))
       end_time = real(state%cycle, wp)*run%period + state%elapsed
       if (status == stat%ok) end_time = last
+      if (present(resting)) resting = without(begun, labels(:, :n))
    end subroutine simulate_structure_case
 
    !> Makes room for more events.

@@ -593,7 +593,8 @@ contains
          stat%no_impacts, stat%no_period, stat%extreme_units, &
          stat%not_stable, stat%fold, stat%graze, stat%not_exact, stat%coincident, &
          stat%not_smooth, stat%no_extremum, stat%shorter_period, stat%symmetric, &
-         stat%dependent_rests, stat%unbalanced, stat%too_stiff]
+         stat%dependent_rests, stat%unbalanced, stat%too_stiff, &
+         stat%permanent_rest, stat%narrow_gap]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

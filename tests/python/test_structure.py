@@ -244,3 +244,28 @@ def test_meta_impactor_cell():
     run = vi.simulate(cell, duration=20, state=([0, 0], [0, -1]))
     times = [1, 5.561717592, 7.505486386, 10.603458248, 12.795727055, 19.690919712]
     assert run.events["time"] == pytest.approx(times, abs=6e-10)
+
+
+def test_what_is_discarded_changes_nothing_else():
+    """A run with `discard` keeps the events of the whole run from there on, in cycles, time and a record."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    structure, load = osc.structure(6.0), vi.Load(0.9, sine=[1, 0])
+    period = 2 * math.pi / 0.9
+    steps = vi.Record(period / 40, np.sin(2 * math.pi * np.arange(601) / 40)[:, None] * [1.0, 0.0])
+    state = ([0, 0], [0, 1.0])
+    for words, before, rest in (
+        ({"load": load}, {"cycles": 15}, {"cycles": 4, "discard": 11}),
+        ({"load": load, "start": 2.5}, {"duration": 15 * period},
+         {"duration": 4 * period, "discard": 11 * period}),
+        ({"load": steps}, {}, {"discard": 11 * period}),
+    ):  # fmt: skip
+        whole = vi.simulate(structure, state=state, **words, **before)
+        part = vi.simulate(structure, state=state, **words, **rest)
+        later = whole.events["time"] > part.start
+        assert 0 < later.sum() < len(later)
+        assert part.start == pytest.approx(words.get("start", 0.0) + 11 * period)
+        assert part.end == pytest.approx(whole.end)
+        assert part.events["kind"].tolist() == whole.events["kind"][later].tolist()
+        assert part.events["time"] == pytest.approx(whole.events["time"][later], abs=1e-7)
+        at = np.linspace(part.start, part.end, 50)
+        assert np.abs(np.array(part.sample(at)) - whole.sample(at)).max() < 1e-5

@@ -91,6 +91,8 @@ def test_same_digits_through_every_door(tmp_path):
         span = {"duration": 12.0}
         if load is not None and load.frequency and rng.random() < 0.5:
             span = {"cycles": 2.5}
+        if rng.random() < 0.3:
+            span["discard"] = float(rng.choice([1.25, 3.0]))
         # all arguments of the call; the outcome can be an error that the motion cannot be followed
         words = span | {"state": state, "start": float(rng.choice([0, 3.25]))}
         direct = outcome(lambda: vi.simulate(structure, load, max_events=400, **words))  # noqa: B023

@@ -67,6 +67,9 @@ def test_a_frequency_beyond_all_units_is_named():
     ({"stiffness": [[1, 2], [0, 1]]}, "stiffness[0, 1] = 2.0 and stiffness[1, 0] = 0.0: must be equal"),
     ({"stiffness": [-1, 1]}, "stiffness: must have no negative eigenvalue"),
     ({"damping": [1, 2, 3]}, "damping of shape (3, 3): must be (2, 2)"),
+    ({"stiffness": [1e308, 1]}, "stiffness[0, 0] = 1e+308: must be a number from -1e100 to 1e100"),
+    ({"damping": [[0, 1e308], [1e308, 0]]}, "damping[0, 1] = 1e+308: must be a number from -1e100"),
+    ({"mass": np.ones(501)}, "mass of shape (501,): must be for 1 to 500 coordinates"),
     ({"gaps": [vi.Gap([1], 1)]}, "gaps[0].direction has 1 numbers: must have 2"),
     ({"gaps": [3]}, "gaps[0] = 3: must be a vibroimpact.Gap"),
 ])  # fmt: skip
@@ -101,6 +104,11 @@ def test_help_names_the_study_of_structures():
     ({"duration": 1, "state": ([0, 1], [0, 1])}, "must be two lists of 1 finite numbers"),
     ({"duration": 1, "load": vi.Load(1, sine=[1, 2])}, "load for 2 coordinates: must be for 1"),
     ({"duration": 1, "max_events": 0}, "max_events = 0"),
+    ({"duration": 1, "discard": -1}, "discard = -1.0: must be a number >= 0"),
+    ({"duration": 1, "discard": math.nan}, "discard = nan"),
+    ({"duration": 1, "discard": 1e13}, "discard = 10000000000000.0"),
+    ({"duration": 1, "discard": "all"}, "discard = 'all'"),
+    ({"duration": 1, "discard": 50, "state": ([0], [9]), "max_events": 3}, "within the discarded time"),
 ])  # fmt: skip
 def test_bad_simulations(words, message):
     s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1.0)])
@@ -172,3 +180,78 @@ def test_quantities_of_many_harmonics_are_those_of_few(monkeypatch):
     np.testing.assert_allclose(
         run.quantities(harmonics=40).q.harmonics, whole, rtol=1e-13, atol=1e-15
     )
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    (([1e200], [0.1], [[1]]), "frequencies[0] = 1e+200: must be numbers from 0 to 1e40"),
+    (([1], [1e300], [[1]]), "damping_ratios[0] = 1e+300"),
+    (([1], [0.1], [[1e300]]), "shapes with 1e+300"),
+    (([1], [0.1], [[1e30]], [vi.Gap([1e30], 1)]), "gaps[0].direction and shapes give"),
+    (([1], [0.1], [[1]], None), "gaps = None: must be a list"),
+])  # fmt: skip
+def test_modes_that_overflow(words, message):
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
+        vi.Structure.from_modes(*words)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize("fault", [0.0, 1e-9])
+def test_units_of_coordinates_do_not_change_what_is_refused(scale, fault):
+    """An eigenvalue below 0 counts by the frequency it stands for, whatever the units of each coordinate."""
+    mass = np.array([[2, 0.5, 0], [0.5, 2, 0.5], [0, 0.5, 1.0]])
+    springs = np.array([[1, -1, 0], [-1, 2, -1], [0, -1, 1.0]])
+    units = np.diag([scale, 1.0, 1 / scale])
+
+    def structure(m, c, k):
+        return vi.Structure(*(units @ matrix @ units for matrix in (m, c, k)), [])
+
+    structure(mass, 0.1 * springs, springs)
+    if fault:
+        for words in (
+            (mass, springs, springs - fault * mass),
+            (mass, springs - fault * mass, springs),
+        ):
+            with pytest.raises(vi.ParameterError, match="no negative eigenvalue"):
+                structure(*words)
+        singular = np.array([[1, 1, 0], [1, 1 - fault, 0], [0, 0, 1.0]])
+        with pytest.raises(vi.ParameterError, match="positive definite"):
+            structure(singular, springs, springs)
+
+
+@pytest.mark.parametrize(("directions", "wanted"), [
+    ([[-1, 1]], r"gaps\[0\].opening = 1e-09: must be 0 or at least 7.8e-05"),
+    ([[-1, 1], [1, -1]], r"gaps\[0\].opening \+ gaps\[1\].opening = 2e-09: must be at least 7.8e-05"),
+])  # fmt: skip
+def test_openings_below_the_rounding_of_displacements(directions, wanted):
+    """Both masses swing by 3e5: the first impact would be at 9.1e-10 instead of 1e-9."""
+    springs = [[1, -1], [-1, 1]]
+    load = vi.Load(1.0, sine=[1, 0])
+    state = ([0, 0], [0, 1])
+
+    def simulated(opening):
+        gaps = [vi.Gap(direction, opening, 0.8) for direction in directions]
+        return vi.simulate(
+            vi.Structure([1e-6, 2e-6], [0, 0], springs, gaps), load, duration=1e-8, state=state
+        )
+
+    with pytest.raises(vi.ParameterError, match=wanted):
+        simulated(1e-9)
+    simulated(1e-4)
+    if len(directions) == 1:
+        simulated(0.0)
+
+
+def test_a_load_that_does_not_act_on_a_mode_does_not_resonate_with_it():
+    """A symmetric load at the frequency of an antisymmetric mode without damping: the motion is symmetric."""
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        a, b, c, outer, inner = 10 ** rng.uniform(-1, 1, 5)
+        stiffness = [[a + b, -b, 0], [-b, 2 * b + c, -b], [0, -b, a + b]]
+        s = vi.Structure([outer, inner, outer], [0, 0, 0], stiffness, [])
+        force = rng.uniform(0.1, 1, 2)[[0, 1, 0]]
+        load = vi.Load(math.sqrt((a + b) / outer), sine=force)
+        q, _ = vi.simulate(s, load, cycles=3).sample([2 / load.frequency])
+        assert q[0] == pytest.approx(q[2], rel=1e-9)
+        with pytest.raises(vi.SingularError, match="resonates"):
+            vi.simulate(s, vi.Load(load.frequency, sine=force * [1, 1, 1 + 1e-9]), cycles=3)

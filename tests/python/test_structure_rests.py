@@ -139,3 +139,103 @@ def test_three_gaps_at_rest(seed):
             np.testing.assert_allclose(ours, theirs, atol=1e-5)
     t = np.linspace(0, end, 500)[:-1]
     np.testing.assert_allclose(run.sample(t)[0], reference.sample(t), atol=1e-6)
+
+
+def test_rest_across_the_ends_of_a_spring():
+    """Two bodies that rest on each other move as one, whatever spring and dashpot hold their ends."""
+    masses = np.array([3.194308434581922, 1.8461862772452002, 2.688583956279266])
+    springs = 0.1 * np.array([[0, 0, 0], [0, 1, -1], [0, -1, 1]])
+    for unit in (1.0, 3.0, 1e-9, 1e9):
+        gaps = [vi.Gap([0, -1, 1], 1e-3, 0.0)]
+        s = vi.Structure(unit * masses, 0.5 * unit * springs, unit * springs, gaps)
+        run = vi.simulate(s, vi.Load(constant=[0, 0, unit]), duration=4)
+        assert run.events["kind"].tolist() == ["impact", "stick"]
+        q, rate = run.final_state
+        assert q[2] - q[1] == pytest.approx(1e-3, rel=1e-9)
+        assert rate[1:] == pytest.approx(4 / masses[1:].sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_no_rest_of_a_free_chain_is_refused(seed):
+    """Chains of bodies that springs and dashpots join at random, with rest across some of them.
+
+    Nothing holds them: their momentum is that of the load.
+    """
+    rng = np.random.default_rng(seed + 1)
+    coupled = 0
+    for _ in range(500):
+        n = int(rng.integers(2, 9))
+        masses = 10 ** rng.uniform(-1, 1, n)
+        damping, stiffness = np.zeros((n, n)), np.zeros((n, n))
+        for i in range(n - 1):
+            link = np.eye(n)[i] - np.eye(n)[i + 1]
+            for matrix in (damping, stiffness):
+                if rng.random() < 0.6:
+                    matrix += 10 ** rng.uniform(-2, 1) * np.outer(link, link)
+        at = rng.choice(n - 1, min(n - 1, 1 + int(rng.random() < 0.4)), replace=False)
+        gaps = [vi.Gap(np.eye(n)[j + 1] - np.eye(n)[j], 1e-3, 0.0) for j in at]
+        load = vi.Load(constant=sum(np.eye(n)[j + 1] for j in at))
+        try:
+            run = vi.simulate(vi.Structure(masses, damping, stiffness, gaps), load, duration=3)
+        except vi.SingularError as error:
+            if "two coupled gaps" not in str(error):
+                raise
+            coupled += 1
+            continue
+        _, rate = run.final_state
+        assert masses @ rate == pytest.approx(3.0 * len(at), rel=1e-9)
+    assert coupled < 150
+
+
+def test_rest_leaves_soft_springs_of_other_bodies():
+    """A rest between stiff bodies does not set another body free, whose spring is 1e-17 as stiff."""
+    gaps = [vi.Gap([1, -1, 0], 0.0, 0.0)]
+    s = vi.Structure([1, 1, 1], [0, 0, 0], [1e17, 1e17, 1], gaps)
+    load = vi.Load(constant=[1.0, -1.0, 0.0])
+    run = vi.simulate(s, load, duration=2, state=([0, 0, 1], [0, 0, 0]))
+    assert run.permanent == (0,)
+    assert run.final_state[0][2] == pytest.approx(np.cos(2.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("light", [1.0, 1e-8, 1e-16])
+def test_a_light_body_between_heavy_ones_that_rest_on_it(light):
+    """The forces on it follow from the heavy bodies; the products of directions would lose them."""
+    gaps = [vi.Gap([1, -1, 0], 0.0, 0.0), vi.Gap([0, 1, -1], 0.0, 0.0)]
+    s = vi.Structure([1, light, 1], [0, 0, 0], [0, 0, 0], gaps)
+    # the last body is drawn more and more, until it leaves where both accelerate alike
+    load = vi.Record(1.0, np.outer(np.arange(4.0), [0, 0, 1]), constant=[1.0, 0, 0])
+    run = vi.simulate(s, load, duration=3)
+    released = run.events[run.events["kind"] == "release"]
+    first = released["time"][0]
+    assert first == pytest.approx(1 / (1 + light), rel=1e-7)
+    assert run.sample([first])[1][:, 0] == pytest.approx(
+        (first + first**2 / 2) / (2 + light), rel=1e-7
+    )
+
+
+def test_a_rest_that_never_ends_is_named():
+    """A mass that lies on a table has no events; the trajectory says that it rests."""
+    table = vi.Structure([1], [0], [0], [vi.Gap([1], 0.0, 0.5)])
+    weight = vi.Load(constant=[1.0])
+    run = vi.simulate(table, weight, duration=4)
+    assert run.permanent == (0,)
+    assert (
+        repr(run)
+        == "<StructureTrajectory t = 0 to 4: 0 impacts, 0 rests, gap 0 rests all the time>"
+    )
+    dropped = vi.simulate(table, weight, duration=9, state=([-1.0], [0.0]))
+    assert dropped.permanent == ()
+    assert vi.simulate(table, weight, duration=1, discard=8, state=([-1.0], [0.0])).permanent == (
+        0,
+    )
+    pulled = vi.Load(0.1, sine=[-2.0], constant=[1.0])
+    assert vi.simulate(table, pulled, cycles=1).permanent == ()
+    shaken = vi.Load(0.1, sine=[-0.5], constant=[1.0])
+    resting = vi.simulate(table, shaken, cycles=2)
+    with pytest.raises(vi.SingularError, match="settles on a rest that never ends"):
+        vi.exact(table, shaken, resting)
+    found = vi.basins(table, shaken, states=4, settling=50)
+    assert [item.name for item in found.attractors] == ["permanent rest"]
+    osc = vi.Oscillator(xi=0.1, mu=0.1, restitution=0.0)
+    rests = vi.simulate(osc, 0.9, 1.0, 3, state={"z": 0.5}, load=0.0)
+    assert "m rests on R all the time" in repr(rests)
