@@ -168,7 +168,7 @@ class StructureZone(Followed, study="zone_structure"):
         return Path(self._result, *self._start, [self.x, self.y]).at(*place)
 
     def motion(self, x: float, y: float) -> StructureMotion | None:
-        """The motion at a point, followed from the boundary: from the nearest vertex of each piece in turn.
+        """The motion at a point, followed from the boundary: from the nearest vertex of each piece in turn, then others.
 
         The first one that is stable and admissible; otherwise the first admissible one. None if none can be
         followed so far.
@@ -178,9 +178,12 @@ class StructureZone(Followed, study="zone_structure"):
         vertices = []
         for piece in self.boundary:
             apart = np.linalg.norm((np.c_[piece.x, piece.y] - target) / size, axis=1)
-            vertices.append((float(apart.min()), piece, int(np.argmin(apart))))
+            nearest = int(np.argmin(apart))
+            # later others: Newton's method can fail from where two impacts come together
+            for j in {nearest, *np.linspace(0, len(piece) - 1, 5).astype(int).tolist()}:
+                vertices.append((j != nearest, float(apart[j]), piece, j))
         other = None
-        for _, piece, j in sorted(vertices, key=lambda vertex: vertex[0]):
+        for _, _, piece, j in sorted(vertices, key=lambda vertex: vertex[:2]):
             found = self._followed(np.array([piece.x[j], piece.y[j]]), piece.phases[:, j], target)
             if found is not None and found.stable:
                 return found
@@ -189,14 +192,18 @@ class StructureZone(Followed, study="zone_structure"):
 
     def _followed(self, start: _Array, phases: _Array, target: _Array) -> StructureMotion | None:
         """The admissible motion at a point, followed from another point."""
-        found = None
+        found, gaps = None, self.gaps
         for share in np.linspace(0, 1, 7)[1:]:
             place = start + share * (target - start) if share < 1 else target
+            # impacts on two gaps may change their order, also across the end of the period
+            phases = phases % (2 * np.pi * self.cycles)
+            order = np.argsort(phases, kind="stable")
+            gaps = gaps[order]
+            guess = phases[order], gaps.tolist(), self.cycles
             try:
-                found = exact_structure(
-                    *self.at(*place.tolist()), (np.sort(phases), self.gaps.tolist(), self.cycles)
-                )
-            except SingularError:
+                found = exact_structure(*self.at(*place.tolist()), guess)
+            except (ParameterError, SingularError):
+                # two impacts on one gap at the same instant, or no motion near the guess
                 return None
             phases = found.phases
         return found if found is not None and found.consistent and found.admissible else None

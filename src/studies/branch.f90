@@ -5,7 +5,7 @@
 !! that condition as a further equation. A branch ends at a motion that repeats itself within its
 !! period, or that is symmetric; such motions form a branch of their own.
 module vi_branch
-   use vi_crossing, only: hidden_zero, locate
+   use vi_crossing, only: find_dip, locate, may_dip
    use vi_curve, only: curve_type, distance_from
    use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, &
       wrap_phases, zero_approach
@@ -94,9 +94,11 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(condition_type) :: none(0)
       type(place_type) :: before, now, next
-      real(wp) :: along(size(point))
+      real(wp) :: along(size(point)), reach
+      !> Number of points up to `before` and up to `now`.
+      integer :: n(2)
       integer :: i
-      logical :: good, done, unsure
+      logical :: good, done, unsure, earlier
 
       allocate (branch%points(size(point), most), branch%special(most))
       branch%reason = end_stuck
@@ -115,6 +117,7 @@ contains
          return
       end if
       before = now
+      n = [branch%n, branch%n]
       do while (branch%n + size(now%values) < most)
          if (is_stopped(progress)) then
             branch%reason = end_stopped
@@ -122,8 +125,19 @@ contains
          end if
          call take_step(curve, none, stride, now, next, good)
          if (.not. good) return
-         if (is_too_far(before, now, next, stride%shortest)) then
+         if (is_too_far(now, next, stride%shortest)) then
             now%step = 0.3_wp*next%came
+            cycle
+         end if
+         call look_between(curve, before, now, next, earlier, reach)
+         if (earlier) then
+            ! the previous step is repeated
+            branch%n = n(1)
+            n(2) = n(1)
+            now = before
+         end if
+         if (reach > 0) then
+            now%step = reach
             cycle
          end if
          call note_special(curve, now, next, branch, done, unsure)
@@ -139,28 +153,73 @@ contains
          end if
          call append(branch, next, condition_type())
          call report_share(max(covered(branch), branch%n/real(most, wp)), work, reported, progress)
+         n = [n(2), branch%n]
          before = now
          now = next
       end do
       branch%reason = end_full
    end subroutine follow_branch
 
-   !> Whether a step has to be repeated with a shorter length: it may hide a special point, or goes
-   !! too far beyond one of the bounds.
-   pure logical function is_too_far(before, now, next, shortest)
-      !> Start of the previous step, start and end of this step.
-      type(place_type), intent(in) :: before, now, next
+   !> Whether a step has to be repeated with a shorter length: the multipliers change much, or it
+   !! goes too far beyond one of the bounds.
+   pure logical function is_too_far(now, next, shortest)
+      !> Start and end of the step.
+      type(place_type), intent(in) :: now, next
       !> Least length of a step.
       real(wp), intent(in) :: shortest
 
       is_too_far = .false.
-      if (can_shorten(next, 1.0e-4_wp)) is_too_far = any(hidden_zero(before%values, now%values, &
-         next%values, now%came, next%came, merge(0.2_wp, 0.0_wp, now%conditions%kind <= &
-         neimark_sacker)) .and. .not. stays_on_circle(now, next))
-      if (can_shorten(next, 1.0e-5_wp)) is_too_far = is_too_far .or. changes_much(now, next)
+      if (can_shorten(next, 1.0e-5_wp)) is_too_far = changes_much(now, next)
       ! values beyond a bound are not used: they may be meaningless
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
+
+   !> Looks for a place within the last two steps where a condition has another sign than at their
+   !! ends: two special points lie within one step there.
+   !!
+   !! The first step of a branch has none before it, and the last one none after it.
+   pure subroutine look_between(curve, before, now, next, earlier, reach)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> Start of the previous step, start and end of this step.
+      type(place_type), intent(in) :: before, now, next
+      !> Whether the place lies in the previous step.
+      logical, intent(out) :: earlier
+      !> Length of the step to that place; 0 if there is none.
+      real(wp), intent(out) :: reach
+      type(condition_type) :: none(0)
+      logical, dimension(size(now%values)) :: sought, first
+      integer :: j
+      logical :: found
+
+      earlier = .false.
+      reach = 0
+      sought = now%conditions%kind /= repetition .and. now%values*next%values > 0 .and. .not. &
+         stays_on_circle(now, next)
+      first = sought .and. can_shorten(now, least_step) .and. may_dip(next%values, now%values, &
+         before%values, next%came, now%came)
+      sought = sought .and. can_shorten(next, least_step) .and. (may_dip(before%values, &
+         now%values, next%values, now%came, next%came) .or. (is_end(next) .and. &
+         abs(next%values) < abs(now%values)) .or. (.not. now%came > 0 .and. &
+         abs(now%values) < abs(next%values)))
+      do j = 1, size(sought)
+         found = .false.
+         if (first(j)) call find_dip(curve, none, before, now, j, reach, found)
+         earlier = found
+         if (sought(j) .and. .not. found) call find_dip(curve, none, now, next, j, reach, found)
+         if (found) return
+      end do
+      reach = 0
+   end subroutine look_between
+
+   !> Whether a branch ends within the step to a place.
+   pure logical function is_end(place)
+      !> The end of the step.
+      type(place_type), intent(in) :: place
+
+      is_end = any(place%values < 0 .and. (place%conditions%kind == edge .or. &
+         place%conditions%kind == repetition))
+   end function is_end
 
    !> (conditions) Whether it is the one of Neimark-Sacker and is zero but for rounding at both ends
    !! of a step: a pair of multipliers lies on the unit circle, such as that of a host that neither
@@ -329,6 +388,8 @@ contains
       if (unsure) return
       do i = 1, n
          j = order(i)
+         ! what rounding puts before the bound, but lies beyond it
+         if (found(j)%conditions(j)%kind /= edge .and. beyond(found(j))) cycle
          call append(branch, found(j), found(j)%conditions(j))
          select case (found(j)%conditions(j)%kind)
          case (edge)
@@ -381,16 +442,23 @@ contains
       logical, intent(in) :: crossed(:)
       !> Index of the touch.
       integer, intent(in) :: j
-      integer :: i, n
+      !> A touch this near to an end of its flight, as a share of it, is told from the impact there
+      !! by a distance of `far` at least, any other touch by `near`.
+      real(wp), parameter :: beside = 1.0e-3_wp, far = 1.0e-3_wp, near = 1.0e-6_wp
+      integer :: behind, i, n
+      real(wp) :: share
 
       same = .false.
       if (found(j)%conditions(j)%kind /= grazing) return
       n = count(found(j)%conditions%kind == zero_approach)
+      share = found(j)%conditions(j)%share
       do i = 1, size(crossed)
          if (.not. crossed(i)) cycle
          if (found(i)%conditions(i)%kind /= zero_approach) cycle
-         same = any(modulo(found(i)%conditions(i)%index - found(j)%conditions(j)%index, n) &
-            == [0, 1]) .and. norm2(found(i)%point - found(j)%point) < 1.0e-6_wp
+         ! 0: the flight begins with the impact, 1: it ends with it
+         behind = modulo(found(i)%conditions(i)%index - found(j)%conditions(j)%index, n)
+         same = any(behind == [0, 1]) .and. norm2(found(i)%point - found(j)%point) < merge(far, &
+            near, abs(share - behind) < beside .and. share < 1)
          if (same) return
       end do
    end function is_end_of_approach

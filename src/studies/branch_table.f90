@@ -1,14 +1,15 @@
 !> Branches as plain arrays: the motion at every point, and the special points among them.
 module vi_branch_table
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_branch, only: branch_type, end_stopped, follow_branch
+   use vi_branch, only: branch_type, end_simultaneous, end_stopped, end_stuck, follow_branch
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
    use vi_family, only: new_family, whole_unknowns
    use vi_frame, only: condition_type, edge, zero_approach
    use vi_kinds, only: wp
    use vi_motion, only: no, unknown
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, &
+      span_of
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
    use vi_points, only: member_point
@@ -70,7 +71,7 @@ contains
       type(condition_type), allocatable :: conditions(:)
       real(wp), allocatable :: start(:), points(:, :)
       logical :: cut
-      integer :: reported
+      integer :: origin, reported
 
       n = 0
       reasons = 0
@@ -78,7 +79,7 @@ contains
       call make_curve(request, unknowns, curve, start, status)
       if (status == stat%ok) then
          call follow_both(curve, stride_type(longest=request%longest, turn=0.3_wp), start, &
-            size(codes)/2, points, conditions, reasons, progress)
+            size(codes)/2, points, conditions, reasons, progress, origin)
          reported = follow_work
          ! the points found before a stop are written
          cut = is_stopped(progress)
@@ -95,13 +96,16 @@ contains
             end if
          end do
          n = min(n, size(conditions))
+         call cut_ends(request, curve, points, min(origin, n), parameters, phases, impacts, scalars, &
+            multipliers, verdicts, codes, special, n, reasons)
       end if
       call report_share(1.0_wp, branch_work, reported, progress)
    end subroutine branch_arrays
 
    !> The points of a branch in both directions from its start; none if the start is a singular
    !! point.
-   subroutine follow_both(curve, stride, start, most, points, conditions, reasons, progress)
+   subroutine follow_both(curve, stride, start, most, points, conditions, reasons, progress, &
+      origin)
       !> The curve of motions, with edges at the bounds of the parameter.
       type(curve_type), intent(in) :: curve
       !> Limits on steps.
@@ -118,6 +122,8 @@ contains
       integer, intent(out) :: reasons(2)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      !> Number of the point at the start.
+      integer, intent(out), optional :: origin
       type(branch_type) :: half(2)
       integer :: i, n, reported, work(2)
 
@@ -132,6 +138,7 @@ contains
          reasons(i) = half(i)%reason
       end do
       n = max(0, half(1)%n + half(2)%n - 1)
+      if (present(origin)) origin = half(1)%n
       if (any(half%n == 0)) n = 0
       allocate (points(size(start), n), conditions(n))
       if (n == 0) return
@@ -140,6 +147,79 @@ contains
       conditions = [half(1)%special(half(1)%n:2:-1), half(2)%special(:half(2)%n)]
       if (half(1)%special(1)%kind > 0) conditions(half(1)%n) = half(1)%special(1)
    end subroutine follow_both
+
+   !> Cuts a branch where rounding leaves no digits of its motions.
+   !!
+   !! Two impacts on the same wall come together there, for example where a coefficient of
+   !! restitution approaches 0: the flight between them, and the approach speed of the second one,
+   !! approach 0. The last motion that is known is marked as such an end.
+   pure subroutine cut_ends(request, curve, points, origin, parameters, phases, impacts, scalars, &
+      multipliers, verdicts, codes, special, n, reasons)
+      !> What is followed.
+      type(branch_request_type), intent(in) :: request
+      !> The curve of motions.
+      type(curve_type), intent(in) :: curve
+      !> The points (size of a point, n), and the number of the one at the start.
+      real(wp), intent(in) :: points(:, :)
+      integer, intent(in) :: origin
+      !> In and out: as in `branch_arrays`.
+      real(wp), intent(inout) :: parameters(:, :), phases(:, :), impacts(:, :, :), scalars(:, :)
+      complex(wp), intent(inout) :: multipliers(:, :)
+      integer, intent(inout) :: verdicts(:, :), codes(:), special(:, :), n, reasons(2)
+      type(condition_type) :: condition
+      integer :: ends(2), i, m
+
+      if (n == 0) return
+      ends(1) = findloc(codes(:origin), stat%no_convergence, dim=1, back=.true.) + 1
+      ends(2) = findloc(codes(origin:n), stat%no_convergence, dim=1) + origin - 2
+      if (ends(2) < origin) ends(2) = n
+      if (ends(1) > origin .or. (ends(1) == 1 .and. ends(2) == n)) return
+      do i = 1, 2
+         if (ends(i) == merge(1, n, i == 1)) cycle
+         reasons(i) = end_stuck
+         call last_flight(curve, points(:, ends(i)), condition)
+         if (condition%kind == 0) cycle
+         reasons(i) = end_simultaneous
+         special(:, ends(i)) = [condition%kind, condition%index, condition%side]
+         call write_point(request, curve, points(:, ends(i)), condition, parameters(:, ends(i)), &
+            phases(:, ends(i)), impacts(:, :, ends(i)), scalars(:, ends(i)), &
+            multipliers(:, ends(i)), verdicts(:, ends(i)), codes(ends(i)))
+      end do
+      m = ends(2) - ends(1) + 1
+      associate (a => ends(1), b => ends(2))
+         parameters(:, :m) = parameters(:, a:b)
+         phases(:, :m) = phases(:, a:b)
+         impacts(:, :, :m) = impacts(:, :, a:b)
+         scalars(:, :m) = scalars(:, a:b)
+         multipliers(:, :m) = multipliers(:, a:b)
+         verdicts(:, :m) = verdicts(:, a:b)
+         codes(:m) = codes(a:b)
+         special(:, :m) = special(:, a:b)
+      end associate
+      n = m
+   end subroutine cut_ends
+
+   !> The impact that comes together with the one before it at an end of a branch.
+   pure subroutine last_flight(curve, point, condition)
+      !> The curve of motions.
+      type(curve_type), intent(in) :: curve
+      !> The last point.
+      real(wp), intent(in) :: point(:)
+      !> The zero approach of the second impact; kind 0 if no flight is short.
+      type(condition_type), intent(out) :: condition
+      !> Rounding hides the speed of a flight (rad) that is shorter than about this.
+      real(wp), parameter :: short = 1.0e-2_wp
+      real(wp), allocatable :: theta(:)
+      integer :: i, n
+
+      n = size(curve%frame%family%sides)
+      allocate (theta(n + 1))
+      theta(:n) = point(n + 1:2*n)
+      theta(n + 1) = theta(1) + span_of(curve%frame%family)
+      i = minloc(theta(2:) - theta(:n), dim=1)
+      if (theta(i + 1) - theta(i) < short) condition = condition_type(zero_approach, &
+         modulo(i, n) + 1)
+   end subroutine last_flight
 
    !> One point of a branch as a motion in arrays.
    pure subroutine write_point(request, curve, point, condition, parameters, phases, impacts, &

@@ -1,13 +1,14 @@
 !> Zeros of a condition on a step along a curve of motions.
 module vi_crossing
-   use vi_curve, only: correct, curve_type
+   use vi_conditions, only: condition_value
+   use vi_curve, only: correct, curve_type, parameters_of, unknowns_of
    use vi_frame, only: condition_type, grazing, is_inside, rest_splits, rest_vanishes
    use vi_kinds, only: wp
-   use vi_steps, only: place_type, survey
+   use vi_steps, only: has_other_symbols, place_type, survey
    implicit none (type, external)
    private
 
-   public :: hidden_zero, innermost_zero, locate
+   public :: find_dip, hidden_zero, innermost_zero, locate, may_dip
 
 contains
 
@@ -38,6 +39,133 @@ contains
       if (present(margin)) hidden = extreme*now < margin*now**2
    end function hidden_zero
 
+   !> Whether a condition with one sign at three successive places may be zero twice between two of
+   !! them: a value that is convex, seen from zero, lies above the continued chord of the other two.
+   !!
+   !! The value has to be least at the place in the middle, since it rises again after the two
+   !! zeros. The chord is taken as twice as steep as it is.
+   pure elemental logical function may_dip(outer, near, far, outer_step, step)
+      !> Values: at the other place, at the place in the middle, and at the end of the step.
+      real(wp), intent(in) :: outer, near, far
+      !> Lengths of the other step and of the step in question.
+      real(wp), intent(in) :: outer_step, step
+
+      may_dip = outer*near > 0 .and. near*far > 0 .and. abs(near) < abs(outer) .and. &
+         abs(near) <= abs(far) .and. outer_step > 0 .and. step > 0
+      if (may_dip) may_dip = 2*(abs(outer) - abs(near))*step >= abs(near)*outer_step
+   end function may_dip
+
+   !> A place within a step where a condition has another sign than at both ends.
+   !!
+   !! Such a place is sought where the value approaches zero at the start of the step and departs
+   !! from it at the end. A convex value lies above its tangents: the search ends where they
+   !! intersect on the same side of zero.
+   pure subroutine find_dip(curve, conditions, from, to, which, reach, found)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> Conditions that are zero along the curve.
+      type(condition_type), intent(in) :: conditions(:)
+      !> Start and end of the step.
+      type(place_type), intent(in) :: from, to
+      !> Index of the condition.
+      integer, intent(in) :: which
+      !> Length of the step to that place.
+      real(wp), intent(out) :: reach
+      !> Whether there is one.
+      logical, intent(out) :: found
+      integer, parameter :: most_places = 12
+      !> What is nearer to an end of the step than this share of it is not told from that end.
+      real(wp), parameter :: margin = 0.02_wp
+      type(place_type) :: place
+      real(wp), dimension(2) :: at, value, rate
+      real(wp) :: cosine, length, meet, sign_of, slope
+      integer :: i, iterations, side
+
+      found = .false.
+      reach = 0
+      length = from_length(from, to)
+      cosine = dot_product(from%tangent, to%tangent)
+      if (.not. (length > 0 .and. cosine > 0)) return
+      sign_of = sign(1.0_wp, from%values(which))
+      rate(1) = sign_of*rate_along(curve, from, which)
+      if (.not. rate(1) < 0) return
+      rate(2) = sign_of*rate_along(curve, to, which)/cosine
+      at = [0.0_wp, length]
+      value = sign_of*[from%values(which), to%values(which)]
+      allocate (place%tangent, mold=from%tangent)
+      do i = 1, most_places
+         if (.not. rate(2) > 0) return
+         meet = (value(2) - value(1) + rate(1)*at(1) - rate(2)*at(2))/(rate(1) - rate(2))
+         if (value(1) + rate(1)*(meet - at(1)) > 0) return
+         reach = least_of_cubic(at, value, rate)
+         if (reach < margin*length .or. reach > (1 - margin)*length) return
+         place%point = between(from, to, reach, length, cosine)
+         call correct(curve, conditions, place%point, iterations, from%tangent, place%tangent)
+         if (iterations == 0) return
+         call survey(curve, place)
+         if (has_other_symbols(curve, place)) return
+         found = sign_of*place%values(which) < 0
+         if (found) return
+         slope = sign_of*rate_along(curve, place, which)/dot_product(from%tangent, place%tangent)
+         side = merge(1, 2, slope < 0)
+         at(side) = reach
+         value(side) = sign_of*place%values(which)
+         rate(side) = slope
+      end do
+   end subroutine find_dip
+
+   !> The derivative of a condition along the curve at a place.
+   pure real(wp) function rate_along(curve, place, which) result(rate)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The place, with its tangent and its conditions.
+      type(place_type), intent(in) :: place
+      !> Index of the condition.
+      integer, intent(in) :: which
+      real(wp), parameter :: h = 1.0e-6_wp
+
+      rate = (at(h) - at(-h))/(2*h)
+   contains
+      !> The value at a point of the tangent.
+      pure real(wp) function at(step)
+         !> Distance from the place.
+         real(wp), intent(in) :: step
+         real(wp) :: point(size(place%point))
+
+         point = place%point + step*place%tangent
+         at = condition_value(curve%frame, unknowns_of(curve, point), parameters_of(curve, point), &
+            place%conditions(which))
+      end function at
+   end function rate_along
+
+   !> The least value of the cubic through two values with given derivatives, well inside.
+   pure real(wp) function least_of_cubic(at, value, rate) result(least)
+      !> Places, values, and derivatives: the first negative, the second positive.
+      real(wp), intent(in) :: at(2), value(2), rate(2)
+      real(wp) :: chord, root, share, width
+
+      width = at(2) - at(1)
+      chord = 3*(value(1) - value(2))/width + rate(1) + rate(2)
+      root = sqrt(chord**2 - rate(1)*rate(2))
+      share = (root + chord - rate(1))/(rate(2) - rate(1) + 2*root)
+      least = at(1) + width*max(0.1_wp, min(0.9_wp, share))
+   end function least_of_cubic
+
+   !> A point of the cubic through both ends of a step with the tangents there.
+   pure function between(from, to, reach, length, cosine) result(point)
+      !> Start and end of the step.
+      type(place_type), intent(in) :: from, to
+      !> Distances along the tangent at the start: of the point, and of the end.
+      real(wp), intent(in) :: reach, length
+      !> Cosine of the angle between the tangents.
+      real(wp), intent(in) :: cosine
+      real(wp) :: point(size(from%point)), t
+
+      t = reach/length
+      point = from%point + t**2*(3 - 2*t)*(to%point - from%point) + length*t*(1 - t)*((1 - t) &
+         *from%tangent - t/cosine*to%tangent)
+   end function between
+
    !> The point of a step where a further condition is zero, by Newton's method or else bisection.
    pure subroutine locate(curve, conditions, from, to, which, place, share, good)
       !> The curve.
@@ -54,6 +182,9 @@ contains
       real(wp), intent(out) :: share
       !> Whether it is found.
       logical, intent(out) :: good
+      integer, parameter :: most_passes = 60
+      !> A gap that is less than zero by rounding, over the clearance.
+      real(wp), parameter :: rounding = 1.0e-9_wp
       type(condition_type) :: extra(1)
       type(place_type) :: low, high
       real(wp) :: near
@@ -67,7 +198,7 @@ contains
       end if
       low = from
       high = to
-      do i = 1, 60
+      do i = 1, most_passes
          near = low%values(which)/(low%values(which) - high%values(which))
          if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp
          place%point = low%point + near*(high%point - low%point)
@@ -75,6 +206,12 @@ contains
          share = dot_product(from%tangent, place%point - from%point)/from_length(from, to)
          good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
             norm2(place%point - from%point) < 2*to%came
+         if (good .and. extra(1)%kind == grazing) then
+            ! within one flight another touch may come first
+            call survey(curve, place)
+            good = place%values(which) > -rounding .or. i == most_passes
+            if (.not. good) extra(1) = place%conditions(which)
+         end if
          if (good) exit
          if (norm2(high%point - low%point) < 1.0e-12_wp) exit
          ! narrow the bracket

@@ -10,7 +10,7 @@ module vi_steps
    implicit none (type, external)
    private
 
-   public :: begin_walk, can_shorten, exchange, survey, take_step
+   public :: begin_walk, can_shorten, exchange, has_other_symbols, survey, take_step
 
    !> A point of a curve with the direction of travel and all conditions.
    type, public :: place_type
@@ -103,6 +103,18 @@ contains
          parameters_of(curve, place%point), place%values, place%conditions, place%spectrum)
    end subroutine survey
 
+   !> Whether the period at a place has other symbols than the family: all values are -1 at once.
+   pure logical function has_other_symbols(curve, place)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The place, with its values.
+      type(place_type), intent(in) :: place
+
+      has_other_symbols = curve%frame%resting
+      if (has_other_symbols) has_other_symbols = count(place%values <= -1) > &
+         size(curve%frame%rest%symbols)
+   end function has_other_symbols
+
    !> One step along a curve, shortened until Newton's method converges and the turn is small.
    pure subroutine take_step(curve, conditions, stride, from, to, good, blind)
       !> The curve.
@@ -136,8 +148,7 @@ contains
          call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent, correction)
          if (iterations > 0 .and. curve%frame%resting) then
             call survey(curve, to)
-            ! all values are -1 at once: the period has other symbols there
-            if (count(to%values <= -1) > size(curve%frame%rest%symbols)) iterations = 0
+            if (has_other_symbols(curve, to)) iterations = 0
          end if
          if (iterations > 0) then
             turn = turn_of(from%tangent, to%tangent, size(curve%active))

@@ -5,7 +5,7 @@
 !! another one becomes zero there is a corner, and the boundary is followed along that one.
 module vi_trace
    use vi_conditions, only: condition_value
-   use vi_crossing, only: hidden_zero, locate
+   use vi_crossing, only: find_dip, locate, may_dip
    use vi_curve, only: condition_slope, correct, curve_type, distance_from, parameters_of, &
       tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, rest_splits, wrap_phases
@@ -44,11 +44,11 @@ contains
       type(loop_type), intent(out) :: loop
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      type(place_type) :: now, next, corner
-      real(wp), allocatable :: before(:)
+      type(place_type) :: before, now, next, corner
       type(condition_type) :: active
+      real(wp) :: reach
       integer :: which
-      logical :: good, met
+      logical :: good, met, earlier
 
       allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
          loop%conditions(most), loop%corner(most))
@@ -57,7 +57,7 @@ contains
       if (.not. good) return
       now%tangent = way*now%tangent
       call append(loop, now, active, 0)
-      before = now%values
+      before = now
       do while (loop%n < most)
          if (is_stopped(progress)) return
          call take_step(curve, [active], stride, now, next, good)
@@ -65,8 +65,18 @@ contains
          call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
          if (which < 0 .and. .not. can_shorten(next, 64*stride%shortest)) return
          ! a violation that could not be located: another one may come before it
-         if (which < 0 .or. passes_two(before, now, next, active)) then
+         if (which < 0) then
             now%step = 0.3_wp*next%came
+            cycle
+         end if
+         call look_between(curve, active, before, now, next, earlier, reach)
+         if (earlier) then
+            ! the previous step is repeated
+            loop%n = loop%n - 1
+            now = before
+         end if
+         if (reach > 0) then
+            now%step = reach
             cycle
          end if
          if (closes(curve, loop, now, next, active, met, corner)) then
@@ -81,9 +91,9 @@ contains
             call append(loop, now, active, begins)
             call close_at_corner(curve, loop)
             if (loop%closed) return
-            before = now%values
+            before = now
          else
-            before(:) = now%values
+            call exchange(before, now)
             call exchange(now, next)
             if (loop%n < most - 1 .and. renamed(active, now)) then
                call append(loop, now, active, ends)
@@ -128,24 +138,39 @@ contains
       call begin_walk(curve, [active], start, along, 1.0e-3_wp, place, good)
    end subroutine set_out
 
-   !> Whether a condition other than the active one may be zero twice within a step.
-   pure logical function passes_two(before, now, next, active)
-      !> The values at the previous place.
-      real(wp), intent(in) :: before(:)
-      !> Start and end of the step.
-      type(place_type), intent(in) :: now, next
+   !> Looks for a place within the last two steps where a condition other than the active one is
+   !! violated, although it is met at their ends: the boundary has two corners there.
+   pure subroutine look_between(curve, active, before, now, next, earlier, reach)
+      !> The surface.
+      type(curve_type), intent(in) :: curve
       !> The condition that is zero along the boundary.
       type(condition_type), intent(in) :: active
+      !> Start of the previous step, start and end of this step.
+      type(place_type), intent(in) :: before, now, next
+      !> Whether the place lies in the previous step.
+      logical, intent(out) :: earlier
+      !> Length of the step to that place; 0 if there is none.
+      real(wp), intent(out) :: reach
+      real(wp), parameter :: shortest = 1.0e-4_wp
       integer :: j
+      logical :: found
 
-      passes_two = .false.
-      if (.not. can_shorten(next, 1.0e-4_wp)) return
-      do j = 1, size(before)
-         if (.not. hidden_zero(before(j), now%values(j), next%values(j), now%came, next%came)) cycle
-         passes_two = .not. same_condition(active, next%conditions(j))
-         if (passes_two) return
+      earlier = .false.
+      reach = 0
+      do j = 1, size(now%values)
+         if (same_condition(active, now%conditions(j))) cycle
+         found = can_shorten(now, shortest) .and. may_dip(next%values(j), now%values(j), &
+            before%values(j), next%came, now%came)
+         if (found) call find_dip(curve, [active], before, now, j, reach, found)
+         earlier = found
+         if (found) return
+         found = can_shorten(next, shortest) .and. may_dip(before%values(j), now%values(j), &
+            next%values(j), now%came, next%came)
+         if (found) call find_dip(curve, [active], now, next, j, reach, found)
+         if (found) return
       end do
-   end function passes_two
+      reach = 0
+   end subroutine look_between
 
    !> Closes a loop that has reached one of its earlier corners; the points before that corner are
    !! removed.
