@@ -374,8 +374,9 @@ contains
          bend = 3*(b - a) - 2*slope_a - slope_b
          twist = slope_a + slope_b - 2*(b - a)
          root = bend**2 - 3*twist*slope_a
-         ! its least or greatest value lies between the nodes, on the other side of zero
-         if (.not. (root > 0 .and. bend*twist < 0 .and. abs(bend) < 3*abs(twist))) return
+         ! its extreme lies between the nodes, on the other side of zero
+         if (.not. (root > 0 .and. twist*slope_a > 0 .and. bend*twist < 0 .and. abs(bend) &
+            < 3*abs(twist))) return
          share = -(bend + sqrt(root))/(3*twist)
       end if
    end function turn_between

@@ -123,7 +123,9 @@ def test_motions_of_branches_are_starts(pair):
             kinds.add(special.get(i, ""))
             start, omega = here.phases[0] / here.load.frequency, here.load.frequency
             same = vi.exact(here.structure, here.load, here)
-            assert same.phases == pytest.approx(here.phases, abs=1e-5)
+            # within 1e-5 of a pitchfork, rounding decides between the motion and its image on the other side
+            apart = 3e-5 if special.get(i) == "pitchfork" else 1e-5
+            assert same.phases == pytest.approx(here.phases, abs=apart)
             assert len(vi.branch(here, "frequency", (0.995 * omega, 1.005 * omega))) > 1
             if special.get(i) != "simultaneous":
                 state = (here.q, here.q_dot)
