@@ -10,6 +10,7 @@ import vibroimpact as vi
 from scipy.optimize import brentq
 from shared_motions import pair_motion, triple_motion
 from shared_systems import FIGURE6, TABLE
+from vibroimpact.errors import VibroimpactError
 from vibroimpact.noun import column
 
 
@@ -459,3 +460,30 @@ def test_progress_is_told(limit, monkeypatch):
     plain = vi.branch(start, "clearance", bounds, **given)
     for name in ("r", "clearance", "phases", "X", "multipliers", "stable"):
         assert getattr(message, name).tobytes() == getattr(plain, name).tobytes()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_branch_ends_where_two_impacts_on_a_wall_come_together(seed):
+    """Down to R = 0, where the second impact follows the first at once: positions are finite up to the end."""
+    rng = np.random.default_rng(seed)
+    ended = 0
+    while ended < 2:
+        osc = vi.Oscillator(xi=10 ** rng.uniform(-3, -1), mu=10 ** rng.uniform(-2, 0), restitution=rng.uniform(0.3, 0.8))
+        phases = np.sort(rng.uniform(0, 2 * math.pi, 4))
+        try:
+            motion = vi.exact(osc, rng.uniform(0.3, 1.2), 10 ** rng.uniform(-1, 1), (phases - phases[0], vi.Pattern("RRLL")))
+            path = vi.branch(motion, "restitution", (0.0, 0.99), max_points=300)
+        except VibroimpactError:
+            continue
+        assert np.isfinite(path.X).all()
+        assert np.isfinite(path.phases).all()
+        for end, i in zip(path.ends, (0, len(path) - 1), strict=True):
+            if end != "two impacts at one instant":
+                continue
+            ended += 1
+            special = [p for p in path.special_points if p.index == i]
+            assert [p.type for p in special] == ["zero_approach"]
+            # the impact in question follows the one before it at once, on the same wall
+            later = np.diff(np.append(path.phases[:, i], 2 * math.pi))
+            assert later.min() < 1e-3
+            assert path.admissible[i] == 0

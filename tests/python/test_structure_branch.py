@@ -1,6 +1,7 @@
 """Branches and zones of structures: those of the oscillator by another route, and laws on random structures."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -334,6 +335,25 @@ def test_a_motion_in_a_zone_is_the_stable_one():
             assert here.stable
             inside += 1
     assert inside > 10
+
+
+def test_a_motion_in_a_zone_is_followed_from_any_order_of_impacts(pair, monkeypatch):
+    """Phases that begin with another impact keep their gaps; a vertex with two impacts at once is passed over."""
+    zone = vi.zone(pair[0], x=("frequency", 0.8, 1.2), y=("opening", 2.0, 40.0), lines=9)
+    wanted = zone.motion(0.94, 18.5)
+    assert wanted.stable
+    turned = []
+    for piece in zone.boundary:
+        phases = piece.phases.copy()
+        phases[0] += 2 * np.pi * zone.cycles
+        turned.append(replace(piece, phases=phases))
+    zone.__dict__["boundary"] = turned
+    found = zone.motion(0.94, 18.5)
+    assert sorted(found.phases % (2 * np.pi)) == pytest.approx(sorted(wanted.phases % (2 * np.pi)), abs=1e-9)
+    # a vertex at which two impacts on one gap coincide is no start, and no error
+    at = np.array([0.94, 18.5])
+    monkeypatch.setattr(type(zone), "gaps", np.array([0, 0]))
+    assert zone._followed(at, np.array([1.0, 1.0]), at) is None
 
 
 def test_a_zone_up_to_a_resonance():
