@@ -96,8 +96,8 @@ contains
             end if
          end do
          n = min(n, size(conditions))
-         call cut_ends(request, curve, points, min(origin, n), parameters, phases, impacts, scalars, &
-            multipliers, verdicts, codes, special, n, reasons)
+         call cut_ends(request, curve, points, min(origin, n), parameters, phases, impacts, &
+            scalars, multipliers, verdicts, codes, special, n, reasons)
       end if
       call report_share(1.0_wp, branch_work, reported, progress)
    end subroutine branch_arrays

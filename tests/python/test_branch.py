@@ -468,10 +468,19 @@ def test_branch_ends_where_two_impacts_on_a_wall_come_together(seed):
     rng = np.random.default_rng(seed)
     ended = 0
     while ended < 2:
-        osc = vi.Oscillator(xi=10 ** rng.uniform(-3, -1), mu=10 ** rng.uniform(-2, 0), restitution=rng.uniform(0.3, 0.8))
+        osc = vi.Oscillator(
+            xi=10 ** rng.uniform(-3, -1),
+            mu=10 ** rng.uniform(-2, 0),
+            restitution=rng.uniform(0.3, 0.8),
+        )
         phases = np.sort(rng.uniform(0, 2 * math.pi, 4))
         try:
-            motion = vi.exact(osc, rng.uniform(0.3, 1.2), 10 ** rng.uniform(-1, 1), (phases - phases[0], vi.Pattern("RRLL")))
+            motion = vi.exact(
+                osc,
+                rng.uniform(0.3, 1.2),
+                10 ** rng.uniform(-1, 1),
+                (phases - phases[0], vi.Pattern("RRLL")),
+            )
             path = vi.branch(motion, "restitution", (0.0, 0.99), max_points=300)
         except VibroimpactError:
             continue

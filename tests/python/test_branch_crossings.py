@@ -274,9 +274,17 @@ def test_neimark_sacker_and_flip_in_one_step():
 
 def test_two_neimark_sacker_points_within_one_step():
     """Motions are stable between r = 2.2444 and 2.2463, less than a step apart, from either start."""
-    osc = vi.Oscillator(xi=0.00036046255634376097, mu=1.0137313279623066, restitution=0.9044714271264069)
-    r, clearance, bounds = 2.06783473909528, 0.11013111558505648, (1.654267791276224, 2.5847934238691)
-    starts = [m for m in vi.find(osc, r, clearance, max_impacts=5, max_cycles=1) if len(m.phases) == 5]
+    osc = vi.Oscillator(
+        xi=0.00036046255634376097, mu=1.0137313279623066, restitution=0.9044714271264069
+    )
+    r, clearance, bounds = (
+        2.06783473909528,
+        0.11013111558505648,
+        (1.654267791276224, 2.5847934238691),
+    )
+    starts = [
+        m for m in vi.find(osc, r, clearance, max_impacts=5, max_cycles=1) if len(m.phases) == 5
+    ]
     assert len(starts) == 4
     for motion in starts:
         path = vi.branch(motion, "r", bounds)

@@ -349,7 +349,9 @@ def test_a_motion_in_a_zone_is_followed_from_any_order_of_impacts(pair, monkeypa
         turned.append(replace(piece, phases=phases))
     zone.__dict__["boundary"] = turned
     found = zone.motion(0.94, 18.5)
-    assert sorted(found.phases % (2 * np.pi)) == pytest.approx(sorted(wanted.phases % (2 * np.pi)), abs=1e-9)
+    assert sorted(found.phases % (2 * np.pi)) == pytest.approx(
+        sorted(wanted.phases % (2 * np.pi)), abs=1e-9
+    )
     # a vertex at which two impacts on one gap coincide is no start, and no error
     at = np.array([0.94, 18.5])
     monkeypatch.setattr(type(zone), "gaps", np.array([0, 0]))
