@@ -182,9 +182,6 @@ contains
       real(wp), intent(out) :: share
       !> Whether it is found.
       logical, intent(out) :: good
-      integer, parameter :: most_passes = 60
-      !> A gap that is less than zero by rounding, over the clearance.
-      real(wp), parameter :: rounding = 1.0e-9_wp
       type(condition_type) :: extra(1)
       type(place_type) :: low, high
       real(wp) :: near
@@ -198,7 +195,7 @@ contains
       end if
       low = from
       high = to
-      do i = 1, most_passes
+      do i = 1, 60
          near = low%values(which)/(low%values(which) - high%values(which))
          if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp
          place%point = low%point + near*(high%point - low%point)
@@ -206,12 +203,6 @@ contains
          share = dot_product(from%tangent, place%point - from%point)/from_length(from, to)
          good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
             norm2(place%point - from%point) < 2*to%came
-         if (good .and. extra(1)%kind == grazing) then
-            ! within one flight another touch may come first
-            call survey(curve, place)
-            good = place%values(which) > -rounding .or. i == most_passes
-            if (.not. good) extra(1) = place%conditions(which)
-         end if
          if (good) exit
          if (norm2(high%point - low%point) < 1.0e-12_wp) exit
          ! narrow the bracket
