@@ -627,12 +627,13 @@ contains
          real(wp), intent(in) :: of_rates(:, :)
          real(wp) :: bounds(size(sizes))
          real(wp), allocatable :: of_forces(:, :)
-         integer :: not_used
+         integer :: i, not_used
 
          ! this succeeds: inputs_of has solved with the same matrix
-         of_forces = transpose(of_rates)
+         allocate (of_forces, source=transpose(of_rates))
          call solve_columns(mass, of_forces, not_used)
-         bounds = 64*size(sizes)*epsilon(1.0_wp)*matmul(transpose(abs(of_forces)), sizes)
+         bounds = [(dot_product(abs(of_forces(:, i)), sizes), i=1, size(sizes))]
+         bounds = 64*size(sizes)*epsilon(1.0_wp)*bounds
       end function largest_error
    end subroutine check_resonance
 

@@ -190,7 +190,7 @@ contains
       type(repetition_type), allocatable :: images(:)
       type(repetition_type) :: found(2*most_impacts)
       integer :: i, n, shift, sign, count
-      integer, allocatable :: later(:)
+      integer :: later(2*size(family%sides))
 
       n = size(family%sides)
       count = 0

@@ -353,8 +353,9 @@ contains
                reported, progress)
          end do
          ! the more impacts, the fewer guesses lead to a motion
-         if (.not. resting .and. pass > 1 .and. new >= many*all_found .and. (new > 0 .or. &
-            request%simulations > 0)) passes = min(pass + 1, max(2, size(request%pattern%sides)/2))
+         if (resting .or. pass == 1 .or. new < many*all_found) cycle
+         if (new == 0 .and. request%simulations == 0) cycle
+         passes = min(pass + 1, max(2, size(request%pattern%sides)/2))
       end do
    end subroutine search_window
 
