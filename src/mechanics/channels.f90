@@ -235,9 +235,9 @@ contains
          end do
          call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), pairs(:, 2*next), &
             turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
-         call find_doubts(regime, rows, starts, leaving, t, h, values(:, 2*now - 1), values(:, 2*now), &
-            values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), values(:, 7), &
-            values(:, 8), doubtful, n)
+         call find_doubts(regime, rows, starts, leaving, t, h, values(:, 2*now - 1), &
+            values(:, 2*now), values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), &
+            values(:, 7), values(:, 8), doubtful, n)
          if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
             level = level + 1
             hold = 2
@@ -315,8 +315,8 @@ contains
    end subroutine add_growth
 
    !> The rows that are not proved to stay within their limits over a cell.
-   pure subroutine find_doubts(regime, rows, starts, leaving, t, h, y, rate, y_next, rate_next, bound, &
-      reserve, above, below, doubtful, n)
+   pure subroutine find_doubts(regime, rows, starts, leaving, t, h, y, rate, y_next, rate_next, &
+      bound, reserve, above, below, doubtful, n)
       !> The regime, and its number of rows.
       type(regime_type), intent(in) :: regime
       integer, intent(in) :: rows

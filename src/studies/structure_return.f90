@@ -91,8 +91,8 @@ contains
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
-      !! `stat%no_impacts` or `stat%permanent_rest`, once it is steady; `stat%no_motion` where it has
-      !! more than `most_events` events in a period, or no flight without rest; `stat%event_limit`,
+      !! `stat%no_impacts` or `stat%permanent_rest`, once it is steady; `stat%no_motion` where it
+      !! has more than `most_events` events in a period, or no flight without rest; `stat%event_limit`,
       !! `stat%not_computed` if it was stopped; or a status of the simulation or of Newton's method.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
@@ -663,8 +663,8 @@ contains
       alone = regime
       alone%upper(:channels) = huge(1.0_wp)
       alone%lower(:channels) = -huge(1.0_wp)
-      call first_event(alone, x, v, phase, leaving_type(), duration*(1 - agreement), pace, reached, &
-         space, partings=rising)
+      call first_event(alone, x, v, phase, leaving_type(), duration*(1 - agreement), pace, &
+         reached, space, partings=rising)
       complete = complete .and. reached%complete
       push = reached%row == 0
    end subroutine examine_rest

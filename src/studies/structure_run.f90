@@ -388,14 +388,14 @@ contains
       associate (regime => run%regimes(state%regime), structure => run%structure)
          do i = 1, size(gaps)
             if (any(regime%resting == gaps(i))) then
-               leaving(i) = leaving_type(structure%channels + findloc(regime%resting, gaps(i), dim=1), &
-                  -1, 0.0_wp, orders(i))
+               leaving(i) = leaving_type(structure%channels + findloc(regime%resting, gaps(i), &
+                  dim=1), -1, 0.0_wp, orders(i))
                if (orders(i) /= 1) cycle
                call row_derivatives(regime, state%x, state%v, phase, leaving(i)%row, d)
                leaving(i)%speed = d(1)
             else
-               leaving(i) = leaving_type(structure%channel(gaps(i)), structure%wall(gaps(i)), 0.0_wp, &
-                  orders(i))
+               leaving(i) = leaving_type(structure%channel(gaps(i)), structure%wall(gaps(i)), &
+                  0.0_wp, orders(i))
             end if
          end do
       end associate
