@@ -236,8 +236,8 @@ contains
          call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), pairs(:, 2*next), &
             turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
          call find_doubts(regime, rows, starts, leaving, t, h, values(:, 2*now - 1), &
-            values(:, 2*now), values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), &
-            values(:, 7), values(:, 8), doubtful, n)
+            values(:, 2*now), values(:, 2*next - 1), values(:, 2*next), values(:, 5), &
+            values(:, 6), values(:, 7), values(:, 8), doubtful, n)
          if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
             level = level + 1
             hold = 2
