@@ -34,8 +34,8 @@ class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_str
     without_impacts : int
         Simulated states after which no impacts are left: all gaps stay open, or some rest for good.
     chaotic, quasi_periodic : int
-        Simulated states whose largest Lyapunov exponent is positive by its error, and those where it is zero by its
-        error and no stable motion is near.
+        Simulated states whose largest Lyapunov exponent is positive by its error, and those where it is zero by
+        its error and no stable motion is near.
     unsettled : int
         Simulated states on which none of this is decided within the limits of the search, or whose motion is not
         stable.

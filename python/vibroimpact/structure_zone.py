@@ -168,7 +168,7 @@ class StructureZone(Followed, study="zone_structure"):
         return Path(self._result, *self._start, [self.x, self.y]).at(*place)
 
     def motion(self, x: float, y: float) -> StructureMotion | None:
-        """The motion at a point, followed from the boundary: from the nearest vertex of each piece in turn, then others.
+        """The motion at a point, followed from the nearest vertex of each piece of the boundary, then from others.
 
         The first one that is stable and admissible; otherwise the first admissible one. None if none can be
         followed so far.

@@ -581,18 +581,17 @@ contains
                   before = x_size
                   x_size = v_size
                   v_size = stiffness*before + drag*v_size
-                  select case (last)
-                   case (0)
+                  if (last == 0) then
                      x = x + modes%drift(k)
                      v = v + modes%force(k)
                      x_size = x_size + abs(modes%drift(k))
                      v_size = v_size + abs(modes%force(k))
-                   case (1)
+                  else if (last == 1) then
                      x = x + modes%drift_rate(k)
                      v = v + modes%force_rate(k)
                      x_size = x_size + abs(modes%drift_rate(k))
                      v_size = v_size + abs(modes%force_rate(k))
-                  end select
+                  end if
                end do
                last = never
                sense = 0

@@ -93,7 +93,8 @@ contains
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
       !! `stat%no_impacts` or `stat%permanent_rest`, once it is steady; `stat%no_motion` where it
       !! has more than `most_events` events in a period, or no flight without rest;
-      !! `stat%event_limit`, `stat%not_computed` if it was stopped; or a status of the simulation or of Newton's method.
+      !! `stat%event_limit`, `stat%not_computed` if it was stopped; or a status of the simulation
+      !! or of Newton's method.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)

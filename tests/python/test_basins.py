@@ -357,7 +357,9 @@ SLOW = (
 
 
 @pytest.mark.parametrize(("xi", "mu", "walls", "r", "clearance", "name"), SLOW)
-def test_what_settles_slowly_is_neither_chaotic_nor_quasi_periodic(xi, mu, walls, r, clearance, name):
+def test_what_settles_slowly_is_neither_chaotic_nor_quasi_periodic(
+    xi, mu, walls, r, clearance, name
+):
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
     result = vi.basins(osc, r, clearance, states=12)
     assert [item.name for item in result.attractors] == [name]

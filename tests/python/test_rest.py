@@ -200,13 +200,15 @@ def test_an_impact_that_leaves_neither_speed_nor_acceleration(mu):
     v = mu / (1 + mu)
     t = np.linspace(0.1, 0.9 * half, 5)
     sampled = run.sample(1 + t)
-    assert sampled[0] == pytest.approx(v * math.sqrt(1 + mu) * np.sin(t / math.sqrt(1 + mu)), abs=1e-14)
+    assert sampled[0] == pytest.approx(
+        v * math.sqrt(1 + mu) * np.sin(t / math.sqrt(1 + mu)), abs=1e-14
+    )
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("x_dot", [1.0, -1.0])
 def test_masses_that_touch_without_acceleration_part_by_the_next_derivative(restitution, x_dot):
-    """At x = 0 the primary mass is not accelerated; then its velocity decides on which wall the free mass stays."""
+    """At x = 0 the primary mass is not accelerated: its velocity decides on which wall the free mass stays."""
     osc = vi.Oscillator(xi=0, mu=0.5, restitution=restitution)
     for side in (1, -1):
         run = vi.simulate(osc, 1.1, 2, 1, state(x_dot=x_dot, z=float(side), z_dot=x_dot), load=0)

@@ -1,5 +1,7 @@
 """Periodic motions of structures with accumulation and rest, and the search for periodic motions."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -127,7 +129,7 @@ def test_flights_of_a_motion_with_rest(system):
         np.testing.assert_allclose(apart, 0, atol=1e-9)
     whole = vi.simulate(
         structure, load, duration=motion.period, start=run.start, state=(motion.q, motion.q_dot)
-    )  # fmt: skip
+    )
     t = np.linspace(run.start, run.end, 400, endpoint=False)
     for ours, theirs in zip(run.sample(t), whole.sample(t), strict=True):
         np.testing.assert_allclose(ours, theirs, atol=1e-9)
@@ -149,8 +151,10 @@ def ball_on_a_table(opening, restitution, amplitude):
 
 BALLS = [
     (opening, restitution, amplitude)
-    for opening in (0.0, 1e-3) for restitution in (0.0, 0.3) for amplitude in (1.2, 1.5)
-]  # fmt: skip
+    for opening in (0.0, 1e-3)
+    for restitution in (0.0, 0.3)
+    for amplitude in (1.2, 1.5)
+]
 
 
 @pytest.mark.parametrize("ball", [None, *BALLS])
@@ -162,8 +166,10 @@ def test_a_motion_stays_between_its_walls(ball):
     run = motion._run()
     kinds = run.events["kind"].tolist()
     assert [kinds.count(kind) for kind in ("impact", "stick", "release")] == [
-        len(motion.gaps), len(motion.rests), len(motion.rests)
-    ]  # fmt: skip
+        len(motion.gaps),
+        len(motion.rests),
+        len(motion.rests),
+    ]
     assert (np.diff(run.events["time"]) >= 0).all()
     q, _ = motion.sample(np.linspace(run.start, run.end, 2001))
     size = np.abs(q).max()
@@ -222,11 +228,16 @@ def test_find_reduces_a_motion_to_its_shortest_period():
 @pytest.mark.parametrize(
     ("change", "name"),
     [
-        ({"max_impacts": 9}, "max_impacts"), ({"max_cycles": 0}, "max_cycles"), ({"guesses": 0}, "guesses"),
-        ({"states": -1}, "states"), ({"settling": -1}, "settling"), ({"seed": -1}, "seed"),
-        ({"threads": 0}, "threads"), ({"max_impacts": 8, "guesses": 10000}, "max_impacts"),
+        ({"max_impacts": 9}, "max_impacts"),
+        ({"max_cycles": 0}, "max_cycles"),
+        ({"guesses": 0}, "guesses"),
+        ({"states": -1}, "states"),
+        ({"settling": -1}, "settling"),
+        ({"seed": -1}, "seed"),
+        ({"threads": 0}, "threads"),
+        ({"max_impacts": 8, "guesses": 10000}, "max_impacts"),
     ],
-)  # fmt: skip
+)
 def test_refused_arguments_of_find(change, name):
     with pytest.raises(ParameterError, match=name):
         vi.find(*unequal_walls(), **change)
@@ -248,7 +259,10 @@ def test_progress_of_find_may_end_it():
 
 def falling(run):
     """The kinds of the events of a run, with their gaps and times."""
-    return [(str(kind), int(gap), float(time)) for kind, gap, time in run.events[["kind", "gap", "time"]].tolist()]  # fmt: skip
+    return [
+        (str(kind), int(gap), float(time))
+        for kind, gap, time in run.events[["kind", "gap", "time"]].tolist()
+    ]
 
 
 @pytest.mark.parametrize("last", [1.0, 0.4])
@@ -282,30 +296,48 @@ def dashpot_between(restitution=1.0):
 
 def test_an_impact_elsewhere_makes_a_contact_pull():
     """The dashpot pushes the first body while the second one approaches its wall, and pulls after its impact."""
-    run = vi.simulate(dashpot_between(), vi.Load(constant=[0.1, 0]), duration=3, state=([0, 0], [0, 1]))  # fmt: skip
+    run = vi.simulate(
+        dashpot_between(), vi.Load(constant=[0.1, 0]), duration=3, state=([0, 0], [0, 1])
+    )
     # 1 - exp(-t/2) = 1/2
-    assert falling(run) == [("impact", 1, pytest.approx(2 * np.log(2))), ("release", 0, pytest.approx(2 * np.log(2)))]  # fmt: skip
+    assert falling(run) == [
+        ("impact", 1, pytest.approx(2 * np.log(2))),
+        ("release", 0, pytest.approx(2 * np.log(2))),
+    ]
     t = 3 - 2 * np.log(2)
     # the sum of the velocities grows by 0.1 t, their difference u obeys u' = 0.1 - u
     whole, difference = -0.5 + 0.1 * t, 0.1 + 0.4 * np.exp(-t)
-    assert run.final_state[1] == pytest.approx([0.5 * (whole + difference), 0.5 * (whole - difference)], abs=1e-14)  # fmt: skip
+    assert run.final_state[1] == pytest.approx(
+        [0.5 * (whole + difference), 0.5 * (whole - difference)], abs=1e-14
+    )
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_bodies_that_touch_part_by_the_first_derivative_that_is_not_zero(restitution):
-    """Forces that vanish with one, two and three of their derivatives, for any R: which sign lets the bodies part."""
+    """Forces that vanish with one, two or three of their derivatives, for any R: one sign lets the bodies part."""
     for order, cosine, sine, constant in [
-        (1, [0], [1], 0), (2, [1], [0], -1), (3, [0, 0], [1, -0.5], 0), (4, [1, -0.25], [0, 0], -0.75),
-    ]:  # fmt: skip
+        (1, [0], [1], 0),
+        (2, [1], [0], -1),
+        (3, [0, 0], [1, -0.5], 0),
+        (4, [1, -0.25], [0, 0], -0.75),
+    ]:
         structure = vi.Structure([1], [0.1], [1], [vi.Gap([1], 0.0, restitution)])
         for sign in (1, -1):
             load = vi.Load(
-                1.0, cosine=sign * np.array(cosine)[:, None], sine=sign * np.array(sine)[:, None],
+                1.0,
+                cosine=sign * np.array(cosine)[:, None],
+                sine=sign * np.array(sine)[:, None],
                 constant=[sign * float(constant)],
-            )  # fmt: skip
+            )
             run = vi.simulate(structure, load, duration=6, state=([0], [0]))
             t = 1e-2
-            force = sum(c * np.cos((h + 1) * t) + s * np.sin((h + 1) * t) for h, (c, s) in enumerate(zip(cosine, sine, strict=True))) + constant  # fmt: skip
+            force = (
+                sum(
+                    c * np.cos((h + 1) * t) + s * np.sin((h + 1) * t)
+                    for h, (c, s) in enumerate(zip(cosine, sine, strict=True))
+                )
+                + constant
+            )
             assert len(run.events) < 200
             away = run.sample(0.3)[0][0] < 0
             assert away == (sign * force < 0), (order, sign)
@@ -314,10 +346,17 @@ def test_bodies_that_touch_part_by_the_first_derivative_that_is_not_zero(restitu
 
 
 def test_bodies_that_move_on_together_rest():
-    """Particles without forces stay together after an impact with R = 0, and at the start; nothing is hit again."""
-    structure = vi.Structure([1, 2, 3], [0] * 3, [0] * 3, [vi.Gap([1, -1, 0], 1.0, 0.0), vi.Gap([0, 1, -1], 90.0, 0.5)])
-    run = vi.simulate(structure, vi.Load(constant=[0, 0, 0]), duration=20, state=([0] * 3, [3, 0, 0]))
-    assert falling(run)[:2] == [("impact", 0, pytest.approx(1 / 3)), ("stick", 0, pytest.approx(1 / 3))]
+    """Particles without forces stay together after an impact with R = 0, and at the start; none is hit again."""
+    structure = vi.Structure(
+        [1, 2, 3], [0] * 3, [0] * 3, [vi.Gap([1, -1, 0], 1.0, 0.0), vi.Gap([0, 1, -1], 90.0, 0.5)]
+    )
+    run = vi.simulate(
+        structure, vi.Load(constant=[0, 0, 0]), duration=20, state=([0] * 3, [3, 0, 0])
+    )
+    assert falling(run)[:2] == [
+        ("impact", 0, pytest.approx(1 / 3)),
+        ("stick", 0, pytest.approx(1 / 3)),
+    ]
     assert run.states[1, 1] == pytest.approx([1, 1, 0], abs=1e-15)
 
 
@@ -332,7 +371,9 @@ def test_rests_that_end_together():
     load = vi.Load(1.0, sine=[1.0, 1.0, 1.0])
     run = vi.simulate(structure, load, duration=4, state=([0] * 3, [0] * 3))
     assert sorted(falling(run)) == [("release", gap, pytest.approx(np.pi)) for gap in range(3)]
-    assert run.final_state[0] == pytest.approx((np.pi - 4 - np.sin(4)) / np.array([1, 2, 3]), abs=1e-12)
+    assert run.final_state[0] == pytest.approx(
+        (np.pi - 4 - np.sin(4)) / np.array([1, 2, 3]), abs=1e-12
+    )
 
 
 def random_rests(seed):
@@ -344,14 +385,37 @@ def random_rests(seed):
         ends = np.eye(n)[rng.integers(n)] - np.eye(n)[rng.integers(n)]
         damping += rng.uniform(0.2, 1.5) * np.outer(ends, ends)
     gaps = [
-        vi.Gap(np.eye(n)[i] * rng.choice([-1, 1]), rng.choice([0, 0, 0.3]), rng.choice([0, 0, 0.5, 1]))
+        vi.Gap(
+            np.eye(n)[i] * rng.choice([-1, 1]), rng.choice([0, 0, 0.3]), rng.choice([0, 0, 0.5, 1])
+        )
         for i in range(n)
     ]
-    start = (np.zeros(n), np.array([-np.abs(rng.normal()) * gap.direction[i] for i, gap in enumerate(gaps)]) * (rng.random(n) < 0.5))
+    start = (
+        np.zeros(n),
+        np.array([-np.abs(rng.normal()) * gap.direction[i] for i, gap in enumerate(gaps)])
+        * (rng.random(n) < 0.5),
+    )
     structure = vi.Structure(rng.uniform(0.5, 2, n), damping, stiffness, gaps)
     if seed % 2:
-        return structure, vi.Record(0.7, rng.choice([0.0, 1.0, -1.0, 2.0], (5, n)), constant=rng.choice([0, 0.3, -0.5], n)), start  # fmt: skip
-    return structure, vi.Load(1.3, sine=rng.choice([0.0, 1.0, -1.0], n), cosine=rng.choice([0.0, 1.0], n), constant=rng.choice([0, 0.3, -0.5], n)), start  # fmt: skip
+        return (
+            structure,
+            vi.Record(
+                0.7,
+                rng.choice([0.0, 1.0, -1.0, 2.0], (5, n)),
+                constant=rng.choice([0, 0.3, -0.5], n),
+            ),
+            start,
+        )
+    return (
+        structure,
+        vi.Load(
+            1.3,
+            sine=rng.choice([0.0, 1.0, -1.0], n),
+            cosine=rng.choice([0.0, 1.0], n),
+            constant=rng.choice([0, 0.3, -0.5], n),
+        ),
+        start,
+    )
 
 
 def test_no_contact_pulls():
@@ -360,12 +424,12 @@ def test_no_contact_pulls():
     for seed in range(60):
         structure, load, start = random_rests(seed)
         run = vi.simulate(structure, load, duration=6, state=start)
-        n, directions = structure.coordinates, np.array([gap.direction for gap in structure.gaps])
+        directions = np.array([gap.direction for gap in structure.gaps])
         openings = np.array([gap.opening for gap in structure.gaps])
         edges = np.concatenate([[0], run.events["time"], [6.0]])
         if isinstance(load, vi.Record):
             edges = np.unique(np.concatenate([edges, 0.7 * np.arange(5)]))
-        for begin, end in zip(edges[:-1], edges[1:], strict=True):
+        for begin, end in pairwise(edges):
             if end - begin < 1e-6:
                 continue
             times = begin + (end - begin) * np.linspace(1e-6, 1 - 1e-6, 12)
@@ -377,11 +441,23 @@ def test_no_contact_pulls():
                 continue
             rests += closed.size
             if isinstance(load, vi.Record):
-                force = np.array([np.interp(times, 0.7 * np.arange(5), column, right=0) for column in load.force.T])
+                force = np.array(
+                    [
+                        np.interp(times, 0.7 * np.arange(5), column, right=0)
+                        for column in load.force.T
+                    ]
+                )
                 force += load.constant[:, None]
             else:
-                force = load.sine.T @ [np.sin(1.3 * times)] + load.cosine.T @ [np.cos(1.3 * times)] + load.constant[:, None]
+                force = (
+                    load.sine.T @ [np.sin(1.3 * times)]
+                    + load.cosine.T @ [np.cos(1.3 * times)]
+                    + load.constant[:, None]
+                )
             force = force - structure.damping @ rate - structure.stiffness @ q
             kicks = np.linalg.solve(structure.mass, directions[closed].T)
-            assert np.linalg.solve(directions[closed] @ kicks, kicks.T @ force).min() > -1e-11, (seed, begin)
+            assert np.linalg.solve(directions[closed] @ kicks, kicks.T @ force).min() > -1e-11, (
+                seed,
+                begin,
+            )
     assert rests > 200

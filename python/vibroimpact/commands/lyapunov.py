@@ -71,7 +71,10 @@ def details(result: Any) -> list[str]:
     if isinstance(result, StructureLyapunov):
         values = zip(result.per_cycle, result.error_per_cycle, strict=True)
         unit = f"per {result.cycle}"
-        return [f"{i}:  {value:10.6f} +- {error:.6f} {unit}" for i, (value, error) in enumerate(values, 1)]
+        return [
+            f"{i}:  {value:10.6f} +- {error:.6f} {unit}"
+            for i, (value, error) in enumerate(values, 1)
+        ]
     points = zip(
         result.r.ravel(), result.clearance.ravel(), result.per_cycle.reshape(4, -1).T,
         result.error_per_cycle[0].ravel(), strict=True,

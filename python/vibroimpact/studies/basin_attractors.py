@@ -32,7 +32,7 @@ class BasinAttractor:
     Attributes
     ----------
     kind : str
-        "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion, which
+        "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
         states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
         its error, and no stable motion is found nearby; "no impacts"; or "periodic?" where a simulation repeats
         itself to rounding for long but no stable exact motion was found.

@@ -108,8 +108,8 @@ class Branch(Noun, study="branch", part=True):
         In the order of the branch.
     ends : (str, str)
         Why the branch ends, at its first and last point: "bound of the parameter", "meets a motion that repeats
-        itself", "two impacts at one instant" (on one wall: the special point there is the last motion that rounding
-        leaves exact), "closed", "full", "stopped", or "cannot be followed".
+        itself", "two impacts at one instant" (on one wall: the special point there is the last motion that
+        rounding leaves exact), "closed", "full", "stopped", or "cannot be followed".
     case : str
         What was asked for as a namelist.
     """

@@ -246,8 +246,8 @@ def find(
         Initial states simulated, every second one in a box whose size follows from the resonance of both masses
         moving together.
     settling : int
-        Load cycles simulated before the attractor is examined. A state that is then neither on a confirmed motion nor
-        certainly chaotic is examined again up to three times, after 3, 9 and 27 times as many.
+        Load cycles simulated before the attractor is examined. A state that is then neither on a confirmed motion
+        nor certainly chaotic is examined again up to three times, after 3, 9 and 27 times as many.
     releases : int
         Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
         return map; this also finds unstable motions with rest.

@@ -29,9 +29,10 @@ class StructureAttractor(NamedTuple):
     Attributes
     ----------
     name : str
-        Impacts and load cycles of a period, as "2/1"; "rest/1" with rests; "no impacts"; "permanent rest",
-        where gaps stay at rest; "chaotic", all states whose largest Lyapunov exponent is positive by its error; or "quasi-periodic", all states where it is zero
-        by its error and no stable motion is near. Equal names get a number.
+        Impacts and load cycles of a period, as "2/1"; "rest/1" with rests; "no impacts"; "permanent rest", where
+        gaps stay at rest; "chaotic", all states whose largest Lyapunov exponent is positive by its error; or
+        "quasi-periodic", all states where it is zero by its error and no stable motion is near. Equal names get a
+        number.
     motion : StructureMotion or None
         The exact motion; None without impacts, and if it is not periodic.
     """

@@ -89,7 +89,7 @@ class StructureLyapunov(StructureNoun, study="lyapunov_structure"):
             raise SingularError(self._result.notes[0][1])
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the exponents per load cycle, or per unit of time, by their number (extra `plot`); returns the Axes."""
+        """Draw the exponents, per load cycle or unit of time, by their number (extra `plot`); returns the Axes."""
         return self._draw(ax)
 
     def __repr__(self) -> str:

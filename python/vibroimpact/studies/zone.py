@@ -40,8 +40,8 @@ class Piece:
     ----------
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, rest_vanishes, rest_splits (beyond it
-        the rest is two), or window (the edge of the window); or joint, a straight piece of at most 1e-4 of the window between two loose ends of the
-        boundary, where it could not be followed.
+        the rest is two), or window (the edge of the window); or joint, a straight piece of at most 1e-4 of the
+        window between two loose ends of the boundary, where it could not be followed.
     r, clearance : ndarray (M,)
         Vertices in order; the first and the last are corners, where the next piece begins, unless the
         whole boundary is one piece.
