@@ -1,5 +1,6 @@
 !> The attractors at a point (r, D), and the initial states in the basin of each.
 module vi_attractor_list
+   use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_basin, only: decide, event_limited, not_reached
    use vi_attractor_known, only: alike, identify, is_free, known_type, no_impacts, repeating, &
       shortest_period, within
@@ -421,6 +422,7 @@ contains
       type(known_type) :: motion, new
       type(state_type) :: state
       real(wp) :: end(5)
+      integer(int64) :: first
       integer :: average, kind, left, repeats, status, settling
       logical :: good
 
@@ -431,10 +433,14 @@ contains
       end = within(start, list%system%clearance)
       do while (spent + average <= most_followed)
          state = initial_state(list%system, end)
+         first = state%cycle
          call search_near(list%system, state, list%max_cycles, left, motion, good, repeats, &
             status, progress)
          end = numbers_of(list%system, state)
-         if (status == stat%ok .and. is_free(list%system, state)) call add_free(list, end, label)
+         if (status == stat%ok .and. is_free(list%system, state)) then
+            call add_free(list, end, label)
+            spent = max(spent, int(state%cycle - first))
+         end if
          if (status == stat%ok .and. good) call approach(list, motion, end, left, spent, label, &
             progress)
          if (label == 0 .and. status == stat%ok) then

@@ -286,9 +286,11 @@ def test_what_is_no_store(tmp_path):
     zarr.create_group(str(tmp_path / "other"))
     with pytest.raises(vi.ParameterError, match=r"it holds 'zarr\.json'"):
         vi.campaign(sweep, tmp_path / "other")
-    for path in (None, "", "a\0b", 3):
+    for path in (None, "", 3):
         with pytest.raises(vi.ParameterTypeError, match="must be the path of a folder"):
             vi.campaign(sweep, path)
+    with pytest.raises(vi.ParameterError, match="must not hold a null byte"):
+        vi.campaign(sweep, "a\0b")
     store = tmp_path / "größe, 日本 \" '"
     found = vi.campaign(sweep, store)
     (store / "results.zarr" / "mine").mkdir()

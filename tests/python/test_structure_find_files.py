@@ -120,4 +120,4 @@ def test_permanent_rest_is_settled():
     assert (found.without_impacts, found.unsettled) == (4, 0)
     assert "4 states without impacts" in repr(found)
     names = [item.name for item in vi.basins(table, load, states=4).attractors]
-    assert names == ["no impacts"]
+    assert names == ["permanent rest"]

@@ -173,7 +173,8 @@ def test_a_boundary_is_followed_round_a_narrow_tongue():
     low, high = sorted(p.r for p in branch.special_points if p.type == "flip")
     assert high - low == pytest.approx(1.2e-3, abs=1e-4)
     middle = (low + high) / 2
-    assert not [m for m in vi.find(osc, middle, 33.0, 2, 1) if m.stable]
+    # beyond the flips the motions of two cycles are stable
+    assert not [m for m in vi.find(osc, middle, 33.0, 2, 1) if m.stable and m.pattern.cycles == 1]
     places = [low - 1e-6, low + 1e-6, middle, high - 1e-6, high + 1e-6]
     for zone in zones:
         assert zone.closed

@@ -205,8 +205,9 @@ def mapping(data: Any, name: str) -> dict[str, Any]:
 
 def check_name(name: str, label: str) -> str:
     """The name of a table or of a dimension, for which the core has some letters."""
-    if not re.fullmatch("[a-z][a-z_]{0,14}", name):
-        raise ParameterError(f"{label}: {name[:40]!r} must be a name of 1 to 15 small letters")
+    if not re.fullmatch("[a-z][a-z0-9_]{0,14}", name):
+        wanted = "must be a name of 1 to 15 small letters, digits and underscores"
+        raise ParameterError(f"{label}: {name[:40]!r} {wanted}")
     return name
 
 
