@@ -251,7 +251,7 @@ def test_what_never_settles_is_not_decided(batch, command):
     assert (done.status, done.faults) == (1, ["case: 66 of 72 states not decided"])
     assert done.out.startswith(b"case: 72 states, no impacts 8.33%")
     # the free mass stays where it is if the decaying motion of the primary mass never takes a wall there
-    for row in rows(batch.cwd / "case.csv"):
+    for row in rows(batch.cwd / "results/case.csv"):
         x, x_dot = float(row["x"]), float(row["x_dot"])
         assert (row["attractor"] != "") == (abs(x) + math.hypot(x, x_dot) < 37 / 2)
     assert command("case.nml", "-o", "command").out == done.out

@@ -101,10 +101,10 @@ def public_calls(folder):
     trajectory.sample([1.0, 2.0])
     trajectory.acceleration([1.0])
     vi.exact(wall, load, trajectory)
+    gaps = [vi.Gap([-1, 1], 1e-9, 0.8)]
+    narrow = vi.Structure([1e-6, 2e-6], [0, 0], [[1, -1], [-1, 1]], gaps)
     with pytest.raises(vi.ParameterError, match="times the rounding error"):
-        pair = [vi.Gap([-1, 1], 1e-9, 0.8)]
-        pair = vi.Structure([1e-6, 2e-6], [0, 0], [[1, -1], [-1, 1]], pair)
-        vi.simulate(pair, vi.Load(1.0, sine=[1, 0]), duration=1e-8, state=([0, 0], [0, 1]))
+        vi.simulate(narrow, vi.Load(1.0, sine=[1, 0]), duration=1e-8, state=([0, 0], [0, 1]))
     rests, load = (
         vi.Oscillator(xi=0.0114, mu=0.028, restitution=0).structure(6.0),
         vi.Load(0.9, sine=[1, 0]),
