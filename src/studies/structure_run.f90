@@ -145,15 +145,15 @@ contains
             gap = run%structure%openings(j) - dot_product(direction, q)
             speed = dot_product(direction, rate)
             scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
-            if (gap < -rounding*scale) then
-               scale = scale + 0.5_wp*sum(abs(direction))*reach_of(run, rate)
-               if (gap < -rounding*scale) status = stat%gap_closed
-            end if
+            if (abs(gap) > rounding*scale) scale = scale + 0.5_wp*sum(abs(direction))* &
+               reach_of(run, rate)
+            if (gap < -rounding*scale) status = stat%gap_closed
             if (gap > rounding*scale) cycle
             ! a state at the end of a simulation that rests has a speed of rounding
-            if (abs(speed) <= 8*epsilon(1.0_wp)*dot_product(abs(direction), abs(rate))) then
-               closed = [closed, j]
-            end if
+            scale = dot_product(abs(direction), abs(rate))
+            if (abs(speed) > 8*epsilon(1.0_wp)*scale) scale = scale + sum(abs(direction))* &
+               reach_of(run, rate)/time_of_motion(run)
+            if (abs(speed) <= 8*epsilon(1.0_wp)*scale) closed = [closed, j]
          end associate
       end do
       if (status /= stat%ok) return
@@ -178,8 +178,7 @@ contains
       real(wp) :: time, force
       integer :: i
 
-      time = run%regimes(1)%unit
-      if (run%load%frequency > 0) time = max(time, run%period)
+      time = time_of_motion(run)
       reach = maxval(abs(rate))*time
       do i = 1, size(rate)
          force = abs(run%load%constant(i)) + sum(hypot(run%load%cosine(i, :), run%load%sine(i, :)))
@@ -187,6 +186,15 @@ contains
          reach = max(reach, force/run%structure%mass(i, i)*time**2)
       end do
    end function reach_of
+
+   !> A time of the size of those in which a motion changes.
+   pure real(wp) function time_of_motion(run) result(time)
+      !> The run.
+      type(run_type), intent(in) :: run
+
+      time = run%regimes(1)%unit
+      if (run%load%frequency > 0) time = max(time, run%period)
+   end function time_of_motion
 
    !> Finds which gaps that touch without a speed rest, and puts a state into their regime.
    !!

@@ -77,7 +77,8 @@ contains
             if (status /= stat%more_events) exit
          end do
          end_time = real(state%cycle, wp)*run%period + state%elapsed
-         call state_now(run, state, end_state(:m), end_state(m + 1:))
+         ! what is given is kept to the last digit
+         if (first > start) call state_now(run, state, end_state(:m), end_state(m + 1:))
          if (status /= stat%ok) return
          end_time = first
       end if
@@ -232,7 +233,8 @@ contains
             if (is_stopped(progress)) status = stat%not_computed
             if (status == stat%not_computed) exit
          end do
-         call state_now(run, state, end_state(:m), end_state(m + 1:))
+         ! what is given is kept to the last digit
+         if (first > start) call state_now(run, state, end_state(:m), end_state(m + 1:))
          if (present(first_state)) first_state = end_state
          if (status /= stat%ok) return
          end_time = first

@@ -101,8 +101,7 @@ contains
       type(random_type) :: random
       type(run_type) :: run
       type(run_state_type) :: state
-      real(wp) :: direction(2), matrices(2, 2, 3), opening, q(2), rate(2), scale, &
-         reach
+      real(wp) :: direction(2), matrices(2, 2, 3), opening, q(2), rate(2), scale, most, reach
       integer :: i, status
 
       matrices = 0
@@ -125,6 +124,8 @@ contains
          call check(status == stat%ok .and. state%regime > 1, 'starts: a gap closed by rounding')
          ! the load and the velocities tell the size of the motion where the coordinates do not
          reach = max(maxval(abs(rate)), 50*maxval(abs(direction)))
+         most = 8*(dot_product(abs(direction), abs(rate)) + sum(abs(direction))*reach)/ &
+            abs(direction(2)*rate(2))
          reach = 0.5_wp*sum(abs(direction))*reach/scale
          call start(0.9e-13_wp*(1 + reach), 0)
          call check(status == stat%ok, 'starts: a gap closed by rounding of the motion')
@@ -132,15 +133,21 @@ contains
          call check(status == stat%gap_closed, 'starts: a start in a gap')
          call start(-0.9e-13_wp, 0)
          call check(status == stat%ok .and. state%regime > 1, 'starts: a gap open by rounding')
-         call start(-1.1e-13_wp, 0)
+         call start(-0.9e-13_wp*(1 + reach), 0)
+         call check(status == stat%ok .and. state%regime > 1, &
+            'starts: a gap open by rounding of the motion')
+         call start(-1.1e-13_wp*(1 + reach), 0)
          call check(status == stat%ok .and. state%regime == 1, 'starts: an open gap')
          call start(0.0_wp, 12)
          call check(status == stat%ok .and. state%regime > 1, 'starts: a speed of rounding')
          call start(0.0_wp, -12)
          call check(status == stat%ok .and. state%regime > 1, 'starts: the opposite one')
-         call start(0.0_wp, 20)
+         call start(0.0_wp, nint(0.9_wp*most))
+         call check(status == stat%ok .and. state%regime > 1, &
+            'starts: a speed of rounding of the motion')
+         call start(0.0_wp, nint(1.1_wp*most))
          call check(status == stat%ok .and. state%regime == 1, 'starts: a speed')
-         call start(0.0_wp, -20)
+         call start(0.0_wp, -nint(1.1_wp*most))
          call check(status == stat%ok .and. state%regime == 1, 'starts: the opposite speed')
       end do
 
