@@ -326,9 +326,8 @@ contains
                if (k == 0 .and. in_contact(member, touch%index, here%side)) cycle
                if (k < nodes) then
                   ! the gap has a minimum between two nodes
-                  step = turn_between(wall*y(row, k), wall*y(row, k + 1), wall*h*rate(row, k), &
-                     wall*h*rate(row, k + 1))
-                  if (step >= 0) then
+                  if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
+                     step = rate(row, k)/(rate(row, k) - rate(row, k + 1))
                      share = (k + step)/nodes
                      ! cubic interpolation decides which minima are refined
                      value = hermite(y(row, k), y(row, k + 1), h*rate(row, k), h*rate(row, k + 1), &
@@ -356,30 +355,6 @@ contains
          end do
       end do
    end subroutine gap_of_flight
-
-   !> Where a position has a maximum between two nodes, as a share of the way; -1 if nowhere.
-   !!
-   !! The rate may have the same sign at both nodes: then the cubic through them tells whether the
-   !! position turns twice in between.
-   pure real(wp) function turn_between(a, b, slope_a, slope_b) result(share)
-      !> Positions and slopes at both ends.
-      real(wp), intent(in) :: a, b, slope_a, slope_b
-      real(wp) :: bend, root, twist
-
-      share = -1
-      if (slope_a > 0 .and. slope_b <= 0) then
-         share = slope_a/(slope_a - slope_b)
-      else if (slope_a*slope_b > 0) then
-         ! the slope is slope_a + 2 bend t + 3 twist t^2
-         bend = 3*(b - a) - 2*slope_a - slope_b
-         twist = slope_a + slope_b - 2*(b - a)
-         root = bend**2 - 3*twist*slope_a
-         ! its extreme lies between the nodes, on the other side of zero
-         if (.not. (root > 0 .and. twist*slope_a > 0 .and. bend*twist < 0 .and. abs(bend) &
-            < 3*abs(twist))) return
-         share = -(bend + sqrt(root))/(3*twist)
-      end if
-   end function turn_between
 
    !> Cubic interpolation between two nodes.
    pure real(wp) function hermite(a, b, slope_a, slope_b, t) result(value)
