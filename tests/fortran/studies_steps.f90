@@ -2,7 +2,7 @@
 module studies_steps
    use checks, only: check
    use random_numbers, only: draw, fill, random_type
-   use vi_crossing, only: hidden_zero
+   use vi_crossing, only: hidden_zero, may_dip
    use vi_kinds, only: wp
    implicit none (type, external)
    private
@@ -41,6 +41,10 @@ contains
             value(2)*value(3) > 0
          call check(hidden_zero(value(1), value(2), value(3), first, second) .eqv. &
             inside .and. extreme*value(2) < 0, 'zeros of a parabola')
+         ! a search of both steps misses none
+         if (inside .and. extreme*value(2) < 0) call check(may_dip(value(1), value(2), value(3), &
+            first, second) .or. may_dip(value(3), value(2), value(1), second, first) .or. &
+            abs(value(2)) > min(abs(value(1)), abs(value(3))), 'a search finds both zeros')
          margin = draw(random, 0.01_wp, 0.9_wp)
          if (abs(extreme - margin*value(2)) < 1.0e-9_wp) cycle
          call check(hidden_zero(value(1), value(2), value(3), first, second, margin) .eqv. &
@@ -60,6 +64,8 @@ contains
          call fill(random, 0.1_wp, 2.0_wp, value)
          call check(.not. hidden_zero(value(1), value(1), value(1), value(2), value(3), 0.5_wp), &
             'a constant')
+         call check(.not. may_dip(value(1), value(1), value(1), value(2), value(3)), 'no dip')
+         call check(.not. may_dip(2.0_wp, 1.5_wp, 1.0_wp, 1.0_wp, 1.0_wp), 'a falling line')
          call check(.not. hidden_zero(1.0_wp, 1.5_wp, 2.0_wp, 1.0_wp, 1.0_wp, 0.99_wp), 'a line')
          call check(.not. hidden_zero(value(1), -value(2), value(3), 1.0_wp, 1.0_wp, 0.5_wp), &
             'two changes of sign')

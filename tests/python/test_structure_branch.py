@@ -108,6 +108,22 @@ def law_of(kind, branch, i):
     return 0.0
 
 
+def test_steps_stay_long_where_a_flight_almost_turns():
+    """A branch reaches both bounds: touches between which a gap hardly turns do not shorten its steps."""
+    structure = vi.Structure(
+        [0.15160234932171657], [0.004418069137949157], [2.6794677613851765],
+        [vi.Gap([-1.0], 0.1580136296304347, 0.49250317537882704)],
+    )  # fmt: skip
+    load = vi.Load(2.4770522889533924, sine=[1.5840719629109627])
+    phases = [3.454877987621631, 4.742010051746551, 5.55253254785381]
+    motion = vi.exact(structure, load, (phases, [0, 0, 0], 1))
+    bounds = (1.2572758538098363, 2.8818200105702045)
+    branch = vi.branch(motion, "frequency", bounds, max_points=1000)
+    assert branch.ends == ("bound of the parameter",) * 2
+    assert sorted(branch.values[[0, -1]]) == pytest.approx(bounds, rel=1e-12)
+    assert len(branch) < 700
+
+
 def midway(motion):
     """The phases midway between a motion of two impacts on opposite walls and its image, which swaps the walls."""
     assert motion.gaps.tolist() == [0, 1] and motion.cycles == 1
