@@ -126,7 +126,8 @@ def test_steps_stay_long_where_a_flight_almost_turns():
 
 def midway(motion):
     """The phases midway between a motion of two impacts on opposite walls and its image, which swaps the walls."""
-    assert motion.gaps.tolist() == [0, 1] and motion.cycles == 1
+    assert motion.gaps.tolist() == [0, 1]
+    assert motion.cycles == 1
     return (motion.phases + motion.phases[::-1] + [-math.pi, math.pi]) / 2
 
 
