@@ -5,6 +5,7 @@
 !! method, started from its last period, leads to an admissible, stable motion near that period.
 !! That motion can also be computed by itself, for a simulation that is given.
 module vi_settled_motion
+   use vi_attractor_known, only: is_free
    use vi_event_symbols, only: period_type, read_periods, total_phase
    use vi_forced_system, only: event_type, forced_system_type, initial_state, release_event, &
       state_type, two_pi
@@ -24,8 +25,8 @@ module vi_settled_motion
 
    !> Outcomes of a state: a confirmed motion; a motion that is confirmed but not stable (or not
    !! admissible, or this is unknown); a simulation that repeats itself although Newton's method
-   !! finds no motion near it; one that does not repeat itself; one without any further impacts; one
-   !! that could not be completed, or had too many events.
+   !! finds no motion near it; one that does not repeat itself; one that ends with the free mass at
+   !! rest where no wall reaches it; one that could not be completed, or had too many events.
    integer, parameter, public :: settled = 1, not_stable = 2, unconfirmed = 3, wandering = 4, &
       no_impacts = 5, unfinished = 6
    integer, parameter, public :: n_outcomes = 6
@@ -91,7 +92,9 @@ contains
             outcome = merge(0, unfinished, status == stat%not_computed)
             return
          end if
-         call examine(system, events(:n), scale, outcome, found, n_found)
+         ! a free mass that moves slowly hits a wall later
+         outcome = merge(no_impacts, wandering, is_free(system, state))
+         if (n > 0) call examine(system, events(:n), scale, outcome, found, n_found)
          if (any(outcome == [settled, no_impacts])) return
       end do
    end subroutine settle_on
@@ -100,7 +103,7 @@ contains
    pure subroutine examine(system, events, scale, outcome, found, n_found)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> (n) The last events.
+      !> (n) The last events, at least one.
       type(event_type), intent(in) :: events(:)
       !> As in `settle_on`.
       real(wp), intent(in) :: scale
@@ -115,8 +118,6 @@ contains
       integer :: i
       logical :: nearby
 
-      outcome = no_impacts
-      if (size(events) == 0) return
       outcome = wandering
       call read_periods(events, longest, most_symbols, about, periods)
       do i = size(periods), 1, -1

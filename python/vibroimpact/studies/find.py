@@ -57,7 +57,7 @@ class Search:
         States that do not repeat within 16 load cycles (or 100 symbols), also when they are examined again after
         more cycles: chaotic, quasi-periodic, of longer period, or not settled yet.
     without_impacts : int
-        States after which no impacts are left.
+        States after which the free mass stands still where no wall reaches it.
     unfinished : int
         States whose simulation reached `max_events` or could not continue.
     lost : int
