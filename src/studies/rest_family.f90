@@ -696,7 +696,7 @@ contains
             ! without restitution the force at the impact has to be positive; beyond that limit the
             ! common motion is continued backward
             if (.not. present(end_of)) good = .false.
-            if (good .and. side*d(3) > 0) time = -d(2)/d(3)
+            if (good .and. side*d(3) > 0) call earlier_release(joint, side, time, good)
          end if
          if (.not. (good .and. present(end_of))) return
          other = time
@@ -706,7 +706,7 @@ contains
             if (end_of%side == 0) then
                ! a nearer one is not farther beyond the given phase
                limit = (end_of%phase - at%phase)/system%r
-               limit = limit + (limit - time)
+               limit = min(limit + (limit - time), (last - at%phase)/system%r)
                if (least < 1.0e-4_wp) exit
             else
                limit = (end_of%phase - at%phase)/system%r
@@ -745,6 +745,33 @@ contains
       end function miss_at
    end subroutine find_release
 
+   !> The instant before an impact at which the contact force would have fallen through zero, if both
+   !! masses had moved together.
+   pure subroutine earlier_release(joint, side, time, good)
+      !> The common motion, in which the force is negative and falls at time 0.
+      type(oscillation_type), intent(in) :: joint
+      !> The wall, +1 or -1.
+      integer, intent(in) :: side
+      !> The instant, not after 0.
+      real(wp), intent(out) :: time
+      !> Whether there is one, and the force falls from there on.
+      logical, intent(out) :: good
+      real(wp) :: d(0:5), step
+      integer :: i
+
+      time = 0
+      good = .false.
+      do i = 1, 30
+         d = derivatives(joint, time)
+         if (.not. side*d(3) > 0) return
+         step = d(2)/d(3)
+         time = time - step
+         ! the next step would be of the order of the square of this one
+         good = abs(step) < 1.0e-10_wp .and. time <= 0
+         if (good) return
+      end do
+   end subroutine earlier_release
+
    !> The next instant at which the contact force falls through zero in the common motion.
    pure subroutine next_release(system, joint, from, after, limit, time, good)
       !> The forced system.
@@ -752,7 +779,8 @@ contains
       !> The common motion, and the state at its time 0.
       type(oscillation_type), intent(in) :: joint
       type(moment_type), intent(in) :: from
-      !> Time of the previous such instant, 0 for the first one, and end of the search.
+      !> Time of the previous such instant (negative before the impact), 0 for the first one, and end
+      !! of the search.
       real(wp), intent(in) :: after, limit
       !> The instant.
       real(wp), intent(out) :: time
@@ -762,10 +790,10 @@ contains
       real(wp) :: begin, rise, d(0:5)
       logical :: opens
 
-      begin = after
+      begin = max(after, 0.0_wp)
       d = derivatives(joint, begin)
       opens = from%side*d(2) > 0 .and. from%side*d(3) < 0
-      if (after > 0 .or. opens) then
+      if (abs(after) > 0 .or. opens) then
          ! the force has to become positive first
          moved = joint
          if (begin > 0) moved = shifted(begin)

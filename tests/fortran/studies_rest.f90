@@ -358,11 +358,14 @@ contains
       end associate
    end subroutine check_stability
 
-   !> Whether no event of the period is about to vanish, which differences would cross.
+   !> Whether no event of the period is about to vanish, which differences would cross, and no
+   !! contact force is negative: no motion is there, and an accumulation that such a force
+   !! interrupts is cut off now at one impact and now at another, between which the measures jump.
    pure logical function is_generic(period)
       type(rest_period_type), intent(in) :: period
 
-      is_generic = all(period%approach%value > 1.0e-2_wp) .and. all(period%rest%value > 1.0e-2_wp)
+      is_generic = all(period%approach%value > 1.0e-2_wp) .and. all(period%rest%value > 1.0e-2_wp) &
+         .and. all(period%gap%value > 1.0e-2_wp .or. period%touched_at >= 0)
    end function is_generic
 
    !> Equations, approach speeds, rests and gaps in a row, with their derivatives.
