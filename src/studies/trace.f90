@@ -91,6 +91,8 @@ contains
             call append(loop, now, active, begins)
             call close_at_corner(curve, loop)
             if (loop%closed) return
+            call cut_return(curve, loop, good)
+            if (good) return
             before = now
          else
             call exchange(before, now)
@@ -199,6 +201,40 @@ contains
          return
       end do
    end subroutine close_at_corner
+
+   !> Removes the way back of a loop that has turned round and reached one of its earlier corners
+   !! again: such a loop encloses nothing. Where the surface of motions ends without a condition, as
+   !! where impacts that accumulate begin to graze, steps along the boundary may turn round.
+   pure subroutine cut_return(curve, loop, returned)
+      !> The surface.
+      type(curve_type), intent(in) :: curve
+      !> In: ends with a corner. Out: if it has turned round, ends where it did so.
+      type(loop_type), intent(inout) :: loop
+      !> Whether it has.
+      logical, intent(out) :: returned
+      real(wp) :: offset(size(loop%points, 1)), distance, farthest
+      integer :: i, j, m
+
+      returned = .false.
+      m = size(offset) - 2
+      do j = 1, loop%n - 2
+         if (loop%corner(j) /= ends) cycle
+         if (.not. same_condition(loop%conditions(loop%n), loop%conditions(j))) cycle
+         offset = loop%points(:, loop%n) - loop%points(:, j)
+         call wrap_phases(curve%frame, offset)
+         if (maxval(abs(offset)) > same_place) cycle
+         returned = dot_product(loop%tangents(:, loop%n), loop%tangents(:, j)) < 0
+         if (.not. returned) cycle
+         farthest = -1
+         do i = j + 1, loop%n
+            distance = norm2(loop%points(m + 1:, i) - loop%points(m + 1:, j))
+            if (distance <= farthest) exit
+            farthest = distance
+         end do
+         loop%n = i - 1
+         return
+      end do
+   end subroutine cut_return
 
    !> Whether a step passes the start of the loop, with the same condition being zero.
    pure logical function closes(curve, loop, now, next, active, met, corner)
