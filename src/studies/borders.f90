@@ -14,6 +14,12 @@ module vi_borders
 
    public :: trace_border
 
+   !> Largest number of loops, and number of points after which no further loop is begun.
+   integer, parameter, public :: most_loops = 400
+   integer, parameter :: capacity = 150000
+   !> Number of further places from which a curve that could not be closed is traced.
+   integer, parameter :: most_again = 3
+
    !> The zones of a family in a window.
    type, public :: zone_type
       type(loop_type), allocatable :: loops(:)
@@ -37,18 +43,21 @@ module vi_borders
       logical, allocatable :: used_seeds(:)
    end type zone_type
 
+   !> Curves that were traced and could not be closed, and how often each was traced again from
+   !! another place on it.
+   type, public :: open_curves_type
+      type(zone_type) :: curves
+      integer :: again(most_loops) = 0
+   end type open_curves_type
+
    !> Distances at which a motion counts as one that repeats itself, relative to the first one.
    !! Where a fold begins at such a motion, rounding can spoil the equations at the first distance.
    real(wp), parameter, public :: distances(4) = [1, 3, 10, 30]
 
-   !> Largest number of loops, and number of points after which no further loop is begun.
-   integer, parameter, public :: most_loops = 400
-   integer, parameter :: capacity = 150000
-
 contains
 
    !> Traces the boundary from a place on it, unless that place already lies on a known loop.
-   subroutine trace_border(border, apart, most, keep_open, zone, closed, progress)
+   subroutine trace_border(border, apart, most, keep_open, zone, closed, progress, tried)
       !> The place on the boundary.
       type(border_type), intent(in) :: border
       !> Distance at which a motion counts as one that repeats itself.
@@ -63,10 +72,13 @@ contains
       logical, intent(out) :: closed
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> In and out: curves that could not be closed, if they are not kept. A place on one of them
+      !! that has been traced often enough is left out.
+      type(open_curves_type), intent(inout), optional :: tried
       type(curve_type) :: surface
       type(loop_type) :: loop, other
       type(border_type) :: begin
-      integer :: i, loop_at
+      integer :: curve_at, i, loop_at
       logical :: good, stopped
 
       call find_border(border, zone, loop_at)
@@ -76,6 +88,14 @@ contains
       if (zone%n == most_loops .or. zone%points > capacity) then
          if (keep_open) zone%untraced = zone%untraced + 1
          return
+      end if
+      curve_at = 0
+      if (present(tried)) then
+         call find_border(border, tried%curves, curve_at)
+         if (curve_at > 0) then
+            if (tried%again(curve_at) == most_again) return
+            tried%again(curve_at) = tried%again(curve_at) + 1
+         end if
       end if
       surface = zone%surface
       surface%frame%apart = apart
@@ -95,7 +115,10 @@ contains
          end if
       end if
       closed = loop%closed
-      if (.not. (closed .or. keep_open)) return
+      if (.not. (closed .or. keep_open)) then
+         if (present(tried) .and. curve_at == 0 .and. loop%n > 1) call remember(loop, tried)
+         return
+      end if
       stopped = is_stopped(progress)
       if (loop%n == 0 .or. stopped) then
          zone%untraced = zone%untraced + 1
@@ -112,6 +135,21 @@ contains
       zone%loops(zone%n) = picked(loop, [(i, i=1, loop%n)])
       zone%inside(:, zone%n) = border%inside
    end subroutine trace_border
+
+   !> Adds a curve that could not be closed to those that are known.
+   pure subroutine remember(loop, tried)
+      !> The curve.
+      type(loop_type), intent(in) :: loop
+      !> In and out: with the curve, if there is room.
+      type(open_curves_type), intent(inout) :: tried
+      integer :: i
+
+      associate (n => tried%curves%n)
+         if (n == size(tried%curves%loops)) return
+         n = n + 1
+         tried%curves%loops(n) = picked(loop, [(i, i=1, loop%n)])
+      end associate
+   end subroutine remember
 
    !> Traces a boundary in one direction.
    subroutine trace(surface, border, most, way, loop, progress)

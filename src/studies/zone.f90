@@ -4,7 +4,7 @@
 !! surface on which they lie. Where a line enters or leaves a zone the boundary is traced, unless it
 !! is known.
 module vi_zone
-   use vi_borders, only: distances, most_loops, trace_border, zone_type
+   use vi_borders, only: distances, most_loops, open_curves_type, trace_border, zone_type
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: repetition_distance
@@ -199,18 +199,20 @@ contains
       integer, intent(inout) :: reported
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      type(open_curves_type) :: tried
       logical, allocatable :: is_open(:)
       logical :: closed
       integer :: i, first, pass
 
-      allocate (is_open(0))
+      allocate (is_open(0), tried%curves%loops(most_loops))
+      tried%curves%surface = zone%surface
       do pass = 1, 2
          first = size(is_open) + 1
          is_open = [is_open, [(.true., i=first, net%n_borders)]]
          do i = first, net%n_borders
             if (is_stopped(progress)) return
             call trace_border(net%borders(i), net%surface%frame%apart, request%points, .false., &
-               zone, closed, progress)
+               zone, closed, progress, tried)
             is_open(i) = .not. closed
             if (pass == 1) call report_share(0.5_wp + 0.5_wp*i/net%n_borders, zone_work, reported, &
                progress)
