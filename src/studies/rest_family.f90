@@ -745,8 +745,8 @@ contains
       end function miss_at
    end subroutine find_release
 
-   !> The instant before an impact at which the contact force would have fallen through zero, if both
-   !! masses had moved together.
+   !> The instant before an impact at which the contact force would have fallen through zero, had
+   !! both masses moved together.
    pure subroutine earlier_release(joint, side, time, good)
       !> The common motion, in which the force is negative and falls at time 0.
       type(oscillation_type), intent(in) :: joint
@@ -779,8 +779,8 @@ contains
       !> The common motion, and the state at its time 0.
       type(oscillation_type), intent(in) :: joint
       type(moment_type), intent(in) :: from
-      !> Time of the previous such instant (negative before the impact), 0 for the first one, and end
-      !! of the search.
+      !> Time of the previous such instant (negative before the impact), 0 for the first one, and
+      !! end of the search.
       real(wp), intent(in) :: after, limit
       !> The instant.
       real(wp), intent(out) :: time

@@ -178,6 +178,27 @@ def test_a_rest_splits_on_the_boundary():
         assert "R*R*" in 2 * beyond
 
 
+@pytest.mark.slow
+def test_a_boundary_that_turns_round_encloses_nothing():
+    """Where the surface of motions ends without a condition the boundary is open: no loop is its own way back.
+
+    Here impacts that accumulate begin to graze; a loop that came back passed each of its corners twice.
+    """
+    osc = vi.Oscillator(
+        xi=0.002, mu=0.0162069554296606, restitution=(0.6998675374205895, 0.4365646045162401)
+    )
+    zone = vi.zone(osc, vi.Pattern("RRL*"), (0.1875, 0.33), (0.0562560556, 0.900096890))
+    assert len({piece.loop for piece in zone.boundary}) > 3
+    for loop in {piece.loop for piece in zone.boundary if piece.loop >= 0}:
+        corners = [(p.r[0], p.clearance[0]) for p in zone.boundary if p.loop == loop]
+        for i, corner in enumerate(corners):
+            assert all(np.hypot(*np.subtract(corner, other)) > 1e-7 for other in corners[:i])
+    # a stable motion whose zone has such a boundary is not denied without a word
+    assert not zone.closed
+    with pytest.warns(UserWarning, match="not decided"):
+        zone.contains(0.21319097457014108, 0.4461478382868581)
+
+
 @pytest.mark.parametrize("walls", [(0.75, 0.0), (0.0, 0.0)])
 def test_zones_of_rest_without_restitution(walls):
     """With R = 0 one impact is the accumulation; the boundary where its rest vanishes has two sides.
