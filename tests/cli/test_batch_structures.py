@@ -119,7 +119,7 @@ FAULTS = [
      "at most 1e12", 4),
     (MODES.replace("ratios = 0.1, 0", "ratios = 0.1") + RUN, "structure", "there are 2 frequencies", 1),
     (MODES.replace("shapes = 1, 1", "shapes = 1, 1, 1") + RUN, "structure", "2 frequencies and 3 numbers", 1),
-    (MODES.replace("= 1, 2,", "= -1, 2,") + RUN, "structure", "one number >= 0", 1),
+    (MODES.replace("= 1, 2,", "= -1, 2,") + RUN, "structure", "one number from 0 to 1e40", 1),
     (MODES.replace("direction = 1", "direction = 1, 1") + RUN, "gap", "it has 2, not 1", 2),
 ]  # fmt: skip
 MARKET = "%%MatrixMarket matrix "

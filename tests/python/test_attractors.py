@@ -14,7 +14,7 @@ from shared_systems import FIGURE6, TABLE
         (lambda: vi.lyapunov(FIGURE6, 1.04, 10.0, cycles=10), "cycles"),
         (lambda: vi.lyapunov(FIGURE6, 1.04, -1.0), "clearance"),
         (lambda: vi.lyapunov(FIGURE6, [1.0, 1.1], [1.0, 2.0, 3.0]), "one shape"),
-        (lambda: vi.lyapunov(FIGURE6, 1.04, 10.0, state={"t": 0}), "state"),
+        (lambda: vi.lyapunov(FIGURE6, 1.04, 10.0, state={"y": 0}), "state"),
         (lambda: vi.bifurcation_diagram(FIGURE6, "D", [1, 2], r=1.0), "parameter"),
         (lambda: vi.bifurcation_diagram(FIGURE6, "r", [1, 1.1]), "clearance"),
         (lambda: vi.bifurcation_diagram(FIGURE6, "r", [1, 1.1], r=1.0, clearance=9), "left out"),
