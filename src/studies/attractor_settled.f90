@@ -197,9 +197,12 @@ contains
       !> In and out: the events.
       type(event_type), allocatable, intent(inout) :: events(:)
       type(event_type), allocatable :: more(:)
+      integer :: i
 
       allocate (more(2*size(events)))
-      more(:size(events)) = events
+      do i = 1, size(events)
+         more(i) = events(i)
+      end do
       call move_alloc(more, events)
    end subroutine enlarge
 
@@ -331,10 +334,12 @@ contains
       type(event_type), intent(in) :: events(:)
       !> Out: x_min and x_max; status `stat%budget` if a search ran out of steps.
       type(settled_type), intent(inout) :: settled
-      real(wp) :: starts(6, 0:size(events))
-      integer :: resting(0:size(events))
+      ! there may be too many events for a stack
+      real(wp), allocatable :: starts(:, :)
+      integer, allocatable :: resting(:)
       logical :: complete
 
+      allocate (starts(6, 0:size(events)), resting(0:size(events)))
       call segments_between(system, begin, events, starts, resting)
       call extreme_positions(system, starts, resting, &
          state_time(finish%cycle, finish%phase, system%r), settled%x_min, settled%x_max, complete)
