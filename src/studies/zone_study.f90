@@ -31,7 +31,7 @@ module vi_zone_study
       meaning='walls of the impacts in order, for example RRL, or RL* with rest on L'), &
       cycles_key, symmetric_key, window_keys, lines_key, &
       key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
-      meaning='guesses for motions at every second node each way, a quarter of them at the &
+      meaning='guesses for motions at every second node each way, a quarter of them at &
       &others; 0: seeds alone'), &
       vertices_key, &
       key_type('seeds', most=100000, may_miss=.true., &
