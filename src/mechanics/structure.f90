@@ -604,18 +604,19 @@ contains
       real(wp), parameter :: most_turn = 1.0e3_wp
       complex(wp), dimension(size(sizes)) :: x, v
       real(wp), dimension(size(sizes)) :: of_x, of_v
-      real(wp) :: turn(size(sizes), size(sizes))
+      real(wp) :: turn(size(sizes), size(sizes)), largest
       logical :: resonant(size(sizes))
       integer :: i, j
 
+      largest = maxval(regime%modes%stiffness)
       of_x = largest_error(parts%xd)
       of_v = largest_error(parts%vd)
       call steady_response(regime%modes%stiffness, regime%modes%damping, h*regime%frequency, &
          regime%wave_drift(:, h), regime%wave_force(:, h), x, v, resonant)
       ! a pair also takes a share of each other one, as much as rounding errors turn it
       do i = 1, size(sizes)
-         turn(:, i) = [(min(most_turn, maxval(regime%modes%stiffness)/max(tiny(1.0_wp), &
-            abs(regime%modes%stiffness(i) - regime%modes%stiffness(j)))), j=1, size(sizes))]
+         turn(:, i) = [(largest/max(tiny(1.0_wp), largest/most_turn, &
+            abs(regime%modes%stiffness(i) - regime%modes%stiffness(j))), j=1, size(sizes))]
          turn(i, i) = 1
       end do
       status = merge(stat%resonance, stat%ok, any(resonant .and. (abs(regime%wave_drift(:, h)) &
