@@ -16,7 +16,7 @@ from .libraries import scipy
 from .model import Oscillator
 from .motion import Motion
 from .restitution import PowerLaw, Restitution, TabulatedRestitution
-from .structure import Gap, Load, Structure
+from .structure import LARGEST, Gap, Load, Structure
 from .structure_trajectory import StructureTrajectory, simulate_structure
 from .units import positive
 
@@ -285,6 +285,16 @@ class VirtualRig:
             if name in ("xi", "drift", "amplitude", "ring_damping") and not value < 1:
                 raise ParameterError(f"{name} = {value!r}: must be a number with 0 <= {name} < 1")
             object.__setattr__(self, name, value)
+        for name in ("M", "K", "m"):
+            if getattr(self, name) > LARGEST:
+                raise ParameterError(
+                    f"{name} = {getattr(self, name)!r}: must be a number with 0 < {name} <= {LARGEST:g}"
+                )
+        if self.C > LARGEST:
+            raise ParameterError(
+                f"xi = {self.xi!r}: must be smaller for this K and M, since the dashpot 2 xi sqrt(K M) = {self.C!r} "
+                f"is limited to {LARGEST:g}"
+            )
         for name in ("frequency", "ring_frequency", "bandwidth"):
             if not getattr(self, name) < self.rate / 2:
                 raise ParameterError(

@@ -527,19 +527,26 @@ contains
       integer :: i, m, steps
       logical :: complete, push
 
-      call middle_of_flight(run, first, section, events(:n), found%cycles, wait)
-      if (.not. wait >= 0) then
-         status = stat%no_motion
-         return
-      end if
       at = first
-      elapsed = at%elapsed + wait
-      call simulate_structure(run, at, at%cycle + int(elapsed/run%period, int64), &
-         modulo(elapsed, run%period), events, n, status)
-      if (status /= stat%ok) return
+      elapsed = section
+      do i = 1, 2
+         call middle_of_flight(run, at, elapsed, events(:n), found%cycles, wait)
+         if (.not. wait >= 0) then
+            status = stat%no_motion
+            return
+         end if
+         elapsed = at%elapsed + wait
+         call simulate_structure(run, at, at%cycle + int(elapsed/run%period, int64), &
+            modulo(elapsed, run%period), events, n, status)
+         if (status /= stat%ok) return
+         elapsed = at%elapsed
+         if (at%regime == 1 .or. i == 2) exit
+         ! a period that begins at an event may lack it, since it is not the motion's yet
+         call one_cycle(run, at, found%cycles, elapsed, events, n, status)
+         if (status /= stat%ok) return
+      end do
       m = size(run%structure%mass, 1)
       allocate (p(2*m, 2*m), a(2*m, 2*m), step(2*m), s(2*m), image(2*m), q(m), rate(m))
-      elapsed = at%elapsed
       call state_now(run, at, s(:m), s(m + 1:))
       before = huge(1.0_wp)
       do steps = 0, most_steps

@@ -205,3 +205,19 @@ def test_a_minimum_of_rounding_is_an_end():
         np.array([1.0]), np.array([1.0]),
     )  # fmt: skip
     assert not converged
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"K": 2.6e260}, r"K = 2\.6e\+260: must be a number with 0 < K <= 1e\+100"),
+        ({"M": 1e101}, "M = 1e"),
+        ({"M": 1e100, "K": 1e100, "xi": 0.9}, "xi = 0.9: must be smaller"),
+        ({"m": 0.0}, "m = 0.0: must be a finite number with m > 0"),
+        ({"bandwidth": 6000.0}, "bandwidth = 6000.0: must be below half the rate"),
+    ],
+)
+def test_a_rig_names_what_it_refuses(change, message):
+    """Also where the structure made of its parameters would be refused."""
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.VirtualRig(**BENCH | change)
