@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from vibroimpact.commands.options import takes
-from vibroimpact.tables import language
+from vibroimpact.results.tables import language
 
 PLACE = Path(__file__).parents[1] / "inputs" / "README.md"
 BEGIN = "<!-- The tables of keys are written by .ci/check_keys.py --write. -->\n"

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 import vibroimpact as vi
 from table import row, show
-from vibroimpact import door
-from vibroimpact.noun import RESULTS
+from vibroimpact.results import door
+from vibroimpact.results.noun import RESULTS
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 THREADS = 2

@@ -17,7 +17,7 @@ def main() -> int:
         # not where a shell has it ignored, in the background
         if heard is signal.default_int_handler:
             signal.signal(signal.SIGINT, stop)
-        from vibroimpact.command import main as run
+        from vibroimpact.commands.command import main as run
 
         signal.signal(signal.SIGINT, heard)
         return run()

@@ -4,7 +4,7 @@ import os
 import subprocess
 import textwrap
 
-from vibroimpact.command import parsers
+from vibroimpact.commands.command import parsers
 
 from .shared import PROGRAM
 

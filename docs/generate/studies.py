@@ -5,8 +5,8 @@ import inspect
 import vibroimpact
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import MOTIONS
-from vibroimpact.noun import RESULTS
-from vibroimpact.tables import language
+from vibroimpact.results.noun import RESULTS
+from vibroimpact.results.tables import language
 
 from .shared import ROOT
 

@@ -4,13 +4,8 @@ from collections.abc import Callable as _Callable
 from importlib import import_module as _import_module
 from importlib.metadata import version as _version
 
-from . import errors
-from .bundle import Bundle, simulate_bundle
-from .campaigns.campaign import Campaign
-from .campaigns.run import campaign
-from .campaigns.sweep import Sweep
-from .case import Case, read_namelist
-from .errors import (
+from .base import errors
+from .base.errors import (
     ClusterError,
     MissingExtraError,
     OpenBoundaryWarning,
@@ -21,34 +16,33 @@ from .errors import (
     StudyInterrupted,
     VibroimpactError,
 )
-from .events import Sample
-from .excitations import half_sine, swept_sine
-from .flags import StabilityFlags, stability_flags
+from .base.spacing import spaced
+from .base.status import status_text
+from .campaigns.campaign import Campaign
+from .campaigns.run import campaign
+from .campaigns.sweep import Sweep
+from .cases.case import Case, read_namelist
+from .cases.run import RunLog, run_namelists
+from .designs.design import Design, design
 from .formats.load import load
-from .formats.measured import read_record
-from .gradient import Gradient
-from .likeness import is_symmetric, motion_images, same_motion, standard_motion
-from .measured import SensorRecord, VirtualRig, virtual_record
-from .model import Oscillator, Pattern
-from .motion import Motion, Motions
-from .newton import exact
-from .noun import ACTIONS as _ACTIONS
-from .period import Period
+from .identification.identify import Identification, identify
+from .identification.measured import SensorRecord, VirtualRig, virtual_record
+from .identification.sensor_files import read_record
+from .motions.bundle import Bundle, simulate_bundle
+from .motions.exact import exact
+from .motions.flags import StabilityFlags, stability_flags
+from .motions.likeness import is_symmetric, motion_images, same_motion, standard_motion
+from .motions.motion import Motion, Motions
+from .motions.periodic import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
+from .motions.quantities import Quantities, Signal
+from .motions.structure_motion import StructureMotion, exact_structure, periodic_structure
+from .motions.structure_quantities import StructureQuantities
+from .motions.structure_trajectory import StructureTrajectory, simulate_structure
+from .motions.trajectory import Period, Trajectory, simulate
 from .physical import Physical, physical
-from .quantities import Quantities, Signal
-from .record import Record, base_motion, base_record
-from .restitution import PowerLaw, TabulatedRestitution
-from .run import RunLog, run_namelists
-from .solve import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
-from .spacing import spaced
-from .status import status_text
-from .structure import Gap, Load, Structure
-from .structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
-from .structure_find import StructureMotions, find_structure, same_structure_motion
-from .structure_motion import StructureMotion, exact_structure, periodic_structure
-from .structure_quantities import StructureQuantities
-from .structure_trajectory import StructureTrajectory, simulate_structure
-from .structure_zone import StructurePiece, StructureZone, zone_structure
+from .results.events import Sample
+from .results.gradient import Gradient
+from .results.noun import ACTIONS as _ACTIONS
 from .studies.atlas import Atlas, Attractor, atlas
 from .studies.basins import BasinAttractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
@@ -56,12 +50,12 @@ from .studies.boundary_band import BoundaryBand, boundary_bands
 from .studies.branch import Branch, Branches, SpecialPoint, branch
 from .studies.chart import Chart, chart
 from .studies.decay import Decay, decay
-from .studies.design import Design, design
 from .studies.find import Findings, FoundMotions, Search, find
-from .studies.identify import Identification, identify
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
+from .studies.structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
+from .studies.structure_find import StructureMotions, find_structure, same_structure_motion
 from .studies.structure_lyapunov import StructureLyapunov, lyapunov_structure
 from .studies.structure_sweep import (
     StructureBifurcation,
@@ -69,10 +63,15 @@ from .studies.structure_sweep import (
     bifurcation_structure,
     response_structure,
 )
+from .studies.structure_zone import StructurePiece, StructureZone, zone_structure
 from .studies.uncertainty import LimitProbability, Uncertainty, limit_probability, uncertainty
 from .studies.zone import Piece, Zone, ZoneSearch, zone
-from .trajectory import Trajectory, simulate
-from .units import Units
+from .systems.excitations import half_sine, swept_sine
+from .systems.oscillator import Oscillator, Pattern
+from .systems.record import Record, base_motion, base_record
+from .systems.restitution import PowerLaw, TabulatedRestitution
+from .systems.structure import Gap, Load, Structure
+from .systems.units import Units
 
 __version__ = _version("vibroimpact")
 
@@ -212,6 +211,12 @@ def _later(place: str) -> _Callable[..., object]:
 
 
 _ACTIONS.update(
+    motion_gradient=_later(".derivatives.period_gradient:oscillator_gradient"),
+    trajectory_gradient=_later(".derivatives.gradient:trajectory_gradient"),
+    structure_motion_gradient=_later(".derivatives.structure_gradient:structure_gradient"),
+    structure_trajectory_gradient=_later(
+        ".derivatives.structure_gradient:structure_trajectory_gradient"
+    ),
     draw=_later(".plot.pictures:draw_result"),
     animate=_later(".plot.pictures:animate_result"),
     thumbnail=_later(".plot.thumbnail:thumbnail"),

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import checks
-from .errors import MissingExtraError, ParameterError, ParameterTypeError, SingularError
-from .gradient import PARAMETERS, Gradient
-from .model import Oscillator, of_numbers
-from .motion import Motion
-from .newton import exact
-from .states import NEEDED
-from .trajectory import simulate
+from .base import checks
+from .base.errors import MissingExtraError, ParameterError, ParameterTypeError, SingularError
+from .derivatives.gradient import PARAMETERS, Gradient
+from .motions.exact import exact
+from .motions.motion import Motion
+from .motions.trajectory import simulate
+from .results.states import NEEDED
+from .systems.oscillator import Oscillator, of_numbers
 
 try:
     import jax

@@ -15,14 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import checks, namelist
-from .errors import ParameterTypeError
-from .events import Sample
-from .files import write_text
-from .model import Oscillator, Pattern
-from .quantities import Quantities, Signal
-from .tables import Column, Found, Result, declared, settled
-from .units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, powers_of
+from .base import checks
+from .base.errors import ParameterTypeError
+from .base.files import write_text
+from .motions.quantities import Quantities, Signal
+from .results import namelist
+from .results.events import Sample
+from .results.tables import Column, Found, Result, declared, settled
+from .systems.oscillator import Oscillator, Pattern
+from .systems.units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, powers_of
 
 if TYPE_CHECKING:
     pass
@@ -306,7 +307,7 @@ class Physical:
 
     def _repr_html_(self) -> str:
         """The representation in Jupyter."""
-        from .jupyter import facts_html
+        from .base.jupyter import facts_html
 
         return facts_html(repr(self), {"units": self.units.names, "F0": f"{self.units.F0:.6g}"})
 

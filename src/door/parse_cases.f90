@@ -7,7 +7,7 @@
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, system_keys
-   use vi_chart_grid, only: most_numbers
+   use vi_common_keys, only: most_numbers
    use vi_key, only: key_type, place_of
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist

@@ -3,7 +3,7 @@
 import re
 
 from programs import contents, rows
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 
 TABLE = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"

@@ -134,7 +134,7 @@ class Runner:
 
 def call_here(call, cwd):
     """Call the command `vibroimpact` in this process, with the streams, folder and filters of a new process."""
-    from vibroimpact.command import main
+    from vibroimpact.commands.command import main
 
     words = [os.fsdecode(word) for word in call]
     before, python = os.getcwd(), (sys.stdout, sys.stderr, sys.argv)

@@ -23,7 +23,7 @@ from attractors import (
     told,
 )
 from programs import IN_PYTHON, ROOT, assert_refused, column, contents, rows, write
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 from vibroimpact.commands import STUDIES
 
 #: Studies whose inputs are run by other tests.

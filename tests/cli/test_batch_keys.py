@@ -13,13 +13,13 @@ from functools import partial
 import pytest
 import vibroimpact as vi
 from programs import IN_PYTHON, ROOT, SYSTEM, find_batch
-from vibroimpact import checks
-from vibroimpact.command import module_of, parser_of
+from vibroimpact.base import checks
+from vibroimpact.base.errors import ParameterError, VibroimpactError
 from vibroimpact.commands import STUDIES as COMMANDS
 from vibroimpact.commands import Record, cases
+from vibroimpact.commands.command import module_of, parser_of
 from vibroimpact.commands.init import example, shown
 from vibroimpact.commands.request import read_cases
-from vibroimpact.errors import ParameterError, VibroimpactError
 
 WALLS = SYSTEM.replace(", r = 0.94", "")
 POINT = "&motion kind = 'exact', sides = 'RL', phases = 0, 4.3, clearance = 37 /\n"

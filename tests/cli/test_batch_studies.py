@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from programs import ROOT, SYSTEM, Runner, column, contents, find_command, rows, write
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 
 from studies import ALONG, ATLAS, BRANCH, EXACT, WALLS, ZONE, assert_atlas, assert_result
 

@@ -21,7 +21,7 @@ from programs import (
     rows,
     write,
 )
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 
 SIMULATION = SYSTEM + "&simulate clearance = 37, cycles = 20, x = 3.5, z_dot = -2 /\n"
 MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}

@@ -95,7 +95,7 @@ SIMULATE = (
 def test_progress_of_cases(case, tmp_path, monkeypatch):
     """The progress of cases goes from 0 to 1, and does not change the results."""
     write(tmp_path / "case.nml", case)
-    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
     shares = []
     message = vi.run_namelists([tmp_path / "case.nml"], tmp_path / "told", progress=shares.append)
     assert shares

@@ -6,9 +6,9 @@ import sys
 
 import pytest
 from programs import ROOT, Runner, find_command
-from vibroimpact.case import kinds
-from vibroimpact.command import main
+from vibroimpact.cases.case import kinds
 from vibroimpact.commands import FORMATS, NAMES
+from vibroimpact.commands.command import main
 
 
 @pytest.fixture

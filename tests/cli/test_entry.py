@@ -34,8 +34,8 @@ def tool(tmp_path):
 
 
 @pytest.mark.parametrize("name", [
-    "vibroimpact", "numpy", "numpy.linalg", "vibroimpact._core", "vibroimpact.studies.zone", "vibroimpact.command",
-    "argparse", "vibroimpact.commands.lyapunov", "vibroimpact.commands.cases",
+    "vibroimpact", "numpy", "numpy.linalg", "vibroimpact._core", "vibroimpact.studies.zone",
+    "vibroimpact.commands.command", "argparse", "vibroimpact.commands.lyapunov", "vibroimpact.commands.cases",
 ])  # fmt: skip
 def test_interrupt_at_the_start(name, tool):
     """An interrupt while modules are imported or the command line is read gives one line and status 1."""

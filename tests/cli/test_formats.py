@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from programs import IN_PYTHON, WRITTEN, Runner, contents, find_command, kinds, write
-from vibroimpact.command import main
 from vibroimpact.commands import STUDIES
+from vibroimpact.commands.command import main
 
 SUFFIX = {"json": "json", "netcdf": "nc", "matlab": "mat"}
 SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
@@ -142,7 +142,7 @@ def test_computed_once(kind, tmp_path, monkeypatch):
     """Table, picture and document from one computation; the table has the bytes of the compiled program."""
     path = write(tmp_path / "case.nml", kinds()[kind])
     assert vi.run_namelists([path], tmp_path / "core").status == 0
-    module = importlib.import_module("vibroimpact.door")
+    module = importlib.import_module("vibroimpact.results.door")
     calls, ours = [], module.run_text
     monkeypatch.setattr(module, "run_text", lambda *a, **k: calls.append("python") or ours(*a, **k))
     monkeypatch.setattr(
@@ -225,7 +225,7 @@ def test_attractors_in_other_forms(tool):
 
 def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
     """Ctrl-C in the second case: the first is written; status 1 and one line."""
-    module = importlib.import_module("vibroimpact.door")
+    module = importlib.import_module("vibroimpact.results.door")
     ours, calls = module.run_text, []
 
     def run_text(*arguments, **options):
@@ -303,13 +303,13 @@ def test_a_reader_who_leaves(words, tool):
 @pytest.mark.parametrize("form", ["json", "csv"])
 def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypatch, capsys):
     """Ctrl-C in a chart writes the finished points; the others have a status that says so."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.0005)
 
     def impatient(bar, share, note=""):
         if share > 0.1:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("vibroimpact.progress.Progress.show", impatient)
+    monkeypatch.setattr("vibroimpact.base.progress.Progress.show", impatient)
     case = kinds()["chart"].replace("r_points = 21", "r_points = 800")
     path = write(
         tmp_path / "case.nml", case.replace("clearance_points = 16", "clearance_points = 40")

@@ -6,8 +6,8 @@ import subprocess
 
 import pytest
 from programs import BIN, contents
-from vibroimpact.command import module_of, parsers
 from vibroimpact.commands import NAMES, STUDIES
+from vibroimpact.commands.command import module_of, parsers
 
 EXAMPLES = {name: module_of(name).EXAMPLE for name in NAMES}
 #: What each example writes; those that write nothing have tests of their own.

@@ -6,7 +6,7 @@ import re
 import pytest
 import vibroimpact as vi
 from programs import IN_PYTHON, Runner, contents, find_batch, find_command, kinds, write
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 
 
 @pytest.fixture

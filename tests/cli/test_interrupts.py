@@ -11,8 +11,8 @@ import time
 import pytest
 import vibroimpact as vi
 from programs import find_command, write
-from vibroimpact.command import main
-from vibroimpact.progress import Progress
+from vibroimpact.base.progress import Progress
+from vibroimpact.commands.command import main
 
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 SHORT = "&lyapunov clearance = 9, cycles = 50, x_dot = 6, z_dot = 9 /\n"
@@ -79,7 +79,7 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("vibroimpact.commands.cases.run_namelists", stop)
-    monkeypatch.setattr("vibroimpact.door.run_text", stop)
+    monkeypatch.setattr("vibroimpact.results.door.run_text", stop)
     assert main([name, "case.nml", "--format", form]) == 1
     assert capsys.readouterr().err == f"vibroimpact {name}: interrupted; nothing was finished\n"
     assert (tmp_path / "results/case.csv").read_text() == "old"
@@ -163,10 +163,10 @@ def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):
 
 def test_bar_never_falls_back(monkeypatch, capsys):
     """If more work appears the bar keeps its length and the time left is updated; at the end it is erased."""
-    monkeypatch.setattr("vibroimpact.progress.PATIENCE", 0.0)
-    monkeypatch.setattr("vibroimpact.progress.INTERVAL", 0.0)
+    monkeypatch.setattr("vibroimpact.base.progress.PATIENCE", 0.0)
+    monkeypatch.setattr("vibroimpact.base.progress.INTERVAL", 0.0)
     clock = iter([100.0, 110.0, 120.0, 140.0, 160.0])
-    monkeypatch.setattr("vibroimpact.progress.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("vibroimpact.base.progress.time.monotonic", lambda: next(clock))
     with Progress("work", wanted=True) as bar:
         for share in (0.5, 0.2, 0.4, 0.75):
             bar.show(share)

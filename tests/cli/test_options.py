@@ -8,7 +8,7 @@ import sys
 import pytest
 import vibroimpact as vi
 from programs import PAIR, SYSTEM, Runner, contents, find_command, write
-from vibroimpact.command import main
+from vibroimpact.commands.command import main
 
 EQUAL = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError
+from vibroimpact.base.errors import ParameterError
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"

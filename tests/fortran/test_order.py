@@ -10,6 +10,11 @@ SOURCE = ROOT / "src"
 KINDS = "numerics/kinds.f90"
 # Each folder may use only folders before it.
 FOLDERS = ("numerics", "mechanics", "motions", "cases", "studies", "door", "cli", "c")
+# The folders of studies, likewise.
+STUDIES = (
+    "common", "structures", "simulate", "periodic", "continuation", "attractors", "find", "branches", "zones",
+    "charts", "atlas", "rigs",
+)  # fmt: skip
 MAX_COLUMNS = 100
 
 
@@ -66,15 +71,20 @@ def test_modules_are_used_upwards_only():
         core.add(stem_module(name))
 
 
+def rank(name):
+    """The place of a file's folder in the order, and within studies of the folder there."""
+    folder, *inner = name.split("/")[:-1]
+    return FOLDERS.index(folder), STUDIES.index(inner[0]) if folder == "studies" else 0
+
+
 def test_folders_are_used_upwards_only():
     names = [name for name in ordered_files() if (SOURCE / name).exists()]
-    folder_of = {stem_module(name): name.split("/")[0] for name in names}
+    rank_of = {stem_module(name): rank(name) for name in names}
     for name in names:
         path = SOURCE / name
-        rank = FOLDERS.index(name.split("/")[0])
         for line in code_lines(path):
             match = re.match(r"\s*use\s*(?:,\s*\w+\s*)?(?:::)?\s*(\w+)", line)
-            below = match and FOLDERS.index(folder_of.get(match[1], FOLDERS[0])) > rank
+            below = match and rank_of.get(match[1], (0, 0)) > rank(name)
             assert not below, f"{name} uses {match[1]}, which is in a folder below it"
 
 

@@ -249,7 +249,7 @@ def changed(rng, data):
 def use_all(path):
     """Reads a result, and uses all of it."""
     import vibroimpact as vi
-    from vibroimpact.errors import VibroimpactError
+    from vibroimpact.base.errors import VibroimpactError
 
     found = vi.load(path)
     repr(found)
@@ -296,7 +296,7 @@ def use(found, name):
 
 def damaged(path, reader, count, seed, begin, change=None):
     """As `work` of `in_child`; `change` makes the damage."""
-    from vibroimpact.errors import VibroimpactError
+    from vibroimpact.base.errors import VibroimpactError
 
     rng = random.Random(f"{seed} {path.name} {getattr(change, '__name__', '')}")
     counts, faults = [0, 0], {}

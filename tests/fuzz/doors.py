@@ -171,7 +171,7 @@ def odd(rng, depth=0):
 
 def answered(session, sent, message, counts, faults):
     """One message to a session."""
-    from vibroimpact.errors import VibroimpactError
+    from vibroimpact.base.errors import VibroimpactError
     from vibroimpact.explorer.messages import checked
 
     data = repr(message).encode("utf-8", "replace")

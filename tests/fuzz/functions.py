@@ -257,7 +257,7 @@ def calls(base, names):
 
 def tried(name, function, base, count, number, begin):
     """Numbers of calls that were refused and accepted, and (kind, text) of those that went wrong."""
-    from vibroimpact.errors import ParameterError, VibroimpactError
+    from vibroimpact.base.errors import ParameterError, VibroimpactError
 
     parameters = parameters_of(function)
     counts, faults = [0, 0], {}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 from vibroimpact import _core
-from vibroimpact.interrupt import new_counters
-from vibroimpact.tables import STORED, Handle, declared, language, shown, text_of
+from vibroimpact.base.interrupt import new_counters
+from vibroimpact.results.tables import STORED, Handle, declared, language, shown, text_of
 
 FOLDER = Path(__file__).parents[1] / "data" / "answers"
 INPUTS = Path(__file__).parents[2] / "inputs"

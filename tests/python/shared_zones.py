@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from vibroimpact.newton import newton
+from vibroimpact.motions.exact import newton
 
 WINDOW = ((0.8, 1.2), (2, 200))
 

@@ -6,8 +6,8 @@ import threading
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.results.tables import language
 from vibroimpact.studies.atlas import OUTCOMES
-from vibroimpact.tables import language
 
 EQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 UNEQUAL = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
@@ -232,7 +232,7 @@ def test_progress_is_told():
 
 def test_survey_hears_a_stop(monkeypatch):
     """An exception of `progress` ends a survey that would take hours, and its threads."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     before = set(threading.enumerate())
 
     def progress(share, what):

@@ -96,7 +96,7 @@ def test_tables_and_pictures():
 
 def stopped(monkeypatch, study, *arguments, **more):
     """The partial result of a study that is stopped when about a third of its work is done."""
-    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
 
     def progress(share, what):
         if share > 0.3:
@@ -188,7 +188,7 @@ def test_stopped_basins(monkeypatch):
 
 def test_stopped_before_anything(monkeypatch):
     """A single point has no partial result: stopping it raises a plain KeyboardInterrupt."""
-    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
 
     def progress(share, what):
         raise KeyboardInterrupt
@@ -200,7 +200,7 @@ def test_stopped_before_anything(monkeypatch):
 
 def test_progress_changes_nothing(monkeypatch):
     """The share of progress rises from 0 to 1, and the result has the same bits as without `progress`."""
-    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
     shares = []
     line = np.linspace(10, 24, 100)
     message = vi.lyapunov(

@@ -11,7 +11,7 @@ from shared_systems import RIG, TABLE
 from shared_threads import THREADS, together
 from vibroimpact import _core
 from vibroimpact.formats.save import write_printout
-from vibroimpact.performance import perform
+from vibroimpact.results.performance import perform
 from vibroimpact.studies.find import shares_of
 
 ROUNDS = 5

@@ -10,8 +10,8 @@ import vibroimpact as vi
 from scipy.optimize import brentq
 from shared_motions import pair_motion, triple_motion
 from shared_systems import FIGURE6, TABLE
-from vibroimpact.errors import VibroimpactError
-from vibroimpact.noun import column
+from vibroimpact.base.errors import VibroimpactError
+from vibroimpact.results.noun import column
 
 
 def product_of_restitution(branch):
@@ -398,7 +398,7 @@ LONG = {"longest_step": 2e-4, "max_points": 20_000}
 @pytest.mark.parametrize("share", [0.1, 0.25, 0.6])
 def test_stopped_branch(share, monkeypatch):
     """A stop in either direction, or while the motions are computed, leaves a part with the bits of the whole."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
 
     def progress(done, what):
         if done > share:
@@ -426,7 +426,7 @@ def test_stopped_branch(share, monkeypatch):
 
 def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
     """A stop in the first of two branches reports its extent, and that the other was not begun."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     path = tmp_path / "pair.nml"
     path.write_text(
         "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
@@ -448,7 +448,7 @@ def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
 @pytest.mark.parametrize("limit", [20_000, 200])
 def test_progress_is_told(limit, monkeypatch):
     """Progress runs from 0 to 1, also if max_points is reached first, and does not change the result."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     shares, given = [], LONG | {"max_points": limit}
     start, bounds = vi.equispaced(FIGURE6, 0.9, 20.0)[0], (5, 200)
     message = vi.branch(

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_motions import system_of
-from vibroimpact.errors import SingularError, VibroimpactError
+from vibroimpact.base.errors import SingularError, VibroimpactError
 
 PATTERNS = [
     ("RL", 1),

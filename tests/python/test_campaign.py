@@ -348,11 +348,11 @@ def test_bad_campaigns(tmp_path, cases, options, error, message):
 
 def test_time_left(capsys):
     """The time left counts what this call does, not what the store had."""
-    from vibroimpact.progress import Progress, span
+    from vibroimpact.base.progress import Progress, span
 
     with pytest.MonkeyPatch.context() as patch:
         now = iter([0.0, 1.0, 101.0])
-        patch.setattr("vibroimpact.progress.time.monotonic", lambda: next(now))
+        patch.setattr("vibroimpact.base.progress.time.monotonic", lambda: next(now))
         bar = Progress("work", wanted=True, resumed=True)
         bar.show(0.8)
         bar.show(0.85, "85 of 100 cases")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_campaign import OSC, equispaced_case, files_of, small_sweep
-from vibroimpact import door
-from vibroimpact.noun import RESULTS
+from vibroimpact.results import door
+from vibroimpact.results.noun import RESULTS
 
 pytest.importorskip("zarr")
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_motions import searched
-from vibroimpact.newton import newton
+from vibroimpact.motions.exact import newton
 
 xarray = pytest.importorskip("xarray")
 
@@ -261,7 +261,7 @@ class Impatient:
 
 def test_interrupt(monkeypatch):
     """After Ctrl-C the finished columns have the same bits as in a complete chart, and the rest is marked."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.0005)
     r, clearance = np.linspace(0.8, 1.2, 800), np.geomspace(2, 200, 400)
     with pytest.raises(vi.errors.StudyInterrupted) as caught:
         vi.chart(OSC, RL, r, clearance, symmetric=True, progress=Impatient(0.1))
@@ -277,7 +277,7 @@ def test_interrupt(monkeypatch):
 
 def test_interrupted_continuation(monkeypatch):
     """A stop during the continuation keeps all motions found so far, and marks the other points."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.0005)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.0005)
     with pytest.raises(vi.errors.StudyInterrupted) as caught:
         vi.chart(OSC, vi.Pattern("RRL"), R, D, progress=Impatient(0.6))
     part = caught.value.result
@@ -395,7 +395,7 @@ def test_plot(pair, three):
 
 def test_progress(monkeypatch):
     """The share of progress rises from 0 to 1, and no result changes."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     shares = []
     message = vi.chart(OSC, RL, R, D, progress=lambda done, what: shares.append((done, what)))
     assert shares == sorted(shares)

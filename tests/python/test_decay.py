@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError, ParameterTypeError
+from vibroimpact.base.errors import ParameterError, ParameterTypeError
 
 DAMPER = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
 UNEVEN = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.4, 0.9))
@@ -249,7 +249,7 @@ def test_picture(clearances):
 
 def test_interrupted(monkeypatch):
     """After Ctrl-C the runs that are kept are complete, and have the same bits as without the interrupt."""
-    monkeypatch.setattr(importlib.import_module("vibroimpact.interrupt"), "INTERVAL", 0.001)
+    monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
     clearances = np.linspace(0.1, 2, 200)
 
     def progress(share, what):

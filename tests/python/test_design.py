@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import GOOD, OSC, QUICK
-from vibroimpact.design_problem import OscillatorHost, Problem
-from vibroimpact.design_search import grid, judged
-from vibroimpact.distribution import uncertain
-from vibroimpact.performance import perform
+from vibroimpact.designs.problem import OscillatorHost, Problem
+from vibroimpact.designs.search import grid, judged
+from vibroimpact.results.performance import perform
+from vibroimpact.systems.distribution import uncertain
 
 
 def test_results_do_not_depend_on_the_number_of_threads():

@@ -7,9 +7,9 @@ import pytest
 import vibroimpact as vi
 from scipy import stats
 from shared_design import FEW, GOOD, OSC, QUICK
-from vibroimpact.design_problem import OscillatorHost, Problem
-from vibroimpact.distribution import interval, uncertain
-from vibroimpact.studies.design import asked_by
+from vibroimpact.designs.design import asked_by
+from vibroimpact.designs.problem import OscillatorHost, Problem
+from vibroimpact.systems.distribution import interval, uncertain
 
 
 def test_probability_is_that_of_a_known_share():

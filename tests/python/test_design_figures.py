@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import OSC, QUICK
-from vibroimpact.design_problem import OscillatorHost
-from vibroimpact.performance import perform
+from vibroimpact.designs.problem import OscillatorHost
+from vibroimpact.results.performance import perform
 
 
 def random_systems(n, seed, restitution):

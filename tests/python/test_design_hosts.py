@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import FEW, GOOD, QUICK
-from vibroimpact.design_hosts import DecayHost, StructureHost, extent
-from vibroimpact.design_problem import OscillatorHost
+from vibroimpact.designs.hosts import DecayHost, StructureHost, extent
+from vibroimpact.designs.problem import OscillatorHost
 
 
 def test_the_oscillator_as_a_structure_has_the_same_figures():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import OSC, QUICK
-from vibroimpact.performance import perform
+from vibroimpact.results.performance import perform
 
 
 def levels_of(clearance, right, left):

@@ -8,7 +8,7 @@ import vibroimpact as vi
 from shared_motions import rest_motion
 from shared_simulations import STATE, state
 from shared_systems import RIG
-from vibroimpact.newton import release_motion
+from vibroimpact.motions.exact import release_motion
 
 
 def test_motion_with_completed_chatter():

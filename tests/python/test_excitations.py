@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError, ParameterTypeError
+from vibroimpact.base.errors import ParameterError, ParameterTypeError
 
 M, K, C, m, F0, D = 2.7, 42e3, 7.7, 0.11, 6.0, 0.004
 RIG = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=m, restitution=0.75, F0=F0)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_explorer_states import RUN, STATES
-from vibroimpact.command import main
+from vibroimpact.base.errors import MissingExtraError, ParameterError
+from vibroimpact.commands.command import main
 from vibroimpact.commands.explore import EXAMPLE
-from vibroimpact.errors import MissingExtraError, ParameterError
 from vibroimpact.explorer.definition import Definition
 from vibroimpact.explorer.explorer import Explorer, settles_on
 from vibroimpact.explorer.motions import fuller, quick
@@ -24,7 +24,7 @@ from vibroimpact.explorer.session import Session
 from vibroimpact.explorer.shapes import thinned, zone_shapes
 from vibroimpact.explorer.state import Run, State
 from vibroimpact.explorer.zones import COARSE, FINE, compute, families
-from vibroimpact.likeness import same_motion
+from vibroimpact.motions.likeness import same_motion
 from vibroimpact.studies.geometry import signed_area
 
 # -- the state and its link

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 import vibroimpact as vi
 from shared_explorer_states import STATES
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 from vibroimpact.explorer.definition import definition_of
 from vibroimpact.explorer.explorer import Explorer, diagram_of, simulate_run
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.motions import fuller
 from vibroimpact.explorer.state import State
 from vibroimpact.explorer.zones import FINE, compute, families
-from vibroimpact.likeness import same_motion
+from vibroimpact.motions.likeness import same_motion
 
 
 def filled(state):

@@ -7,8 +7,8 @@ from urllib.parse import urlsplit
 import pytest
 import vibroimpact as vi
 from shared_motions import rest_motion
-from vibroimpact.command import main
-from vibroimpact.errors import ParameterError, ParameterTypeError
+from vibroimpact.base.errors import ParameterError, ParameterTypeError
+from vibroimpact.commands.command import main
 from vibroimpact.explorer.explorer import Explorer
 from vibroimpact.explorer.opening import state_of
 from vibroimpact.explorer.process import start

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 import vibroimpact as vi
 from shared_explorer import numbers, shown_numbers
-from vibroimpact.case import read_namelist
+from vibroimpact.cases.case import read_namelist
 from vibroimpact.explorer.state import State
 from vibroimpact.explorer.zones import families
 from vibroimpact.plot.zone import LINES

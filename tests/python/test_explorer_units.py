@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.case import read_namelist
-from vibroimpact.errors import ParameterError
+from vibroimpact.base.errors import ParameterError
+from vibroimpact.cases.case import read_namelist
 from vibroimpact.explorer.explorer import Explorer
 from vibroimpact.explorer.export import as_namelist, as_python
 from vibroimpact.explorer.sketches import history

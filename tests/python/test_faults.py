@@ -40,7 +40,7 @@ SWEEP = """&system
 #: Starts children that have all modules already, one for each line of words; gives their numbers and statuses.
 NURSERY = """
 import json, os, sys, signal
-import vibroimpact_start, vibroimpact.command, vibroimpact.campaigns.run, zarr, numcodecs.zstd
+import vibroimpact_start, vibroimpact.commands.command, vibroimpact.campaigns.run, zarr, numcodecs.zstd
 for line in sys.stdin:
     out, *words = json.loads(line)
     number = os.fork()

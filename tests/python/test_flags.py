@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact import _core, flags
-from vibroimpact.solve import impact_restitution
+from vibroimpact import _core
+from vibroimpact.motions import flags
+from vibroimpact.motions.periodic import impact_restitution
 
 
 def columns(rng, n, m, cycles):

@@ -1,4 +1,4 @@
-"""The imports of the package: no cycles, also not among those that run in functions."""
+"""The imports of the package: no cycles, and from each room only to rooms before it."""
 
 import ast
 import graphlib
@@ -8,6 +8,11 @@ import pytest
 import vibroimpact as vi
 
 PACKAGE = Path(vi.__file__).parent
+#: The rooms of the package, and the modules at its top: each may import those before it, also for type checkers.
+ROOMS = (
+    "base", "systems", "results", "formats", "motions", "derivatives", "studies", "cases", "designs",
+    "identification", "campaigns", "plot", "physical", "jax", "__init__", "reproduce", "explorer", "commands",
+)  # fmt: skip
 
 
 def target(path, node, name):
@@ -30,10 +35,13 @@ def target(path, node, name):
     return None
 
 
-def imports(path, inside):
-    """The files that a file imports when it is imported, or (`inside`) when its functions run too."""
+def imports(path, inside, typed=False):
+    """The files that a file imports when it is imported, or (`inside`) when its functions run too.
+
+    typed: also those that only type checkers import.
+    """
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in statements(tree, inside):
+    for node in ast.walk(tree) if typed else statements(tree, inside):
         if isinstance(node, ast.ImportFrom):
             for item in node.names:
                 found = target(path, node, item.name)
@@ -53,10 +61,27 @@ def statements(tree, inside):
         yield from statements(node, inside)
 
 
-@pytest.mark.parametrize("inside", [False, True])
-def test_no_circle(inside):
-    """Neither among imports at the top of files nor with those inside functions."""
+@pytest.mark.parametrize("kind", ["top", "functions", "types"])
+def test_no_circle(kind):
+    """Neither among imports at the top, nor with those inside functions, nor with those of annotations."""
     paths = {str(path.relative_to(PACKAGE)): path for path in PACKAGE.rglob("*.py")}
     assert len(paths) > 100
-    graph = {name: set(imports(path, inside)) for name, path in paths.items()}
+    graph = {
+        name: set(imports(path, kind != "top", kind == "types")) for name, path in paths.items()
+    }
     graphlib.TopologicalSorter(graph).prepare()
+
+
+def test_rooms_import_one_way():
+    """A file imports only from its own room and from rooms before it; few modules stand outside the rooms."""
+    paths = [path for path in PACKAGE.rglob("*.py") if path.name != "_build.py"]
+    names = {path: str(path.relative_to(PACKAGE)) for path in paths}
+    assert sum("/" not in name for name in names.values()) <= 10
+    place = {name: ROOMS.index(name.removesuffix(".py").split("/")[0]) for name in names.values()}
+    wrong = [
+        f"{name} imports {found}"
+        for path, name in names.items()
+        for found in imports(path, inside=True, typed=True)
+        if place[found] > place[name]
+    ]
+    assert wrong == []

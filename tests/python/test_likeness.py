@@ -8,7 +8,7 @@ import vibroimpact as vi
 from shared_motions import pair_motion, rest_motion, triple_motion
 from shared_systems import RIG, TABLE
 from vibroimpact.explorer.motions import ordered
-from vibroimpact.likeness import is_symmetric, motion_images, same_motion, standard_motion
+from vibroimpact.motions.likeness import is_symmetric, motion_images, same_motion, standard_motion
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact import _core
-from vibroimpact.interrupt import new_counters
+from vibroimpact.base.interrupt import new_counters
 
 #: Without load a light primary mass between the walls of a heavy, elastic one bounces faster and faster: the time
 #: between impacts has no practical lower bound, and four load cycles have billions of impacts.

@@ -260,7 +260,7 @@ MATLAB_BOMBS = {
 @pytest.fixture
 def little_memory(monkeypatch):
     """64 MB of it; what Python takes in a test is far less, and much less time."""
-    monkeypatch.setattr("vibroimpact.sizes.free", lambda: 2**26)
+    monkeypatch.setattr("vibroimpact.base.sizes.free", lambda: 2**26)
     tracemalloc.start()
     begin = time.process_time()
     yield

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError, ParameterTypeError
-from vibroimpact.performance import perform
+from vibroimpact.base.errors import ParameterError, ParameterTypeError
+from vibroimpact.results.performance import perform
 
 DAMPER = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 UNEVEN = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.likeness import standard_motion
+from vibroimpact.motions.likeness import standard_motion
 from vibroimpact.reproduce import (
     appendix,
     canvas,
@@ -500,7 +500,7 @@ def test_report_stands_alone(whole):
 
 def test_interrupt_leaves_whole_items(tmp_path):
     """Ctrl-C ends with status 1; tasks stamped as done have whole outputs, and are not repeated."""
-    code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
+    code = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
     names = ["figure3", "figure7", "figure8b", "figure10a"]
     command = [sys.executable, "-c", code, "reproduce", *names, "-o", str(tmp_path)]
     process = subprocess.Popen(
@@ -541,7 +541,7 @@ def session_of(leader):
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
 def test_workers_end_with_a_killed_program(tmp_path):
     """After kill -9 of the program its workers, busy or idle, end within seconds."""
-    code = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
+    code = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
     # two workers, of which one is idle as soon as the other has the last task
     start = "import os; os.sched_getaffinity = lambda _: {0, 1}\n" + code
     process = subprocess.Popen(

@@ -11,7 +11,7 @@ import time
 
 import pytest
 import vibroimpact as vi
-from vibroimpact.files import write_bytes
+from vibroimpact.base.files import write_bytes
 
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 FORMS = ["json", "csv", "nc", "mat"]

@@ -199,7 +199,7 @@ def test_more_events_than_there_is_room_for_at_first(monkeypatch):
     s = chain(5)
     state = (np.zeros(10), np.r_[-20.0, np.zeros(9)])
     run = vi.simulate(s, duration=40, state=state)
-    monkeypatch.setattr("vibroimpact.structure_trajectory.ROOM", 16 * 8 * 23)
+    monkeypatch.setattr("vibroimpact.motions.structure_trajectory.ROOM", 16 * 8 * 23)
     again = vi.simulate(s, duration=40, state=state)
     assert len(run.events) > 8 * 16
     assert again.events.tobytes() == run.events.tobytes()

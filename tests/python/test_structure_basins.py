@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact import _core
-from vibroimpact.interrupt import new_counters
-from vibroimpact.tables import from_core
+from vibroimpact.base.interrupt import new_counters
+from vibroimpact.results.tables import from_core
 
 INPUT = Path(__file__).parents[2] / "inputs" / "structure_basins.nml"
 PLANE = (("q_0", -6.8, 6.8, 9), ("q_dot_0", -9, 9, 10))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from test_structure_motion import damper, random_structure
-from vibroimpact.errors import ParameterError, ParameterTypeError, SingularError
+from vibroimpact.base.errors import ParameterError, ParameterTypeError, SingularError
 
 XI, MU, RESTITUTION = 0.005, 0.042, 0.75
 #: Phases of the third column of Table 1 of the 1983 paper.

@@ -6,8 +6,8 @@ import pickle
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact import door, namelist
-from vibroimpact.noun import RESULTS
+from vibroimpact.results import door, namelist
+from vibroimpact.results.noun import RESULTS
 
 FREE = "&structure mass = 1, 0.3, stiffness = 1, 0 /\n"
 WALLS = "&gap direction = -1, 1, opening = 1 /\n&gap direction = 1, -1, opening = 1, restitution = .9 /\n"

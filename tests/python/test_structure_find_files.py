@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact import _core
-from vibroimpact.interrupt import new_counters
-from vibroimpact.tables import from_core
+from vibroimpact.base.interrupt import new_counters
+from vibroimpact.results.tables import from_core
 
 INPUT = Path(__file__).parents[2] / "inputs" / "structure_find.nml"
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError, ParameterTypeError, SingularError
-from vibroimpact.structure_motion import repeats
+from vibroimpact.base.errors import ParameterError, ParameterTypeError, SingularError
+from vibroimpact.motions.structure_motion import repeats
 
 scipy_linalg = pytest.importorskip("scipy.linalg")
 solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError
+from vibroimpact.base.errors import ParameterError
 
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 UNEVEN = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))

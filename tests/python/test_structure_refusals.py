@@ -176,7 +176,7 @@ def test_quantities_of_many_harmonics_are_those_of_few(monkeypatch):
     wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
     run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
     whole = run.quantities(harmonics=40).q.harmonics
-    monkeypatch.setattr("vibroimpact.structure_quantities.MOST_TURNED", 3000)
+    monkeypatch.setattr("vibroimpact.motions.structure_quantities.MOST_TURNED", 3000)
     np.testing.assert_allclose(
         run.quantities(harmonics=40).q.harmonics, whole, rtol=1e-13, atol=1e-15
     )

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError, SingularError
+from vibroimpact.base.errors import ParameterError, SingularError
 
 
 def unequal_walls():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact import _core
-from vibroimpact.interrupt import new_counters
-from vibroimpact.tables import from_core
+from vibroimpact.base.interrupt import new_counters
+from vibroimpact.results.tables import from_core
 
 #: The impact oscillator of VIVID: one impact in two load cycles from F = 0.34753... on.
 WALL, LOAD = vi.Structure([1], [0.04], [1], [vi.Gap([1], 1, 0.9)]), vi.Load(0.81, cosine=[1.0])

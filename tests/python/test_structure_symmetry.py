@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import SingularError
+from vibroimpact.base.errors import SingularError
 
 EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
 #: Half periods by which the image of a motion of two impacts begins earlier.

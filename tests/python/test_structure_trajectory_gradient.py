@@ -234,7 +234,7 @@ def test_a_graze(monkeypatch):
     run = vi.simulate(wall, push, duration=5, state=([0], [1 + 1e-15]))
     assert 0 < run.events["speed"][0] < 1e-7
     assert np.isfinite(run.gradient()["final_q"]).all()
-    monkeypatch.setattr("vibroimpact.structure_variation.TOUCHING", 1e-6)
+    monkeypatch.setattr("vibroimpact.derivatives.structure_variation.TOUCHING", 1e-6)
     gradient = run.gradient()
     assert "no approach speed" in gradient.status["events[0:]"]
     for name in ("time", "q", "final_q", "final_time"):

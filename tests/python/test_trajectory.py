@@ -64,7 +64,7 @@ def test_event_budget_that_is_just_enough():
 def test_calls_of_bounded_work_are_one_run(monkeypatch, name, size):
     """A long run, divided into calls of the core, does not depend on where it is divided."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20.3)
-    monkeypatch.setattr(f"vibroimpact.trajectory.{name}", size)
+    monkeypatch.setattr(f"vibroimpact.motions.trajectory.{name}", size)
     for budget in (10**6, whole.events.size, whole.events.size - 1):
         cut = vi.simulate(RIG, 0.9, 6.0, 20.3, max_events=budget)
         assert np.array_equal(cut.events, whole.events[:budget])
@@ -204,7 +204,7 @@ def test_trajectory_is_frozen_and_says_what_it_is():
 
 def test_a_stopped_case_keeps_its_events(tmp_path, monkeypatch):
     """A stopped case has the events of the whole up to the stop, whose time survives saving and loading."""
-    monkeypatch.setattr("vibroimpact.interrupt.INTERVAL", 0.001)
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     path = tmp_path / "case.nml"
     path.write_text(
         "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"

@@ -7,7 +7,7 @@ import pytest
 import vibroimpact as vi
 from shared_systems import FIGURE6, RIG
 from shared_zones import motion_at
-from vibroimpact.distribution import interval, shares, systems, uncertain_parameters
+from vibroimpact.systems.distribution import interval, shares, systems, uncertain_parameters
 
 stats = pytest.importorskip("scipy.stats")
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.errors import ParameterError, ParameterTypeError
-from vibroimpact.tables import language
-from vibroimpact.units import MIXED, powers_of
+from vibroimpact.base.errors import ParameterError, ParameterTypeError
+from vibroimpact.results.tables import language
+from vibroimpact.systems.units import MIXED, powers_of
 
 M, K, m, F0 = 2.7, 42e3, 0.11, 6.0
 C = 2 * 0.0114 * math.sqrt(K * M)
@@ -363,7 +363,7 @@ def test_pictures(every, name):
 
 def test_command_draws_in_physical_units(tmp_path, capsys):
     """`vibroimpact plot --units` draws what has units, and refuses the rest before anything is drawn."""
-    from vibroimpact.command import main
+    from vibroimpact.commands.command import main
 
     text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
     path = tmp_path / "rig.nml"

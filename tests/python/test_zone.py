@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
 from vibroimpact import _core
-from vibroimpact.tables import from_core
+from vibroimpact.results.tables import from_core
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from first_principles import System, impact_jacobians, mismatch, velocities
 from shared_motions import searched
 from shared_systems import FIGURE6, RIG
 from shared_zones import WINDOW, distance, random_points
-from vibroimpact.likeness import is_symmetric
-from vibroimpact.newton import newton
+from vibroimpact.motions.exact import newton
+from vibroimpact.motions.likeness import is_symmetric
 from vibroimpact.studies.geometry import signed_area
 
 CASES = [

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from shared_simulations import state
 from shared_systems import RIG
 from test_exact_rest import strobe_matrix
-from vibroimpact.newton import release_motion
+from vibroimpact.motions.exact import release_motion
 
 #: The same walls, exchanged.
 TURNED = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))

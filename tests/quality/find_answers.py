@@ -48,7 +48,7 @@ from shared_answers import (  # noqa: E402
     merged,
     put_files,
 )
-from vibroimpact.tables import language  # noqa: E402
+from vibroimpact.results.tables import language  # noqa: E402
 
 from door import BLOCKS, Counted, Library  # noqa: E402
 

@@ -269,7 +269,7 @@ def arguments() -> argparse.Namespace:
         action="append",
         default=[],
         metavar="PATTERN",
-        help="files, such as 'src/studies/zone*.f90'",
+        help="files, such as 'src/studies/zones/*.f90'",
     )
     parser.add_argument(
         "--fortran-only",

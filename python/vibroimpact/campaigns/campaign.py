@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import OutOfMemoryError, ParameterError, ParameterTypeError
-from ..libraries import xarray
-from ..noun import Noun
-from ..tables import declared, language
+from ..base import checks
+from ..base.errors import OutOfMemoryError, ParameterError, ParameterTypeError
+from ..base.libraries import xarray
+from ..results.noun import Noun
+from ..results.tables import declared, language
 from .chunk import joined, recoded
 from .store import PARTS, PLAN, Store
 from .sweep import Sweep

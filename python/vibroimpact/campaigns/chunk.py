@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, door
-from ..case import case_of
-from ..errors import ParameterError, VibroimpactError
-from ..interrupt import new_counters
-from ..noun import RESULTS, Noun
-from ..tables import STORED, Found, Result, Table, declared, declared_column, language
+from .. import _core
+from ..base.errors import ParameterError, VibroimpactError
+from ..base.interrupt import new_counters
+from ..cases.case import case_of
+from ..results import door
+from ..results.noun import RESULTS, Noun
+from ..results.tables import STORED, Found, Result, Table, declared, declared_column, language
 
 __all__ = ["Chunk", "compute", "core_digest", "name_of"]
 

@@ -17,9 +17,8 @@ from urllib.parse import urlsplit
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..case import Case, study_of
-from ..errors import (
+from ..base import checks
+from ..base.errors import (
     ClusterError,
     MissingExtraError,
     ParameterError,
@@ -27,7 +26,8 @@ from ..errors import (
     StudyInterrupted,
     VibroimpactError,
 )
-from ..interrupt import new_counters
+from ..base.interrupt import new_counters
+from ..cases.case import Case, study_of
 from .campaign import Campaign
 from .chunk import Chunk, compute, core_digest, name_of
 from .store import Store
@@ -361,7 +361,7 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         import dask
         import distributed
 
-        from ..explorer.origin import protect
+        from ..base.local_pages import protect
     except ImportError:
         raise MissingExtraError(
             "a cluster needs dask and cryptography: pip install 'vibroimpact[campaign]'"

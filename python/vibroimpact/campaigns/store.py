@@ -19,10 +19,10 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import ParameterError, ParameterTypeError
-from ..libraries import zarr
-from ..sizes import NUMBERS, TEXT, check_file, check_size
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.libraries import zarr
+from ..base.sizes import NUMBERS, TEXT, check_file, check_size
 from .chunk import Chunk
 
 __all__ = ["Store"]

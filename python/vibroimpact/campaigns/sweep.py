@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks, namelist
-from ..case import Case
-from ..errors import ParameterError, ParameterTypeError
-from ..libraries import scipy
-from ..spacing import spaced
-from ..tables import language
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.libraries import scipy
+from ..base.spacing import spaced
+from ..cases.case import Case
+from ..results import namelist
+from ..results.tables import language
 
 __all__ = ["CaseList", "Sweep"]
 

@@ -18,8 +18,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..errors import ParameterError
-from ..tables import language
+from ..base.errors import ParameterError
+from ..results.tables import language
 
 #: The studies that have a command, and what each does, as the core declares them; motions have none.
 STUDIES: dict[str, str] = {

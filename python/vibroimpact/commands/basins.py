@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from ..studies.structure_basins import StructureBasins
 from .study import command
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from .. import _core
-from ..flags import stability_flags
-from ..model import Oscillator, Pattern
+from ..motions.flags import stability_flags
+from ..motions.trajectory import simulate
 from ..studies.zone import zone
-from ..trajectory import simulate
+from ..systems.oscillator import Oscillator, Pattern
 from .doctor import built, threads
 
 HELP = "measure the speed of the installed package on this machine"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from .cases import run_kind
 from .options import Option, options_of
 from .request import Request, request_of

@@ -7,12 +7,12 @@ import contextlib
 import signal
 from collections.abc import Iterator
 
+from ..base.errors import ParameterError, StudyInterrupted
+from ..base.progress import Progress
 from ..campaigns.campaign import Campaign
 from ..campaigns.run import campaign
 from ..campaigns.sweep import Sweep
-from ..case import read_namelist
-from ..errors import ParameterError, StudyInterrupted
-from ..progress import Progress
+from ..cases.case import read_namelist
 
 HELP = "compute all cases of a sweep into a store"
 DESCRIPTION = """Compute all cases of the &sweep of a namelist file, and keep the results in a store (Zarr). The

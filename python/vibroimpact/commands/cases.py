@@ -11,14 +11,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..case import Case, read_namelist
-from ..errors import ParameterError, StudyInterrupted, VibroimpactError
+from ..base.errors import ParameterError, StudyInterrupted, VibroimpactError
+from ..base.progress import Progress
+from ..cases.case import Case, read_namelist
+from ..cases.run import RunLog, run_namelists
 from ..formats.save import write_printout
-from ..noun import Noun
 from ..plot.animation import check_format
-from ..progress import Progress
-from ..run import RunLog, run_namelists
-from ..tables import language
+from ..results.noun import Noun
+from ..results.tables import language
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .request import Request, read_cases
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..errors import MissingExtraError
+from ..base.errors import MissingExtraError
 
 HELP = "print a script that enables completion in the shell"
 DESCRIPTION = """Print a script that lets a shell complete commands, options, their values and files. It needs
@@ -33,8 +33,8 @@ def run(options: argparse.Namespace) -> int:
         raise MissingExtraError(
             "completion in a shell needs shtab: pip install 'vibroimpact[completion]'"
         ) from None
-    from ..command import parsers
     from ..reproduce import NAMES
+    from .command import parsers
 
     parser, each = parsers()
     for name, command in each.items():

@@ -15,9 +15,9 @@ from importlib.resources import as_file, files
 from typing import Any
 
 from .. import _core
-from ..errors import VibroimpactError
-from ..model import Oscillator, Pattern
-from ..newton import exact
+from ..base.errors import VibroimpactError
+from ..motions.exact import exact
+from ..systems.oscillator import Oscillator, Pattern
 
 HELP = "report what is installed, whether it computes correctly, and what is missing"
 DESCRIPTION = """Report the compiler, the LAPACK library and the number of OpenMP threads in use, whether a

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from ..formats.load import load
 
 HELP = "explore zones and motions interactively in a browser"

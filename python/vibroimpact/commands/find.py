@@ -9,12 +9,12 @@ import textwrap
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..case import Case, read_namelist
-from ..errors import ParameterError, SingularError, StudyInterrupted
-from ..model import Oscillator
-from ..motion import Motion
-from ..progress import Progress
+from ..base.errors import ParameterError, SingularError, StudyInterrupted
+from ..base.progress import Progress
+from ..cases.case import Case, read_namelist
+from ..motions.motion import Motion
 from ..studies.find import Findings, find
+from ..systems.oscillator import Oscillator
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .cases import run_kind
 from .options import options_of

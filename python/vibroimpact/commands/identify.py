@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from . import add_forms
 from .options import options_of
 from .request import Request, request_of

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import case
-from ..errors import ParameterError
-from ..files import write_text
-from ..namelist import Groups
-from ..tables import language
+from ..base.errors import ParameterError
+from ..base.files import write_text
+from ..cases import case
+from ..results.namelist import Groups
+from ..results.tables import language
 from . import STUDIES
 from .options import takes
 
@@ -65,7 +65,7 @@ def example(kind: str) -> tuple[str, Groups]:
     if kind in MOTIONS:
         title, keys = MOTIONS[kind]
         return title, {"system": SYSTEM, "motion": {"kind": kind, **keys}}
-    from ..command import module_of, parser_of
+    from .command import module_of, parser_of
 
     module = module_of(kind)
     options = parser_of(kind).parse_args(shlex.split(module.EXAMPLE)[2:])

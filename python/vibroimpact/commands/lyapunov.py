@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
+from ..results.tables import language
 from ..studies.structure_lyapunov import StructureLyapunov
-from ..tables import language
 from .cases import run_kind
 from .options import Option, options_of, shown
 from .request import Request, request_of

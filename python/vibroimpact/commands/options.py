@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from .. import checks
-from ..errors import ParameterError
-from ..tables import language
+from ..base import checks
+from ..base.errors import ParameterError
+from ..results.tables import language
 
 #: The placeholder of a value in the help, by the end of the name of its key.
 ENDS = {"min": "LOW", "max": "HIGH", "points": "N", "axes": "NAME"}

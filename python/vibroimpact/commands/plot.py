@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..case import Case, read_namelist
-from ..errors import ParameterError, SingularError
-from ..progress import Progress
-from ..units import checked_names
+from ..base.errors import ParameterError, SingularError
+from ..base.progress import Progress
+from ..cases.case import Case, read_namelist
+from ..systems.units import checked_names
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 
 HELP = "draw the cases of namelist files"

@@ -15,10 +15,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from .. import namelist
-from ..case import Case, read_namelist
-from ..errors import ParameterError
-from ..namelist import Groups
+from ..base.errors import ParameterError
+from ..cases.case import Case, read_namelist
+from ..results import namelist
+from ..results.namelist import Groups
 from .options import Option, shown
 
 #: The message on a missing option.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from ..noun import RESULTS
+from ..results.noun import RESULTS
 from . import STUDIES, add_files, add_forms
 from .options import Option, options_of
 from .request import Request, request_of

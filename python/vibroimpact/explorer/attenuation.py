@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import Oscillator
-from ..performance import perform
+from ..results.performance import perform
 from .limits import Progress
 from .state import Box
 from .zones import Window

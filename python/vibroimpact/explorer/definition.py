@@ -6,18 +6,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .. import (
-    Motion,
-    Oscillator,
-    Pattern,
-    checks,
-    equispaced,
-    exact,
-    is_symmetric,
-    same_motion,
-    simulate,
-)
-from ..errors import ParameterError, SingularError
+from .. import Motion, Oscillator, Pattern, equispaced, exact, is_symmetric, same_motion, simulate
+from ..base import checks
+from ..base.errors import ParameterError, SingularError
 from .limits import Progress, shown
 
 __all__ = ["Definition", "definition_of", "start_of"]

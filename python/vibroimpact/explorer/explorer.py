@@ -19,7 +19,7 @@ from .. import (
     same_motion,
     simulate,
 )
-from ..errors import OpenBoundaryWarning, ParameterError, SingularError
+from ..base.errors import OpenBoundaryWarning, ParameterError, SingularError
 from .definition import Definition, definition_of, start_of
 from .limits import Limit, Progress, TooLong
 from .motions import Shown, ordered, quick

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, TypeVar
 
-from ..errors import VibroimpactError
-from ..interrupt import interruptible
+from ..base.errors import VibroimpactError
+from ..base.interrupt import interruptible
 from .latest import Stale, ending
 
 __all__ = ["Limit", "Places", "Progress", "TooLong", "shown", "watched"]

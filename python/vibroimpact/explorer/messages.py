@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from .limits import shown
 
 __all__ = ["checked"]
@@ -74,7 +74,7 @@ def checked(message: Any) -> dict[str, Any]:
     1.04
     >>> checked({"kind": "point", "number": 1, "r": float("inf"), "clearance": 25})
     Traceback (most recent call last):
-    vibroimpact.errors.ParameterError: message 'point', r = 'inf': must be a finite number
+    vibroimpact.ParameterError: message 'point', r = 'inf': must be a finite number
     """
     kind = message.get("kind") if isinstance(message, dict) else None
     parts = PARTS.get(kind) if isinstance(kind, str) else None

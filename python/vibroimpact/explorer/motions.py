@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from .. import Motion, Oscillator, Zone, exact, find, is_symmetric, motion_images, same_motion
-from ..errors import SingularError
+from ..base.errors import SingularError
 from .definition import Definition, definition_of
 from .limits import Progress
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from .. import Design, Identification, Motion, Oscillator, Physical, Units, exact
-from ..errors import ParameterError, ParameterTypeError, SingularError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from .definition import definition_of
 from .state import MOST_CYCLES, MOST_PATTERNS, MOST_SYMBOLS, Box, State
 

@@ -14,7 +14,7 @@ from bokeh.models import CustomJS
 from panel.custom import JSComponent
 from panel.io.state import set_curdoc
 
-from ..errors import VibroimpactError
+from ..base.errors import VibroimpactError
 from ..plot.style import condition_name
 from ..plot.zone import LINES
 from .figures import dashes, figures

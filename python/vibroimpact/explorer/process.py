@@ -15,7 +15,7 @@ __all__ = ["SETTLED", "start", "visited"]
 
 #: A condition in the page's script: every request is answered and every thread has finished.
 SETTLED = "window.vibroimpact?.settled()"
-COMMAND = "import sys; from vibroimpact.command import main; sys.exit(main(sys.argv[1:]))"
+COMMAND = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
 
 
 def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:

@@ -12,8 +12,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from .. import checks
-from ..errors import MissingExtraError, ParameterError
+from ..base import checks
+from ..base.errors import MissingExtraError, ParameterError
 from .opening import state_of
 from .state import State
 
@@ -45,7 +45,7 @@ def interface(address: str) -> str:
     '127.0.0.1'
     >>> interface("0.0.0.0")
     Traceback (most recent call last):
-    vibroimpact.errors.ParameterError: --address '0.0.0.0': must be localhost or one address of this machine, ...
+    vibroimpact.ParameterError: --address '0.0.0.0': must be localhost or one address of this machine, ...
     """
     try:
         number = ipaddress.ip_address("127.0.0.1" if address == "localhost" else address)
@@ -111,7 +111,7 @@ def serve(
     pn = panel()
     from tornado.ioloop import IOLoop
 
-    from .origin import protect
+    from ..base.local_pages import protect
     from .page import page
 
     host = f"[{number}]" if ":" in number else number

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from .. import Motion, Trajectory
-from ..errors import VibroimpactError
+from ..base.errors import VibroimpactError
 from . import pictures, sketches, words
 from .attenuation import Judged
 from .background import Background

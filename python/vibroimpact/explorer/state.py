@@ -8,8 +8,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
-from .. import Oscillator, Pattern, Units, checks
-from ..errors import ParameterError, VibroimpactError
+from .. import Oscillator, Pattern, Units
+from ..base import checks
+from ..base.errors import ParameterError, VibroimpactError
 from .definition import NEEDED, Definition
 from .limits import shown
 

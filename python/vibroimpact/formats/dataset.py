@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..libraries import xarray
-from ..namelist import keys_of
-from ..tables import settled
+from ..base.libraries import xarray
+from ..results.namelist import keys_of
+from ..results.tables import settled
 
 
 def to_xarray(noun: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from ..jupyter import facts_html
+from ..base.jupyter import facts_html
 
 
 def html(noun: Any, picture: str) -> str:

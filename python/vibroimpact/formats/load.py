@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .. import checks
-from ..errors import MissingExtraError, ParameterError, ParameterTypeError
-from ..noun import NOUNS
-from ..sizes import check_file
-from ..units import Units
+from ..base import checks
+from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
+from ..base.sizes import check_file
+from ..results.noun import NOUNS
+from ..systems.units import Units
 from .matlab import read_matlab
 from .netcdf import read_netcdf
 from .record import mapping

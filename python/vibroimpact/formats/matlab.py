@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MissingExtraError, ParameterError
-from ..files import write_bytes
-from ..sizes import NUMBERS, TEXT, check_file, check_size
-from ..tables import Result
+from ..base.errors import MissingExtraError, ParameterError
+from ..base.files import write_bytes
+from ..base.sizes import NUMBERS, TEXT, check_file, check_size
+from ..results.tables import Result
 
 #: scipy keeps the tag of the array that is being written in its class, which all threads share.
 ONE_AT_A_TIME = threading.Lock()

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import MissingExtraError, ParameterError
-from ..files import write_bytes
-from ..libraries import xarray
-from ..sizes import TEXT, check_size
+from ..base.errors import MissingExtraError, ParameterError
+from ..base.files import write_bytes
+from ..base.libraries import xarray
+from ..base.sizes import TEXT, check_size
 
 #: Largest number of bytes to which one byte of deflated data can expand.
 DEFLATED = 1032

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import ParameterError, VibroimpactError
-from ..tables import STORED, Column, Found, Result, Table, column_from, language
+from ..base import checks
+from ..base.errors import ParameterError, VibroimpactError
+from ..results.tables import STORED, Column, Found, Result, Table, column_from, language
 from .rows import places_of
 
 #: Characters that no word has: the core keeps words as lines.

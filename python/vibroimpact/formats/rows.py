@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MissingExtraError
-from ..tables import Column, Result
+from ..base.errors import MissingExtraError
+from ..results.tables import Column, Result
 
 #: The meaning of the codes of verdicts.
 VERDICTS = np.array([None, False, True], dtype=object)
@@ -49,7 +49,7 @@ def cells(column: Column, values: NDArray[Any], label: str) -> dict[str, NDArray
 
 def listed(result: Result, found: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
     """Which rows are in the CSV; the empty slots of a chart are not."""
-    from ..status import NO_MOTION, NOT_COMPUTED
+    from ..base.status import NO_MOTION, NOT_COMPUTED
 
     size = next(iter(found.values())).size
     if result.study != "chart":

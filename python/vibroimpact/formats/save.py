@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..errors import ParameterError
-from ..files import place_for, write_text
-from ..interrupt import new_counters, stoppable
-from ..tables import STORED, Handle, Result, message_of
+from ..base.errors import ParameterError
+from ..base.files import place_for, write_text
+from ..base.interrupt import new_counters, stoppable
+from ..results.tables import STORED, Handle, Result, message_of
 from . import matlab, netcdf
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SingularError
+from ..base.errors import SingularError
 from .harmonics import Measured
 from .impacts import resonance
 from .known import HINT

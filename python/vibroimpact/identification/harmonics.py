@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Pattern
+from ..systems.oscillator import Pattern
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]

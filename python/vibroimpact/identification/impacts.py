@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ParameterError, SingularError
+from ..base.errors import ParameterError, SingularError
 from .harmonics import Measured
 from .known import HINT
 from .least_squares import levenberg

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from .. import checks
-from ..errors import ParameterError, ParameterTypeError
-from ..units import positive
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..systems.units import positive
 from .laws import KNOWN_OF_LAW
 
 #: What may be known, and its unit.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..restitution import PowerLaw, Restitution, TabulatedRestitution
+from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution
 
 _Array = NDArray[np.float64]
 #: What each law adds to R of a wall. The plural of its name has these for each wall, as the plural of a table has.

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import VibroimpactError
+from ..base.errors import VibroimpactError
 
 _Array = NDArray[np.float64]
 MOST_ITERATIONS = 60

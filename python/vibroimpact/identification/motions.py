@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SingularError
-from ..model import Oscillator, Pattern
-from ..motion import Motion
-from ..newton import exact
-from ..restitution import Restitution
-from ..structure import Load
-from ..structure_motion import StructureMotion, exact_structure
+from ..base.errors import SingularError
+from ..motions.exact import exact
+from ..motions.motion import Motion
+from ..motions.structure_motion import StructureMotion, exact_structure
+from ..systems.oscillator import Oscillator, Pattern
+from ..systems.restitution import Restitution
+from ..systems.structure import Load
 from .harmonics import Measured
 from .laws import Law, law_of
 

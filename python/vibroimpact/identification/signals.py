@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ParameterError
-from ..libraries import scipy
+from ..base.errors import ParameterError
+from ..base.libraries import scipy
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]

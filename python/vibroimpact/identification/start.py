@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..errors import ParameterError
-from ..model import Oscillator
-from ..solve import periodic
+from ..base.errors import ParameterError
+from ..motions.periodic import periodic
+from ..systems.oscillator import Oscillator
 from .harmonics import Measured
 from .known import HINT
 from .laws import Law

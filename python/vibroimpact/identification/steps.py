@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import ParameterError, SingularError
-from ..measured import MOTIONS, SensorRecord, sensor_response
+from ..base import checks
+from ..base.errors import ParameterError, SingularError
 from .harmonics import Measured
 from .impacts import refine
+from .measured import MOTIONS, SensorRecord, sensor_response
 from .signals import (
     Rhythm,
     Tones,

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..measured import MOTIONS, SensorRecord, sensor_response
-from ..tables import made
+from ..results.tables import made
 from .fit import Fit, predicted
 from .harmonics import Measured
 from .known import KNOWN
 from .laws import Law
+from .measured import MOTIONS, SensorRecord, sensor_response
 from .motions import oscillator_of, verified
 from .signals import Tones, centred
 from .steps import LOAD_TONES, Step

@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import MissingExtraError, ParameterError, ParameterTypeError
-from ..files import replacing
-from ..progress import Progress
+from ..base import checks
+from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
+from ..base.files import replacing
+from ..base.progress import Progress
 from .history import KINDS, History, history
 from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
 
 if TYPE_CHECKING:
-    from ..motion import Motion
-    from ..trajectory import Trajectory
-    from ..units import Units
+    from ..motions.motion import Motion
+    from ..motions.trajectory import Trajectory
+    from ..systems.units import Units
 
 __all__ = ["FORMATS", "animate"]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from . import style
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
-    from ..units import Units
+    from ..systems.units import Units
 
 #: Colour of each wall, and the marks of its impacts. Those of a sweep down are larger and open, and are drawn
 #: under those of the sweep up: a dot in a ring is an impact of both sweeps, a dot or ring alone is an impact of

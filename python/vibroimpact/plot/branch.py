@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from . import style
 
 if TYPE_CHECKING:
-    from ..structure_branch import StructureBranch
     from ..studies.branch import Branch
-    from ..units import Units
+    from ..studies.structure_branch import StructureBranch
+    from ..systems.units import Units
 
 #: What can be drawn.
 COLUMNS = (

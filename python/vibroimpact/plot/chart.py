@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import ParameterError, ParameterTypeError
-from ..units import Units
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..systems.units import Units
 from .style import (
     ONE_COLUMN,
     PRIMARY,

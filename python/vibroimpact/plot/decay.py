@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import checks
+from ..base import checks
 from . import style
 from .attractor import AREAS
 
 if TYPE_CHECKING:
     from ..studies.decay import Decay
-    from ..units import Units
+    from ..systems.units import Units
 
 #: Colours and marks of a few runs. If there are more runs, their colour depends on the clearance.
 COLORS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, style.LOAD, AREAS[4])

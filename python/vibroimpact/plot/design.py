@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..files import place_for
-from ..tables import UNIT_OF
-from ..units import SI
+from ..base.files import place_for
+from ..results.tables import UNIT_OF
+from ..systems.units import SI
 from . import style
 
 if TYPE_CHECKING:
-    from ..studies.design import Design
-    from ..units import Units
+    from ..designs.design import Design
+    from ..systems.units import Units
 
 #: Symbols of targets.
 TARGETS = {

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from . import history, style
 
 if TYPE_CHECKING:
-    from ..motion import Motion
+    from ..motions.motion import Motion
     from ..studies.find import Findings
-    from ..units import Units
+    from ..systems.units import Units
 
 #: Panels in a row; largest number of motions drawn.
 COLUMNS, MOST = 3, 23

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks
-from ..errors import ParameterError
-from ..events import Sample
+from ..base import checks
+from ..base.errors import ParameterError
+from ..results.events import Sample
 from .style import (
     ABOVE,
     FREE,
@@ -28,9 +28,9 @@ from .style import (
 )
 
 if TYPE_CHECKING:
-    from ..motion import Motion
-    from ..trajectory import Trajectory
-    from ..units import Units
+    from ..motions.motion import Motion
+    from ..motions.trajectory import Trajectory
+    from ..systems.units import Units
 
 __all__ = ["KINDS", "History", "draw", "history"]
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import checks
+from ..base import checks
 from . import style
 
 if TYPE_CHECKING:
-    from ..studies.identify import Identification
+    from ..identification.identify import Identification
 
 #: Axis labels of what was recorded.
 LABELS = {

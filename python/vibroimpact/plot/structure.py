@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks
-from ..errors import ParameterError
+from ..base import checks
+from ..base.errors import ParameterError
 from .animation import MOST, RATE, _mix, _positive, _writer, film
 from .structure_sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
@@ -26,7 +26,7 @@ from .style import (
 )
 
 if TYPE_CHECKING:
-    from ..structure_trajectory import StructureTrajectory
+    from ..motions.structure_trajectory import StructureTrajectory
 
 __all__ = ["KINDS", "animate", "draw_structure"]
 

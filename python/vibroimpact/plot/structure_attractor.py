@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import checks
-from ..errors import ParameterError
+from ..base import checks
+from ..base.errors import ParameterError
 from . import style
 
 #: The marks of sweeps up and down.
@@ -23,8 +23,8 @@ COLORS = (
 )  # fmt: skip
 
 if TYPE_CHECKING:
-    from ..structure_find import StructureMotions
     from ..studies.structure_basins import StructureBasins
+    from ..studies.structure_find import StructureMotions
     from ..studies.structure_lyapunov import StructureLyapunov
     from ..studies.structure_sweep import StructureBifurcation, StructureResponse
 

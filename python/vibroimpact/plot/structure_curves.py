@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from . import style
 from .branch import add_legend_once, draw_curve
 from .zone import FILL, FILLS, LINES, interior_points
 
 if TYPE_CHECKING:
-    from ..structure_branch import StructureBranch
-    from ..structure_zone import StructureZone
+    from ..studies.structure_branch import StructureBranch
+    from ..studies.structure_zone import StructureZone
 
 #: Symbols of parameters, and of columns of a branch with a number.
 PARAMETERS = {

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..record import Record
-from ..structure import Load, Structure
+from ..systems.record import Record
+from ..systems.structure import Load, Structure
 from .style import FREE, IMPACT, LOAD, PRIMARY
 
 __all__ = ["bodies_of", "draw_sketch"]

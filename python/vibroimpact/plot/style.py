@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MissingExtraError
-from ..files import write_bytes
-from ..model import Oscillator
-from ..units import Units
+from ..base.errors import MissingExtraError
+from ..base.files import write_bytes
+from ..systems.oscillator import Oscillator
+from ..systems.units import Units
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"

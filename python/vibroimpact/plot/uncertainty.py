@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import checks
-from ..errors import ParameterError
+from ..base import checks
+from ..base.errors import ParameterError
 from .chart import _edges
 from .style import (
     ABOVE,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..studies.atlas import OUTCOMES, Atlas
 from ..studies.zone import Piece, Zone, default_label
-from ..units import Units
+from ..systems.units import Units
 from . import style
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import Motion, Pattern, exact, periodic, simulate
-from ..files import write_text
+from ..base.files import write_text
 from .paper import MASRI, UNEQUAL
 
 #: The clearance d in the unit of length of Table 1.

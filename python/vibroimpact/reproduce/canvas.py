@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import Oscillator
-from ..files import write_bytes, write_text
+from ..base.files import write_bytes, write_text
 from ..plot import style
 from .paper import KINDS
 from .scan import Strip

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from .. import Oscillator
-from ..errors import MissingExtraError
+from ..base.errors import MissingExtraError
 
 DIGITS = 40
 #: Phase from each impact to the other one.

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from .. import Motion, exact, periodic_batch, simulate
-from ..errors import SingularError
-from ..files import write_text
+from ..base.errors import SingularError
+from ..base.files import write_text
 from .paper import EQUAL, NATURAL_FREQUENCY
 
 #: A point in the zone of 3, 4 and 5 impacts: r and d K/F0.

@@ -13,7 +13,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..files import write_text
+from ..base.files import write_text
 from .appendix import CORRECTIONS, TABLE_1
 from .captions import CAPTIONS, INTRODUCTION, PHASE_ERRORS
 from .statements import counted

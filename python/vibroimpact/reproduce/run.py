@@ -15,7 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import TextIO
 
-from ..errors import ParameterError, VibroimpactError
+from ..base.errors import ParameterError, VibroimpactError
 from .tasks import NAMES, TASKS, Done, fingerprint, perform, recall, with_needs
 
 

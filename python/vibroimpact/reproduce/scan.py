@@ -25,7 +25,7 @@ from .. import (
     periodic_batch,
     simulate,
 )
-from ..errors import VibroimpactError
+from ..base.errors import VibroimpactError
 from .paper import LOADS, scale
 
 Array = NDArray[np.float64]

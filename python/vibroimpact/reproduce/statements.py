@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import Oscillator, Pattern, equispaced_batch, periodic_batch
-from ..errors import MissingExtraError
-from ..files import write_text
+from ..base.errors import MissingExtraError
+from ..base.files import write_text
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary
 from .figure9 import PANELS, motions, there

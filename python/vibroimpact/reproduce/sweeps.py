@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import Motion, Oscillator, Trajectory, exact, simulate, standard_motion
-from ..errors import ParameterError, VibroimpactError
-from ..files import write_text
+from ..base.errors import ParameterError, VibroimpactError
+from ..base.files import write_text
 from .paper import EQUAL, HOLD, LOADS, NATURAL_FREQUENCY, RATIOS, UNEQUAL, kind_of, scale
 
 #: Rigs by name.

@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from .. import Motion, Oscillator, Pattern, equispaced, periodic
-from ..files import write_text
+from ..base.files import write_text
 
 OSCILLATOR = Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 R, CLEARANCE, PAIR = 0.94, 37.0, Pattern("RL")

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..files import write_text
+from ..base.files import write_text
 from .paper import RATIOS
 from .sweeps import RIGS
 

@@ -10,7 +10,7 @@ import numpy as np
 import vibroimpact
 
 from .. import Oscillator, Pattern
-from ..errors import ParameterError
+from ..base.errors import ParameterError
 from .scan import Strip
 
 

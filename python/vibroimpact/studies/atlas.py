@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door, namelist
-from ..model import Oscillator, Pattern
-from ..namelist import SYMMETRIC
-from ..noun import Noun, key
+from ..base import checks
+from ..results import door, namelist
+from ..results.namelist import SYMMETRIC
+from ..results.noun import Noun, key
+from ..systems.oscillator import Oscillator, Pattern
 from .zone import NAMES, Zone, window
 
 __all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]

@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door
-from ..errors import ParameterError
-from ..model import Oscillator
-from ..noun import Noun, column, key
-from ..states import NEEDED, checked_state
-from ..status import NOT_COMPUTED
-from ..structure import or_structure
+from ..base import checks
+from ..base.errors import ParameterError
+from ..base.status import NOT_COMPUTED
+from ..results import door
+from ..results.noun import Noun, column, key
+from ..results.states import NEEDED, checked_state
+from ..systems.oscillator import Oscillator
+from ..systems.structure import or_structure
 from .structure_sweep import bifurcation_structure
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]

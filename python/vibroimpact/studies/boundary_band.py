@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, checks, door
-from ..distribution import ROWS, Uncertain, shares, systems, uncertain_parameters
-from ..errors import ParameterError
-from ..interrupt import new_counters, stoppable
-from ..model import Oscillator, Pattern
+from .. import _core
+from ..base import checks
+from ..base.errors import ParameterError
+from ..base.interrupt import new_counters, stoppable
+from ..results import door
+from ..systems.distribution import ROWS, Uncertain, shares, systems, uncertain_parameters
+from ..systems.oscillator import Oscillator, Pattern
 from .zone import Piece, Zone
 
 __all__ = ["BoundaryBand", "boundary_bands"]

@@ -10,16 +10,17 @@ from typing import Any, ClassVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import checks, door, namelist
-from ..errors import ParameterError, SingularError, StudyInterrupted
-from ..model import Pattern, plain_pattern
-from ..motion import Motion
-from ..noun import Noun, column, key
-from ..solve import frozen
-from ..status import VERDICT
-from ..structure import or_structure
-from ..structure_branch import branch_structure
-from ..structure_motion import StructureMotion
+from ..base import checks
+from ..base.errors import ParameterError, SingularError, StudyInterrupted
+from ..base.status import VERDICT
+from ..motions.motion import Motion
+from ..motions.periodic import frozen
+from ..motions.structure_motion import StructureMotion
+from ..results import door, namelist
+from ..results.noun import Noun, column, key
+from ..systems.oscillator import Pattern, plain_pattern
+from ..systems.structure import or_structure
+from .structure_branch import branch_structure
 from .switching import KINDS, switched
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]

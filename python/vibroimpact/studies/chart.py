@@ -8,14 +8,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door
-from ..errors import StudyInterrupted
-from ..libraries import xarray
-from ..model import Oscillator, Pattern, of_numbers, plain_pattern
-from ..namelist import symmetric_word
-from ..noun import Noun
-from ..status import status_text
-from ..units import GAP
+from ..base import checks
+from ..base.errors import StudyInterrupted
+from ..base.libraries import xarray
+from ..base.status import status_text
+from ..results import door
+from ..results.namelist import symmetric_word
+from ..results.noun import Noun
+from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
+from ..systems.units import GAP
 
 __all__ = ["Chart", "chart"]
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import door
-from ..model import Oscillator
-from ..noun import Noun, column
+from ..results import door
+from ..results.noun import Noun, column
+from ..systems.oscillator import Oscillator
 
 __all__ = ["Decay", "decay"]
 

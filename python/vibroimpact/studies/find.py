@@ -9,14 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core, checks, door
-from ..errors import ParameterError, ParameterTypeError
-from ..jupyter import rows_html
-from ..model import Oscillator, of_numbers
-from ..motion import Motion, motions_of
-from ..noun import Noun, key
-from ..structure import or_structure, state_by_coordinates
-from ..structure_find import find_structure
+from .. import _core
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.jupyter import rows_html
+from ..motions.motion import Motion, motions_of
+from ..results import door
+from ..results.noun import Noun, key
+from ..results.states import state_by_coordinates
+from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.structure import or_structure
+from .structure_find import find_structure
 
 __all__ = ["Findings", "FoundMotions", "Search", "find"]
 

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door
-from ..errors import ParameterError, SingularError
-from ..model import Oscillator
-from ..noun import Noun, column, key
-from ..states import NEEDED, checked_state
-from ..structure import or_structure, state_by_coordinates
+from ..base import checks
+from ..base.errors import ParameterError, SingularError
+from ..results import door
+from ..results.noun import Noun, column, key
+from ..results.states import NEEDED, checked_state, state_by_coordinates
+from ..systems.oscillator import Oscillator
+from ..systems.structure import or_structure
 from .structure_lyapunov import lyapunov_structure
 
 __all__ = ["Lyapunov", "lyapunov"]

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import door
-from ..model import Oscillator
-from ..noun import Noun, column, key
-from ..structure import or_structure
+from ..results import door
+from ..results.noun import Noun, column, key
+from ..systems.oscillator import Oscillator
+from ..systems.structure import or_structure
 from .structure_sweep import response_structure
 
 __all__ = ["Response", "response"]

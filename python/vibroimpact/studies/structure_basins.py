@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import ParameterError, SingularError
-from ..noun import column
-from ..spacing import Axis
-from ..structure import Load, Structure
-from ..structure_find import motions_of
-from ..structure_motion import StructureMotion
-from ..structure_study import StructureNoun, run_structure, start_keys
+from ..base.errors import ParameterError, SingularError
+from ..base.spacing import Axis
+from ..motions.structure_motion import StructureMotion
+from ..motions.structure_noun import StructureNoun, run_structure, start_keys
+from ..results.noun import column
+from ..systems.structure import Load, Structure
+from .structure_find import motions_of
 
 __all__ = ["StructureAttractor", "StructureBasins", "basins_structure"]
 

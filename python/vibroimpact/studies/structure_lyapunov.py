@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SingularError
-from ..noun import column
-from ..structure import Load, Structure
-from ..structure_study import StructureNoun, run_structure, start_keys
+from ..base.errors import SingularError
+from ..motions.structure_noun import StructureNoun, run_structure, start_keys
+from ..results.noun import column
+from ..systems.structure import Load, Structure
 
 __all__ = ["StructureLyapunov", "lyapunov_structure"]
 

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks
-from ..errors import ParameterError
-from ..noun import column, key
-from ..spacing import spacing_of
-from ..status import sentence
-from ..structure import Load, Structure
-from ..structure_path import Parameter, keys_of_parameter
-from ..structure_study import StructureNoun, run_structure, start_keys
-from ..tables import runs
+from ..base import checks
+from ..base.errors import ParameterError
+from ..base.spacing import spacing_of
+from ..base.status import sentence
+from ..motions.structure_noun import StructureNoun, run_structure, start_keys
+from ..results.noun import column, key
+from ..results.parameters import Parameter, keys_of_parameter
+from ..results.tables import runs
+from ..systems.structure import Load, Structure
 
 __all__ = [
     "StructureBifurcation",

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .. import _core
-from ..interrupt import with_stack
-from ..model import Pattern
-from ..motion import Motion
-from ..newton import impact_motion
-from ..solve import impact_restitution
+from ..base.interrupt import with_stack
+from ..motions.exact import impact_motion
+from ..motions.motion import Motion
+from ..motions.periodic import impact_restitution
+from ..systems.oscillator import Pattern
 
 #: Bifurcations at which other motions begin, and the parameters, with their codes in the core.
 KINDS = {"pitchfork": 1, "flip": 2, "grazing": 3}

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door
-from ..distribution import Uncertain, interval, shares, systems, uncertain_parameters
-from ..errors import ParameterError, ParameterTypeError
-from ..libraries import xarray
-from ..model import Oscillator, Pattern, of_numbers, pattern_of
-from ..noun import ACTIONS
-from ..performance import FIGURES, LEAST, perform
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.libraries import xarray
+from ..results import door
+from ..results.noun import ACTIONS
+from ..results.performance import FIGURES, LEAST, perform
+from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
+from ..systems.oscillator import Oscillator, Pattern, of_numbers, pattern_of
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
 from .zone import Zone, zone

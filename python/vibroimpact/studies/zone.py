@@ -11,19 +11,20 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import checks, door
-from ..errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
-from ..likeness import is_symmetric
-from ..model import Oscillator, Pattern, pattern_of
-from ..motion import Motion
-from ..namelist import symmetric_word
-from ..newton import newton
-from ..noun import Noun, key
-from ..structure import or_structure
-from ..structure_motion import StructureMotion
-from ..structure_zone import zone_structure
-from ..tables import runs
+from ..base import checks
+from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
+from ..motions.exact import newton
+from ..motions.likeness import is_symmetric
+from ..motions.motion import Motion
+from ..motions.structure_motion import StructureMotion
+from ..results import door
+from ..results.namelist import symmetric_word
+from ..results.noun import Noun, key
+from ..results.tables import runs
+from ..systems.oscillator import Oscillator, Pattern, pattern_of
+from ..systems.structure import or_structure
 from .geometry import signed_area, winding
+from .structure_zone import zone_structure
 
 __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 

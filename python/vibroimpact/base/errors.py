@@ -1,0 +1,76 @@
+"""Exceptions of the package. Each is also the built-in exception that a caller would expect."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = [
+    "ClusterError",
+    "MissingExtraError",
+    "OpenBoundaryWarning",
+    "OutOfMemoryError",
+    "ParameterError",
+    "ParameterTypeError",
+    "SingularError",
+    "StudyInterrupted",
+    "VibroimpactError",
+]
+
+
+class VibroimpactError(Exception):
+    """Base of every exception that this package raises on purpose."""
+
+    #: Exit status of the command.
+    status = 2
+
+
+class ParameterError(VibroimpactError, ValueError):
+    """A parameter has a value that is not allowed; nothing was computed."""
+
+
+class ParameterTypeError(VibroimpactError, TypeError):
+    """A parameter has the wrong type; nothing was computed."""
+
+
+class SingularError(VibroimpactError, ArithmeticError):
+    """The equations have no unique, finite solution for these (allowed) parameters.
+
+    Its attribute `result` is the part of a simulation of a structure before that, or None.
+    """
+
+    result: Any = None
+
+
+class OpenBoundaryWarning(UserWarning):
+    """`Zone.contains` or `Zone.count` was asked about points that an open boundary leaves undecided."""
+
+
+class MissingExtraError(VibroimpactError, ImportError):
+    """A library that is not required to compute is needed here."""
+
+    status = 1
+
+
+class OutOfMemoryError(VibroimpactError, MemoryError):
+    """A case takes more memory, or more room on the stack, than there is; nothing was computed."""
+
+    status = 1
+
+
+class ClusterError(VibroimpactError, ConnectionError):
+    """The scheduler of a cluster is gone, or its workers cannot compute; the finished chunks are kept."""
+
+    status = 1
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """Ctrl-C in a study, as `branch`, `chart` or `basins`; its attribute `result` is what was done."""
+
+    def __init__(self, result: Any) -> None:
+        super().__init__("stopped; what was finished is the attribute `result` of this exception")
+        self.result = result
+
+
+# tracebacks name them as users import them
+for _name in __all__:
+    globals()[_name].__module__ = "vibroimpact"

@@ -1,0 +1,99 @@
+"""How large files may be that are read whole: a small one can claim, or unpack to, any size."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from .errors import OutOfMemoryError, ParameterError, VibroimpactError
+
+#: Bytes of memory that may be needed for each byte of a text, and for each byte of packed numbers.
+TEXT, NUMBERS = 16, 4
+#: Bytes of memory that are always there; to ask the system for each small file would take longer than to read it.
+SMALL = 2**20
+
+
+def free() -> int:
+    """Bytes of memory that are available, as far as the system tells."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:
+            lines = dict(line.split(":") for line in file)
+        return 1024 * int(lines["MemAvailable"].split()[0])
+    except (OSError, LookupError, ValueError):
+        pass
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):  # Windows
+        return 2**33
+
+
+def check_size(size: int, each: int, what: str) -> None:
+    """Refuse to read more than memory can hold, before it is read or unpacked.
+
+    Parameters
+    ----------
+    size : int
+        Bytes, as the file declares them.
+    each : int
+        Bytes of memory for each of them.
+    what : str
+        What has this size, for the message.
+
+    Raises
+    ------
+    ParameterError
+        With the size and the limit.
+
+    Examples
+    --------
+    >>> from vibroimpact.sizes import TEXT, check_size
+    >>> check_size(1000, TEXT, "it")
+    >>> check_size(10**18, TEXT, "its record")
+    Traceback (most recent call last):
+    vibroimpact.ParameterError: its record has 1000000000000000000 bytes; must have at most ...
+    """
+    if size * each <= SMALL:
+        return
+    limit = free() // each
+    if size > limit:
+        raise ParameterError(
+            f"{what} has {size} bytes; must have at most {limit}, 1/{each} of the free memory"
+        )
+
+
+def check_file(path: Path, each: int = TEXT, what: str = "it") -> None:
+    """Refuse to read a file that is larger than memory can hold; `what` names it in the message.
+
+    Raises
+    ------
+    OSError, ParameterError
+        If there is no such file, or it is too large.
+    """
+    check_size(path.stat().st_size, each, what)
+
+
+@contextlib.contextmanager
+def memory_for(what: str) -> Iterator[None]:
+    """One error of the package where arrays do not fit into memory; `what` says what they are for, and by which
+    argument they can be smaller.
+
+    Raises
+    ------
+    OutOfMemoryError
+
+    Examples
+    --------
+    >>> from vibroimpact.sizes import memory_for
+    >>> with memory_for("all of it"):
+    ...     raise MemoryError("Unable to allocate 1 PiB")
+    Traceback (most recent call last):
+    vibroimpact.OutOfMemoryError: all of it: takes more memory than there is; Unable to allocate 1 PiB
+    """
+    try:
+        yield
+    except VibroimpactError:
+        raise
+    except MemoryError as error:
+        raise OutOfMemoryError(f"{what}: takes more memory than there is; {error}") from None

@@ -1,0 +1,1 @@
+"""Namelists: cases as objects, and files of cases that are run."""

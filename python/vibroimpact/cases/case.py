@@ -1,0 +1,217 @@
+"""The cases of a namelist file, read and computed by the core."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..base.errors import ParameterError, ParameterTypeError
+from ..motions.motion import Motion, MotionSet
+from ..results import door
+from ..results.namelist import keys_of, parts_of
+from ..results.noun import RESULTS, Noun
+from ..results.structure_groups import from_groups
+from ..results.tables import Handle, language, message_of
+from ..systems.oscillator import Oscillator
+from ..systems.record import Record
+from ..systems.structure import Load, Structure
+
+__all__ = ["Case", "read_namelist"]
+
+
+@cache
+def kinds(structures: bool = True) -> tuple[str, ...]:
+    """Kinds of cases: the words of the key `kind` of a study, or the name of its group."""
+    groups = language()["groups"]
+    words = [
+        next((key["words"] for key in groups[study] if key["name"] == "kind"), about["group"])
+        for study, about in language()["results"].items() if structures or not about["of_structure"]
+    ]  # fmt: skip
+    return tuple(dict.fromkeys(" ".join(words).split()))
+
+
+class Case(NamedTuple):
+    """A case of a namelist file.
+
+    Attributes
+    ----------
+    name : str
+        Of the result.
+    kind : str
+        That of a &motion ("periodic", "equispaced", "exact"), else the name of the group.
+    osc : Oscillator or None
+        None for a case of a structure.
+    r : float or None
+        Of a case that has several, None.
+    keys : dict
+        All other keys of its groups, with the values of those that were missing; of a branch also
+        motion_kind, the kind of its &motion. Of a structure those of the study and of &output.
+    text : str
+        The complete case as a namelist, as the header of its result has it.
+    structure : Structure or None
+        Of a &structure, with its gaps.
+    load : Load, Record or None
+        Its &load, if it has one.
+    """
+
+    name: str
+    kind: str
+    osc: Oscillator | None
+    r: Any
+    keys: dict[str, Any]
+    text: str
+    structure: Structure | None = None
+    load: Load | Record | None = None
+
+    @property
+    def motion_kind(self) -> str:
+        """The kind of the motion, also of that which a branch starts from."""
+        kind: str = self.keys.get("motion_kind", self.kind)
+        return kind
+
+    @property
+    def study(self) -> str:
+        """Name of the study."""
+        return study_of(self.text)
+
+    @property
+    def in_python(self) -> bool:
+        """Whether the Python package computes it, and not the core."""
+        computed: bool = language()["results"][self.study]["in_python"]
+        return computed
+
+    def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
+        """The result of the case as one object, with what is not there and what failed; `progress` is as of
+        `atlas`."""
+        noun = RESULTS[self.study]
+        if self.in_python:
+            return noun.computed(self, progress)
+        return door.run_text(noun, self.text, progress=progress)
+
+    def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
+        """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.
+
+        `progress` is as of `atlas`.
+        """
+        found = self.compute(progress)
+        found.require()
+        return found.parts()
+
+    def to_namelist(self) -> str:
+        """The case as a namelist, with defaults filled in."""
+        return self.text
+
+    def motions(self) -> list[Motion]:
+        """The motions that its &motion asks for, also those that a branch starts from; none if there is no such
+        motion."""
+        system, motion, *_, output = re.findall(r"(?ms)^&.*?^/$\n?", self.text)
+        found = door.run_text(MotionSet, system + motion + output)
+        found.require()
+        return found.parts()
+
+
+def study_of(text: str) -> str:
+    """The name of the study of a case."""
+    groups = groups_of(text)
+    *_, last = (name for name in groups if name not in ("sweep", "output"))
+    return next(
+        str(name) for name, about in language()["results"].items()
+        if (about["group"], about["of_structure"]) == (last, groups[0] == "structure")
+    )  # fmt: skip
+
+
+def groups_of(text: str) -> list[str]:
+    """The names of the groups of a case, in order."""
+    return re.findall(r"(?m)^&(\w+)$", text)
+
+
+def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
+    """The cases of a namelist file, read by the compiled reader, which also fills in defaults.
+
+    Parameters
+    ----------
+    path : path
+        A file with the groups &system, &motion, … (see inputs/README.md), or an earlier result.
+
+    Returns
+    -------
+    list of Case
+        Each with `run`, which gives the motions, branches, trajectory, zone, atlas or chart with the
+        digits that `run_namelists` writes.
+
+    Raises
+    ------
+    ParameterError
+        If the file is wrong: file, line, key, value and what is allowed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "pair.nml"
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> _ = path.write_text(vi.equispaced(osc, r=0.94, clearance=37.0)[0].to_namelist())
+    >>> (case,) = vi.read_namelist(path)
+    >>> case.run()
+    [<Motion RL/1 at r = 0.94, ...unstable...>, <Motion RL/1 at r = 0.94, ...unstable...>]
+    """
+    name = path_bytes(path)
+    handle, status = _core.read_namelist(characters(name))
+    echo = message_of(Handle(handle))
+    if status:
+        raise ParameterError(echo)
+    texts: list[str] = []
+    # the reader returns each case as in the header of its result: one `# key = value` per line
+    for line in echo.split("\n"):
+        if line in ("# &system", "# &structure"):
+            texts.append("")
+        if texts and not line.startswith("# !"):
+            texts[-1] += line[2:] + "\n"
+    return [case_of(text.strip("\n") + "\n") for text in texts]
+
+
+def case_of(text: str) -> Case:
+    """A case that is complete and checked, with one `key = value` a line."""
+    return _structure_case(text) if text.startswith("&structure") else _case(text)
+
+
+def _case(text: str) -> Case:
+    keys = keys_of(text)
+    osc = Oscillator._of_keys(keys)
+    name, kind, r, *_ = (keys.pop(key, None) for key in ("name", "kind", "r", *osc._keys()))
+    return Case(name, kind, osc, r, keys, text)
+
+
+def _structure_case(text: str) -> Case:
+    *parts, (kind, keys) = [part for part in parts_of(text) if part[0] not in ("sweep", "output")]
+    output = dict(parts_of(text))["output"]
+    structure, load = from_groups(parts)
+    name = output.pop("name")
+    return Case(name, kind, None, None, keys | output, text, structure, load)
+
+
+def path_bytes(path: str | os.PathLike[str], name: str = "path") -> bytes:
+    """A path as the compiled reader takes it; `name` is that of the argument."""
+    try:
+        found = os.fsencode(path)
+    except TypeError:
+        raise ParameterTypeError(
+            f"{name} = {path!r}: must be a path, not {type(path).__name__}"
+        ) from None
+    except UnicodeEncodeError:
+        raise ParameterError(f"{name} = {path!r}: must be text that a path can have") from None
+    if not found or b"\0" in found:
+        raise ParameterError(
+            f"{name} = {os.fsdecode(found)!r}: must not be empty or hold a null byte"
+        )
+    return found
+
+
+def characters(text: bytes) -> NDArray[np.bytes_]:
+    return np.frombuffer(text, "S1")

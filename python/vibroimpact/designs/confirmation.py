@@ -1,0 +1,117 @@
+"""Confirmation of a design by independent samples, and the search with more units where it fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..base.status import VERDICT
+from ..results import door
+from ..systems.distribution import interval
+from .order import Order
+from .problem import Problem
+from .search import Archive, grid, refined
+
+#: Confidence of all intervals, and parts of the band whose shares are stated.
+CONFIDENCE, BANDS = 0.95, 10
+#: Samples that are simulated at once.
+CHUNK = 10_000
+#: Samples by which the choice of units in the search is checked, and how often more units are taken.
+FEW, ROUNDS = 2000, 2
+#: The core's codes of verdicts.
+CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
+
+
+def confirmed(
+    problem: Problem, order: Order, values: Mapping[str, float], samples: int, seed: int,
+    progress: door.Progress | None,
+) -> tuple[dict[str, Any], dict[str, Any]]:  # fmt: skip
+    """Columns of the tables `design` and `bands` from independent samples."""
+    rng = np.random.default_rng(seed)
+    candidate = np.array(list(values.values()))
+    first, last = problem.band
+    parts = BANDS if first < last else 1
+    edges = np.linspace(first, last, parts + 1)
+    good, count, failed = np.zeros(parts, int), np.zeros(parts, int), 0
+    worst = np.full(parts, -math.inf)
+    states = 1 if problem.weighted else order.states
+    limit = math.inf if order.limit is None else order.sign * order.limit
+    for begin in range(0, samples, CHUNK):
+        n = min(CHUNK, samples - begin)
+        units, load = problem.units(candidate, rng.random((problem.dimensions, n)))
+        place = rng.uniform(first, last, n)
+        starts = rng.uniform(-1, 1, (4, n, states))
+        each = [
+            problem.host.outcome(
+                units, place, load, starts[:, :, i],
+                part_of(progress, begin + i * n / states, n / states, samples), "confirmation",
+            )
+            for i in range(states)
+        ]  # fmt: skip
+        target = np.max([one.target for one in each], axis=0)
+        bad = ~np.isfinite(target)
+        within = (target <= limit) & (np.max([one.excess for one in each], axis=0) <= 1) & ~bad
+        part = np.clip(np.searchsorted(edges, place, side="right") - 1, 0, parts - 1)
+        good += np.bincount(part[within], minlength=parts)
+        count += np.bincount(part, minlength=parts)
+        failed += int(bad.sum())
+        np.maximum.at(worst, part[~bad], target[~bad])
+    total = int(good.sum())
+    low, high = interval(total, samples)
+    # at a confidence that holds for all parts at once
+    each_part = [
+        interval(int(g), int(n), 1 - (1 - CONFIDENCE) / parts)
+        for g, n in zip(good, count, strict=True)
+    ]
+    ends = np.array(each_part).T
+    feasible = None
+    if order.limit is not None or problem.limited:
+        lows, highs = min(low, ends[0].min()), min(high, ends[1].min())
+        feasible = False if highs < problem.quantile else True if lows >= problem.quantile else None
+    design = {
+        "worst": order.sign * float(worst.max()), "samples": samples, "failed": failed,
+        "probability": total / samples, "low": low, "high": high, "feasible": CODE_OF[feasible],
+    }  # fmt: skip
+    bands = {
+        "from": edges[:-1], "to": edges[1:], "samples": count, "good": good,
+        "probability": np.divide(good, count, out=np.full(parts, math.nan), where=count > 0),
+        "low": ends[0], "high": ends[1],
+        "worst": order.sign * np.where(np.isfinite(worst), worst, math.nan),
+    }  # fmt: skip
+    return design, bands
+
+
+def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, Order]:
+    """The candidates judged by more units, frequencies and states, where those of the search were too few.
+
+    They were if the chosen candidate meets the limit in the search, but too few of some samples meet it.
+    """
+    for _ in range(ROUNDS):
+        best = archive.best
+        limit = math.inf if order.limit is None else order.sign * order.limit
+        if archive.level[best] > limit or (order.limit is None and not problem.limited):
+            break
+        chosen = dict(zip(problem.free, archive.values[best], strict=True))
+        tried, bands = confirmed(problem, order, chosen, FEW, order.seed + 2, None)
+        shares = bands["good"] / np.maximum(1, bands["samples"])
+        if min(tried["probability"], shares.min()) >= problem.quantile:
+            break
+        order = replace(
+            order, specimens=3 * order.specimens, nodes=2 * order.nodes, states=order.states + 1
+        )
+        fine = grid(problem, order.specimens, order.nodes, order.states, order.seed)
+        archive = refined(problem, fine, np.array(archive.values), np.array(archive.level), None)
+    return archive, order
+
+
+def part_of(
+    progress: door.Progress | None, begin: float, share: float, whole: float
+) -> door.Progress | None:
+    """The progress of a part of the work."""
+    if progress is None:
+        return None
+    return lambda done, note: progress((begin + done * share) / whole, note)

@@ -1,0 +1,540 @@
+"""Design of an impact damper: clearance, mass and restitution for the best worst case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.status import VERDICT
+from ..results import door
+from ..results.namelist import keys_of
+from ..results.noun import ACTIONS, Noun
+from ..results.performance import LEAST, PARAMETERS
+from ..results.tables import Result, made
+from ..systems.distribution import Uncertain, uncertain
+from ..systems.oscillator import Oscillator, of_numbers
+from .confirmation import CODE_OF, confirmed, firmer, part_of
+from .order import NAMES, Order, asked_by, numbers_of
+from .problem import LIMITED, OscillatorHost, Problem, parameters_of
+from .search import search
+from .structure import asked_of
+
+__all__ = ["Design", "design"]
+
+_Array = NDArray[np.float64]
+#: Arguments that have no meaning for free vibration, and under a load: they must have their defaults.
+DRIVEN = {"load": [1.0], "settling": 400, "keep": 32}
+FREE = {"cycles": 5}
+EXAMPLE = (
+    "--xi .0114 --mu .028 --restitution .75 --band 1 1.02 --free-clearance 20 40 --limit .55 --quantile .9 "
+    "--samples 1000"
+)
+
+
+class Design(Noun, study="design", example=EXAMPLE):
+    """A design, and what it achieves.
+
+    Attributes
+    ----------
+    values : dict
+        The chosen values by name.
+    ranges : dict
+        The ranges (low, high) from which they were chosen.
+    target, limit, quantile : str, float or None, float
+        What was minimised (the damping: maximised), and what had to be reached by which share of the units.
+    level : float
+        The quantile of the target over the units of the search, at the worst frequency.
+    excess : float
+        The same of the greatest figure over its limit: above 1 no candidate met all limits.
+    worst : float
+        The worst target of all samples of the confirmation, and of the units of the search.
+    samples, failed : int
+        Samples of the confirmation, and those whose simulation was given up; these count as bad.
+    probability : float
+        Share of the samples within the limit and all other limits; NaN without samples.
+    interval : (float, float)
+        Its 95 % confidence interval, by Clopper and Pearson.
+    bands : dict of ndarray
+        The same for parts of the band: ``from, to, samples, good, probability, low, high, worst``. These intervals
+        hold for all parts at once with 95 %. Shares of parts without samples are NaN.
+    feasible : bool or None
+        True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
+        False if one of the upper ends is below it, None if the samples do not tell.
+    spread : dict
+        Least, middle and greatest clearance, xi, mu, R1 and R2 of the units; an error for a host that is a
+        function.
+    sensitivity : dict
+        Derivatives of the target of the worst unit by its parameters; empty where it has no periodic motion.
+    candidates, front : ndarray
+        Structured arrays of all candidates that were judged by all units, and of those that no other one beats
+        both in ``nominal`` (level of the unit without deviations) and ``level``.
+    case : str
+        The case as a namelist; empty for a host that is a function.
+    """
+
+    __slots__ = ("_asked",)
+    _asked: tuple[Problem, Order] | None
+
+    def __init__(self, result: Result, asked: tuple[Problem, Order] | None = None) -> None:
+        super().__init__(result)
+        object.__setattr__(self, "_asked", asked)
+
+    def _one(self, name: str) -> Any:
+        return self._result.column("design", name).decoded().item()
+
+    def _list(self, table: str, name: str) -> list[Any]:
+        values: list[Any] = self._result.column(table, name).decoded().tolist()
+        return values
+
+    @property
+    def values(self) -> dict[str, float]:
+        return dict(zip(self._list("chosen", "name"), self._list("chosen", "value"), strict=True))
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        ends = zip(self._list("chosen", "low"), self._list("chosen", "high"), strict=True)
+        return dict(zip(self._list("chosen", "name"), ends, strict=True))
+
+    @property
+    def target(self) -> str:
+        target: str = self._one("target")
+        return target
+
+    @property
+    def limit(self) -> float | None:
+        limit: float = self._one("limit")
+        return None if math.isnan(limit) else limit
+
+    @property
+    def quantile(self) -> float:
+        quantile: float = self._one("quantile")
+        return quantile
+
+    @property
+    def level(self) -> float:
+        level: float = self._one("level")
+        return level
+
+    @property
+    def excess(self) -> float:
+        excess: float = self._one("excess")
+        return excess
+
+    @property
+    def worst(self) -> float:
+        worst: float = self._one("worst")
+        return worst
+
+    @property
+    def samples(self) -> int:
+        samples: int = self._one("samples")
+        return samples
+
+    @property
+    def failed(self) -> int:
+        failed: int = self._one("failed")
+        return failed
+
+    @property
+    def probability(self) -> float:
+        probability: float = self._one("probability")
+        return probability
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        return self._one("low"), self._one("high")
+
+    @property
+    def feasible(self) -> bool | None:
+        return VERDICT[self._one("feasible")]
+
+    @property
+    def bands(self) -> dict[str, NDArray[Any]]:
+        names = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
+        return {name: self._result.column("bands", name).decoded() for name in names}
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the band."""
+        return self._one("first"), self._one("last")
+
+    @property
+    def spread(self) -> dict[str, tuple[float, float, float]]:
+        """Least, middle and greatest clearance (d K/F0 of each load), xi, mu, R1 and R2 of the units.
+
+        Those of normal distributions are 3 standard deviations from the middle.
+        """
+        if self._asked is None and not self.case:
+            raise ParameterError(f"{self!r}: has no host, since it was read from a file")
+        problem, order = self._asked or asked_by(self.osc, self.keys)
+        if not isinstance(problem.host, OscillatorHost):
+            raise ParameterError(
+                f"target = {order.target!r} of the design: must be one of an Oscillator under a load"
+            )
+        values = {name: np.full(3, value) for name, value in self.values.items()}
+        for name, item in problem.tolerance.items():
+            values[name] = item.around(values[name], reach(item)) if name in values else reach(item)
+        # the least clearance in F0/K is that of the greatest load
+        load = reach(problem.load)[::-1]
+        numbers = parameters_of(problem.host.osc, problem.host.clearance, values, np.ones(3), load)
+        return {
+            name: (float(low), float(middle), float(high))
+            for name, (low, middle, high) in zip(PARAMETERS[1:], numbers[1:], strict=True)
+        }
+
+    @property
+    def sensitivity(self) -> dict[str, float]:
+        names = self._list("sensitivities", "name")
+        return dict(zip(names, self._list("sensitivities", "slope"), strict=True))
+
+    @property
+    def candidates(self) -> NDArray[Any]:
+        values = self._result.column("candidates", "values").decoded()
+        levels = [
+            self._result.column("candidates", name).decoded() for name in ("nominal", "level")
+        ]
+        found = np.empty(len(values), [(name, "f8") for name in (*self.values, "nominal", "level")])
+        for name, numbers in zip(found.dtype.names or (), (*values.T, *levels), strict=True):
+            found[name] = numbers
+        return found
+
+    @property
+    def front(self) -> NDArray[Any]:
+        chosen = self.candidates[self._result.column("candidates", "front").decoded().astype(bool)]
+        return np.sort(chosen, order="nominal")
+
+    @property
+    def verdict(self) -> str:
+        """The answer in words."""
+        above = ""
+        if self.excess > 1:
+            above = (
+                f"; no candidate meets all limits: a figure is {self.excess:.4g} times its limit"
+            )
+        share = f"{100 * self.quantile:.6g} % of the units"
+        symbol = ">=" if self.target == "damping" else "<="
+        if self.limit is None:
+            return f"{self.target} {symbol} {self.level:.4g} for {share} of the search{above}"
+        wanted = f"{self.target} {symbol} {self.limit:.6g} for {share}"
+        if not self.samples:
+            return f"{wanted}: {self.level:.4g} in the search, not confirmed by samples{above}"
+        low, high = self.interval
+        weak = int(np.nanargmin(self.bands["probability"]))
+        met = self.level <= self.limit if symbol == "<=" else self.level >= self.limit
+        failed = "does not hold" if met else "was not reached by any candidate"
+        answer = {True: "holds", False: failed, None: "is not decided"}
+        return (
+            f"{wanted} {answer[self.feasible]}: {100 * self.probability:.4g} % of {self.samples} samples "
+            f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %); weakest part of the band: "
+            f"{100 * self.bands['probability'][weak]:.4g} % "
+            f"({100 * self.bands['low'][weak]:.4g} to {100 * self.bands['high'][weak]:.4g} %) from "
+            f"{self.bands['from'][weak]:.5g} to {self.bands['to'][weak]:.5g}{above}"
+        )
+
+    @property
+    def asked(self) -> list[str]:
+        """What was asked besides the limit of the target, in sentences: the band, tolerances and limits; of a host
+        that is a function and was read from a file only the band."""
+        first, last = self.ends
+        along = "Initial displacements" if self.target == "damping" else "Frequency ratios"
+        found = [f"{along} {first:.6g} to {last:.6g}."]
+        if self._asked is None and not self.case:
+            return found
+        problem, _ = self._asked or asked_by(self.osc, self.keys)
+        spread = problem.tolerance | {"load": problem.load}
+        texts = [
+            f"{name} {item.text}{item.meaning if name in problem.free else ''}"
+            for name, item in spread.items()
+            if item.low < item.high
+        ]
+        if texts:
+            found.append("Tolerances: " + ", ".join(texts) + ".")
+        limits = getattr(problem.host, "limits", {})
+        if limits:
+            parts = (
+                f"{name} {'>=' if name in LEAST else '<='} {value:.6g}"
+                for name, value in limits.items()
+            )
+            found.append("Limits: " + ", ".join(parts) + ".")
+        return found
+
+    def __repr__(self) -> str:
+        chosen = ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
+        return f"<Design {chosen}: {self.verdict}>"
+
+    def confirm(
+        self, samples: int = 100_000, seed: int = 1, progress: door.Progress | None = None
+    ) -> Design:
+        """The same design, judged by other samples: each is a unit at a random frequency and load.
+
+        Parameters
+        ----------
+        samples : int
+            At least 10.
+        seed : int
+            From which the random numbers follow.
+        progress : callable, optional
+            Called a few times a second with the share done and the present task.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed, or the host, a function, is not known since the design was read from a
+            file.
+        KeyboardInterrupt
+            After Ctrl-C.
+        """
+        if self._asked is None and not self.case:
+            raise ParameterError(f"{self!r}: has no host, since it was read from a file")
+        problem, order = self._asked or asked_by(self.osc, self.keys)
+        samples = checks.integer(samples, "samples", 10, 10**9)
+        seed = checks.integer(seed, "seed", 0, 2**31 - 1)
+        tables = {
+            name: (tuple(table.dims), {key: item.decoded() for key, item in table.columns.items()})
+            for name, table in self._result.tables.items()
+        }
+        design, bands = confirmed(problem, order, self.values, samples, seed, progress)
+        worst = max(order.sign * self.worst, order.sign * design["worst"])
+        tables["design"] = (), tables["design"][1] | design | {"worst": order.sign * worst}
+        tables["bands"] = ("part",), bands
+        return answered(self.case, tables, (problem, order))
+
+    @classmethod
+    def computed(cls, case: Any, progress: door.Progress | None) -> Design:
+        """The result of a case."""
+        return designed(*asked_by(case.osc, case.keys), case.text, progress)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the candidates, the share of good samples along the band, and the sensitivities (extra `plot`).
+
+        Returns the four Axes; with `ax` only the share of good samples is drawn, and its Axes is returned.
+        """
+        return self._draw(ax)
+
+    def report(self, path: Any) -> None:
+        """Write a page with the answer, the chosen values and the pictures; the extension sets the format (.pdf,
+        .png, .svg; extra `plot`).
+
+        Raises
+        ------
+        ParameterError
+            If the extension is none of these, or the folder is not there.
+        """
+        ACTIONS["report"](self, path)
+
+
+def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order]) -> Design:
+    """A design whose files and messages begin with its answer."""
+    verdict = Design(made("design", case, tables)).verdict
+    return Design(made("design", case, tables, (verdict,), notes=((False, verdict),)), asked)
+
+
+def designed(problem: Problem, order: Order, case: str, progress: door.Progress | None) -> Design:
+    """Searches, and confirms what was found."""
+    searching = part_of(progress, 0, 1, 2 if order.samples else 1)
+    archive = search(
+        problem, max(order.evaluations, 8 * len(problem.free)), order.specimens, order.nodes, order.states,
+        order.seed, searching,
+    )  # fmt: skip
+    archive, order = firmer(problem, order, archive)
+    best = archive.best
+    names = list(problem.free)
+    low, high = np.array(list(problem.free.values())).T
+    level = archive.level[best]
+    tables: dict[str, Any] = {
+        "chosen": (("choice",), {"name": names, "value": archive.values[best], "low": low, "high": high}),
+        "design": ((), {
+            "target": order.target, "limit": math.nan if order.limit is None else order.limit,
+            "quantile": problem.quantile, "first": problem.band[0], "last": problem.band[1],
+            "level": order.sign * level, "excess": archive.excess[best],
+            "worst": order.sign * archive.worst[best], "samples": 0, "failed": 0, "probability": math.nan,
+            "low": math.nan, "high": math.nan, "feasible": CODE_OF[None],
+        }),
+        "sensitivities": (("parameter",), {
+            "name": list(archive.sensitivity), "slope": list(archive.sensitivity.values()),
+        }),
+        "candidates": (("candidate", "choice"), {
+            "nominal": order.sign * np.array(archive.nominal), "level": order.sign * np.array(archive.level),
+            "values": np.array(archive.values), "front": archive.front.astype(np.int32),
+        }),
+    }  # fmt: skip
+    bands = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
+    tables["bands"] = ("part",), {name: np.zeros(0) for name in bands}
+    found = answered(case, tables, (problem, order))
+    if not order.samples:
+        return found
+    return found.confirm(order.samples, order.seed + 1, part_of(progress, 1, 1, 2))
+
+
+def reach(item: Uncertain) -> _Array:
+    """Least, middle and greatest value; of a normal distribution within 3 standard deviations."""
+    if item.normal:
+        mean, deviation = item.numbers
+        return np.array([mean - 3 * deviation, mean, mean + 3 * deviation])
+    return np.array([item.low, item.middle, item.high])
+
+
+def design(
+    host: Oscillator | Callable[..., Any], *, r: ArrayLike | None = None, free: Mapping[str, Any],
+    clearance: float | None = None, load: Any = 1.0, tolerance: Mapping[str, Any] | None = None,
+    target: str = "attenuation", limit: float | None = None, quantile: float = 0.99,
+    limits: Mapping[str, float] | None = None, over: str = "worst", amplitude: ArrayLike | None = None,
+    cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 48,
+    specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, seed: int = 0,
+    threads: int | None = None, progress: door.Progress | None = None,
+) -> Design:  # fmt: skip
+    """The clearance, mass and restitution for which an impact damper works best over a band, tolerances included.
+
+    A candidate is judged by the `quantile` of the target over uncertain units, at the worst frequency of the band
+    and over the attractors that initial states reach. A global search finds the region, and steps down the
+    gradients of the worst units refine it (extra `design`). The result is then confirmed by independent samples:
+    each is a unit with random parameters at a random frequency and load of the band.
+
+    Parameters
+    ----------
+    host : Oscillator or callable
+        An oscillator gives all parameters that are neither free nor uncertain. A function
+        ``host(r=..., load=..., **parameters)`` returns a Structure and its Load or Record; its parameters have the
+        names of `free` and `tolerance`.
+    r : float or (float, float)
+        The band of frequency ratios (of a function: of what it takes as r).
+    free : dict
+        Ranges (low, high) of what is chosen: ``clearance`` (d K/F0 at load 1, where d is the whole travel of the
+        free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. Of a function any
+        names; a ``range`` of whole numbers is for a number of units.
+    clearance : float, optional
+        If it is not free.
+    load : float, range, quantiles or distribution
+        Load amplitude, 1 where lengths are in F0/K.
+    tolerance : dict, optional
+        Uncertain parameters: a range (low, high) in which all values are equally likely, quantiles at even steps,
+        or a frozen distribution of scipy.stats. Those of a parameter that is not free are its values. Those of a
+        free one belong to the value that is chosen: (-1, 1) are deviations from it, with 0 among them, and
+        (0.95, 1.05) factors of it, above 0 and with 1 among them, as in `uncertainty`.
+    target : {'attenuation', 'displacement', 'rms', 'acceleration', 'force', 'damping'}
+        What is minimised: max|X|/A, max|X|, root mean square of X, greatest acceleration of the primary mass
+        between impacts, greatest force on the base; all but the first in F0/K, omega^2 F0/K and F0. The damping
+        ratio in free vibration is maximised. A function has all but the damping, of one coordinate: the force is
+        that of springs and dashpots on it.
+    limit : float, optional
+        Value of the target that has to be reached.
+    quantile : float
+        Share of the units that has to reach it, 0.5 to 1. With 1 the search judges by its worst unit.
+    limits : dict, optional
+        Greatest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
+        of the ``multiplier``; a simulation without a period is above a limit of the multiplier. Least allowed
+        distances to boundaries: ``least_speed`` at an impact, and ``least_gap``, the distance from a wall that the
+        free mass approaches without an impact; a simulation with rest is below both. A function has all but the
+        last one, and under a Record no multiplier.
+    over : {'worst', 'basins'}
+        Whether the worst attractor of a unit counts, or each by the share of initial states that reach it.
+    amplitude : float or (float, float), optional
+        For the damping: displacements from which free vibration starts, instead of `r`.
+    cycles : int
+        Oscillations over which that damping is averaged.
+    coordinate : int
+        Of a structure: the coordinate whose motion counts.
+    states : int
+        Initial states of each unit.
+    samples : int
+        Samples of the confirmation, at least 10; 0 for none.
+    evaluations : int
+        Candidates of the global search.
+    specimens, nodes : int
+        Units and frequencies by which the best candidates are judged.
+    settling, keep : int
+        Load cycles after which a simulation without a period counts as settled, and those then examined.
+    seed : int
+        From which the random numbers follow.
+    threads : int, optional
+        Default: one for each processor. The result does not depend on it.
+    progress : callable, optional
+        Called a few times a second with the share done and the present task.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        The parameter, its value and what it must be.
+    MissingExtraError
+        Without SciPy.
+    KeyboardInterrupt
+        After Ctrl-C.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> found = vi.design(osc, r=(1.0, 1.02), free={"clearance": (20, 40)}, limit=0.55, samples=500)
+    >>> found.feasible, 20 < found.values["clearance"] < 40
+    (None, True)
+    """
+    if not hasattr(free, "items"):
+        raise ParameterTypeError(
+            f"free = {free!r}: must be a dict of ranges, not {type(free).__name__}"
+        )
+    if not free:
+        raise ParameterError("free = {}: must have at least one parameter")
+    spread = {} if tolerance is None else tolerance
+    if not hasattr(spread, "items"):
+        raise ParameterTypeError(
+            f"tolerance = {spread!r}: must be a dict, not {type(spread).__name__}"
+        )
+    bounds = {} if limits is None else limits
+    if not hasattr(bounds, "items"):
+        raise ParameterTypeError(
+            f"limits = {limits!r}: must be a dict, not {type(limits).__name__}"
+        )
+    uncertain_ones = {
+        name: uncertain(value, f"tolerance[{name!r}]") for name, value in spread.items()
+    }
+    loads = uncertain(load, "load")
+    keys: dict[str, Any] = {
+        "target": target, "limit": limit, "quantile": quantile, "over": over, "clearance": clearance,
+        "load": numbers_of(loads), "states": states, "samples": samples, "evaluations": evaluations,
+        "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep, "seed": seed,
+        "amplitude": amplitude, "cycles": cycles,
+    }  # fmt: skip
+    workers = None if threads is None else checks.integer(threads, "threads", 1, 1024)
+    checks.progress(progress)
+    if not isinstance(host, Oscillator):
+        asked = asked_of(host, r, free, uncertain_ones, bounds, loads, coordinate, keys, workers)
+        return designed(*asked, "", progress)
+    of_numbers(host, "host")
+    checks.integer(coordinate, "coordinate", 0, 0)
+    # what has no meaning is left out at its default; the core refuses other values
+    meaningless: Mapping[str, Any] = FREE if amplitude is None else DRIVEN
+    keys = {
+        name: value
+        for name, value in keys.items()
+        if not (name in meaningless and np.array_equal(value, meaningless[name]))
+    }
+    keys["band"] = r
+    names = {"band": "r"}
+    for group, given in (("free", free), ("tolerance", uncertain_ones), ("limit", bounds)):
+        known = tuple(LIMITED) if group == "limit" else NAMES
+        label = "limits" if group == "limit" else group
+        for name, value in given.items():
+            if name not in known:
+                raise ParameterError(
+                    f"{label}: unknown parameter {name!r}: must be one of {', '.join(known)}"
+                )
+            key = f"{group}_{name.lower()}"
+            keys[key] = list(value.numbers) if isinstance(value, Uncertain) else value
+            names[key] = f"{label}[{name!r}]"
+    normal = [name for name, item in {**uncertain_ones, "load": loads}.items() if item.normal]
+    # the core checks the case and completes it
+    text = door.run(
+        Design, host, keys | {"normal": normal or None}, parameters=names, little=True
+    ).case
+    problem, order = asked_by(host, keys_of(text), workers)
+    return designed(problem, order, text, progress)

@@ -1,0 +1,257 @@
+"""What a design has to achieve: candidates, uncertain units, the band, the target and the limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError, SingularError
+from ..motions.exact import exact
+from ..motions.trajectory import simulate
+from ..results import door
+from ..results.performance import LEAST, PARAMETERS, perform
+from ..systems.distribution import Uncertain
+from ..systems.oscillator import Oscillator
+
+_Array = NDArray[np.float64]
+
+#: Figures that can be limited, and the power of the load amplitude by which they grow.
+LIMITED = {
+    "displacement": 1, "rms": 1, "acceleration": 1, "force": 1, "speed": 1, "multiplier": 0, "least_speed": 1,
+    "least_gap": 1,
+}  # fmt: skip
+#: What can be minimised; the attenuation is max|X|/A.
+TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
+#: Targets with derivatives in closed form, and the parameters.
+SLOPED = ("attenuation", "displacement")
+SLOPE_NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What units do: the target, and the greatest figure over its limit, or limit over a figure that has a least
+    value (0 without limits); inf for runs that failed.
+
+    Attributes
+    ----------
+    target, excess : ndarray (n,)
+    """
+
+    target: _Array
+    excess: _Array
+
+
+class Host(Protocol):
+    """What vibrates: it tells what units do whose parameters are given by name."""
+
+    def outcome(
+        self, values: Mapping[str, _Array], r: _Array, load: _Array, places: _Array,
+        progress: door.Progress | None, note: str,
+    ) -> Outcome:  # fmt: skip
+        """The outcome of each unit (n,) at a frequency, a load and an initial state (4, n)."""
+
+    def slopes(
+        self, values: Mapping[str, float], r: float, load: float, place: _Array
+    ) -> dict[str, float] | None:
+        """Derivatives of the target of one unit by its parameters, NaN for one that does not exist; None where
+        there is no periodic motion."""
+
+
+@dataclass(frozen=True)
+class OscillatorHost:
+    """The oscillator of 1983 under a harmonic load.
+
+    Attributes
+    ----------
+    osc : Oscillator
+        Gives the parameters that are neither free nor uncertain.
+    clearance : float or None
+        d K/F0 at load 1.
+    target : str
+        A key of `TARGETS`.
+    limits : mapping
+        Greatest allowed figures, or least ones of those in `LEAST`, at the load of each unit.
+    settling, keep : int
+        As for `perform`.
+    """
+
+    osc: Oscillator
+    clearance: float | None
+    target: str
+    limits: Mapping[str, float]
+    settling: int
+    keep: int
+    threads: int | None
+
+    def outcome(
+        self, values: Mapping[str, _Array], r: _Array, load: _Array, places: _Array,
+        progress: door.Progress | None, note: str,
+    ) -> Outcome:  # fmt: skip
+        """As for all hosts."""
+        parameters = parameters_of(self.osc, self.clearance, values, r, load)
+        found = perform(
+            parameters,
+            places,
+            self.settling,
+            self.keep,
+            threads=self.threads,
+            progress=progress,
+            note=note,
+        )
+        if self.target == "attenuation":
+            target = found.displacement / found.amplitude
+        else:
+            target = getattr(found, self.target) * load
+        excess = np.zeros(r.shape)
+        for name, limit in self.limits.items():
+            figure = getattr(found, name) * load ** LIMITED[name]
+            if name == "multiplier":
+                # a motion with impacts but without a period has none, and is not within the limit
+                figure = np.where(
+                    np.isnan(figure), np.where(found.impacts > 0, math.inf, 0), figure
+                )
+            if name in LEAST:
+                over = np.divide(limit, figure, out=np.full(r.shape, math.inf), where=figure > 0)
+            else:
+                over = figure / limit
+            excess = np.maximum(excess, over)
+        failed = found.status != 0
+        return Outcome(np.where(failed, math.inf, target), np.where(failed, math.inf, excess))
+
+    def slopes(
+        self, values: Mapping[str, float], r: float, load: float, place: _Array
+    ) -> dict[str, float] | None:
+        """As for all hosts."""
+        one = {name: np.array([value]) for name, value in values.items()}
+        numbers = parameters_of(self.osc, self.clearance, one, np.array([r]), np.array([load]))
+        found = perform(numbers, place[:, None], self.settling, self.keep, threads=1)
+        if self.target not in SLOPED or found.cycles[0] == 0 or found.impacts[0] == 0:
+            return None
+        r, clearance, xi, mu, right, left = numbers[:, 0].tolist()
+        osc = Oscillator(xi=xi, mu=mu, restitution=(right, left))
+        state = dict(
+            zip(("t", "x", "x_dot", "z", "z_dot"), found.states[:, 0].tolist(), strict=True)
+        )
+        try:
+            run = simulate(osc, r, clearance, cycles=4 * int(found.cycles[0]), state=state)
+            motion = exact(osc, r, clearance, run)
+            gradient = motion.gradient()
+        except (ParameterError, SingularError):  # such as a motion with rest
+            return None
+        if self.target == "attenuation":
+            of, sign = "attenuation", 1.0
+        else:
+            of, sign = ("x_max", load) if motion.x_max >= -motion.x_min else ("x_min", -load)
+        slopes = {
+            name: float(sign * gradient[of, {"restitution": "R"}.get(name, name)])
+            for name in SLOPE_NAMES
+        }
+        slopes["clearance"] /= load
+        return slopes
+
+
+def parameters_of(
+    osc: Oscillator, clearance: float | None, values: Mapping[str, _Array], r: _Array, load: _Array
+) -> _Array:
+    """The parameters of `perform` (6, n): lengths are in F0/K of each unit's own load."""
+    right, left = osc.restitution
+    known: dict[str, Any] = {
+        "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "clearance": clearance, **values, "r": r,
+    }  # fmt: skip
+    if "restitution" in known:
+        known["R1"] = known["R2"] = known["restitution"]
+    known["clearance"] = known["clearance"] / load
+    return np.stack([np.broadcast_to(known[name], r.shape) for name in PARAMETERS])
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A design problem.
+
+    Attributes
+    ----------
+    host : Host
+    free : dict
+        Ranges (low, high) of what may be chosen, by name.
+    tolerance : dict
+        Uncertain parameters: deviations or factors of free ones, see `Uncertain.around`, values of others.
+    band : (float, float)
+        Frequency ratios, or initial displacements.
+    load : Uncertain
+        Amplitude of the load.
+    quantile : float
+        Share of the units that the design is judged by; 1 for the worst one.
+    weighted : bool
+        Whether each initial state counts by itself (by basins), or the worst of those of a unit.
+    limited : bool
+        Whether figures have limits.
+    whole : tuple of str
+        Free parameters that are whole numbers.
+    """
+
+    host: Host
+    free: dict[str, tuple[float, float]]
+    tolerance: dict[str, Uncertain]
+    band: tuple[float, float]
+    load: Uncertain
+    quantile: float
+    weighted: bool
+    limited: bool = False
+    whole: tuple[str, ...] = ()
+
+    @property
+    def dimensions(self) -> int:
+        """Number of uncertain parameters, with the load."""
+        return len(self.tolerance) + 1
+
+    def units(self, candidate: _Array, shares: _Array) -> tuple[dict[str, _Array], _Array]:
+        """Parameters (n,) by name and loads (n,) of units of a candidate.
+
+        Parameters
+        ----------
+        candidate : ndarray (free,)
+        shares : ndarray (dimensions, n)
+            Quantiles of the uncertain parameters and of the load.
+        """
+        n = shares.shape[1]
+        values = {
+            name: np.full(n, int(value) if name in self.whole else value)
+            for name, value in zip(self.free, candidate, strict=True)
+        }
+        for (name, uncertain), share in zip(self.tolerance.items(), shares, strict=False):
+            these = uncertain.at(share)
+            values[name] = uncertain.around(values[name], these) if name in values else these
+        return values, self.load.at(shares[-1])
+
+    def outcomes(
+        self, candidates: _Array, shares: _Array, nodes: _Array, places: _Array,
+        progress: door.Progress | None = None, note: str = "",
+    ) -> tuple[_Array, _Array]:  # fmt: skip
+        """Target and excess (candidates, nodes, units, states) of each candidate, unit, frequency and initial
+        state."""
+        m, k = candidates.shape[0], shares.shape[1]
+        shape = (m, len(nodes), k, places.shape[1])
+        each = [self.units(candidate, shares) for candidate in candidates]
+        values = {
+            name: np.broadcast_to(
+                np.stack([one[name] for one, _ in each])[:, None, :, None], shape
+            ).ravel()
+            for name in each[0][0]
+        }
+        load = np.broadcast_to(np.stack([one for _, one in each])[:, None, :, None], shape).ravel()
+        r = np.broadcast_to(nodes[:, None, None], shape).ravel()
+        starts = np.broadcast_to(places[:, None, None, None, :], (4, *shape)).reshape(4, -1)
+        found = self.host.outcome(values, r, load, starts, progress, note)
+        return found.target.reshape(shape), found.excess.reshape(shape)
+
+    def levels(self, figures: _Array) -> _Array:
+        """The quantile of figures (candidates, nodes, units, states) at the worst frequency."""
+        each = figures.reshape(*figures.shape[:2], -1) if self.weighted else figures.max(axis=-1)
+        # "higher": inf, of a run that failed, is never averaged
+        found = np.quantile(each, self.quantile, axis=-1, method="higher")
+        return np.asarray(found.max(axis=-1))

@@ -1,0 +1,264 @@
+"""The search for a design: a global search on few units, then steps down the gradients of the worst ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.libraries import scipy
+from ..results import door
+from .problem import Problem
+
+_Array = NDArray[np.float64]
+#: How much a figure above its limit raises the level of a design, over the excess.
+PENALTY = 10.0
+
+
+@dataclass
+class Archive:
+    """All candidates that were judged by all units of the search.
+
+    Attributes
+    ----------
+    values : list of ndarray (free,)
+    nominal, level : list of float
+        Level of the unit without deviations, and that of all units; above its limits a design has a penalty.
+    excess, worst : list of float
+        Level of the greatest figure over its limit, and the greatest target.
+    sensitivity : dict
+        Derivatives of the target of the worst unit of the best candidate by its parameters.
+    """
+
+    values: list[_Array] = field(default_factory=list)
+    nominal: list[float] = field(default_factory=list)
+    level: list[float] = field(default_factory=list)
+    excess: list[float] = field(default_factory=list)
+    worst: list[float] = field(default_factory=list)
+    sensitivity: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def best(self) -> int:
+        """Number of the best candidate."""
+        return int(np.argmin(self.level))
+
+    @property
+    def front(self) -> NDArray[np.bool_]:
+        """Whether no other candidate is better in both levels."""
+        pairs = np.stack([self.nominal, self.level], axis=1)
+        beaten = [
+            (np.all(pairs <= pair, axis=1) & np.any(pairs < pair, axis=1)).any() for pair in pairs
+        ]
+        return ~np.array(beaten)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The units, frequencies and initial states by which candidates are judged."""
+
+    shares: _Array
+    nodes: _Array
+    places: _Array
+
+
+def grid(problem: Problem, units: int, nodes: int, states: int, seed: int) -> Grid:
+    """Units by a Sobol sequence, the first without deviations, and frequencies with both ends of the band."""
+    qmc = scipy("stats", "a design", "design").qmc
+
+    shares = np.full((problem.dimensions, units), 0.5)
+    if units > 1:
+        many = qmc.Sobol(problem.dimensions, seed=seed).random(1 << (units - 1).bit_length())
+        shares[:, 1:] = many[: units - 1].T
+        if problem.quantile == 1:
+            # the worst unit is often at a corner
+            corners = np.indices((2,) * min(problem.dimensions, 4)).reshape(
+                min(problem.dimensions, 4), -1
+            )
+            many = min(corners.shape[1], units - 1)
+            shares[: len(corners), 1 : many + 1] = corners[:, ::-1][:, :many]
+    places = 2 * qmc.Sobol(4, seed=seed + 1).random(1 << (states - 1).bit_length())[:states].T - 1
+    return Grid(shares, np.unique(np.linspace(*problem.band, nodes)), places)
+
+
+def judged(problem: Problem, grid: Grid, candidates: _Array) -> tuple[_Array, ...]:
+    """Levels of candidates (n, free) for the unit without deviations and for all units, with penalties; the level
+    of the excess, and the greatest target."""
+    target, excess = problem.outcomes(candidates, grid.shares, grid.nodes, grid.places)
+    found = []
+    for units in (slice(1), slice(None)):
+        over = problem.levels(excess[:, :, units])
+        level = problem.levels(target[:, :, units])
+        # a target can be negative: the damping
+        found.append(level + np.abs(level) * PENALTY * np.maximum(0, over - 1))
+    return *found, over, target.max(axis=(1, 2, 3))
+
+
+def search(
+    problem: Problem, evaluations: int, units: int, nodes: int, states: int, seed: int,
+    progress: door.Progress | None,
+) -> Archive:  # fmt: skip
+    """The candidates that were judged by all units; the best is the one of the least level.
+
+    Parameters
+    ----------
+    evaluations : int
+        Candidates of the global search, at least 8 for each free parameter.
+    units, nodes, states : int
+        By which the best ones are judged, see `grid`; the global search uses few units.
+    """
+    differential_evolution = scipy("optimize", "a design", "design").differential_evolution
+
+    if all(item.low == item.high for item in (*problem.tolerance.values(), problem.load)):
+        units = 1
+    fine = grid(problem, units, nodes, states, seed)
+    coarse = grid(problem, min(units, 4), max(2, (nodes + 1) // 2), states, seed)
+    low, high = np.array(list(problem.free.values()), dtype=float).T
+    tried: list[_Array] = []
+    levels: list[_Array] = []
+    size = max(8, 6 * len(low))
+
+    def level(shares: _Array) -> _Array:
+        candidates = np.atleast_2d(shares.T)
+        found = judged(problem, coarse, candidates)
+        tried.append(candidates)
+        levels.append(found[1])
+        done = sum(map(len, tried)) / (evaluations + size)
+        if progress is not None:
+            progress(min(0.7, 0.7 * done), "global search")
+        # an infinite level, of runs that failed, would make differences and variances of levels undefined
+        return np.asarray(np.minimum(found[1], 1e150))
+
+    try:
+        differential_evolution(
+            level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
+            popsize=size, init=_even_start(low, high, size, seed), seed=seed, tol=1e-3,
+            maxiter=max(1, evaluations // size - 1), integrality=[name in problem.whole for name in problem.free],
+        )  # fmt: skip
+    except (RuntimeError, TypeError) as error:
+        raise cause_of(error) from None
+    candidates, found = np.concatenate(tried), np.concatenate(levels)
+    return refined(problem, fine, candidates, found, progress)
+
+
+def cause_of(error: BaseException) -> BaseException:
+    """The first of a chain of errors: SciPy replaces those of values and types by its own."""
+    return error if error.__cause__ is None else cause_of(error.__cause__)
+
+
+def refined(
+    problem: Problem, fine: Grid, candidates: _Array, levels: _Array, progress: door.Progress | None
+) -> Archive:
+    """The best of some candidates judged by all units of a grid, and the steps down from there."""
+    low, high = np.array(list(problem.free.values()), dtype=float).T
+    archive = Archive()
+    _judge(problem, fine, _promising(candidates, levels, high - low, 8), archive)
+    if progress is not None:
+        progress(0.8, "best candidates")
+    descend(problem, fine, archive, low, high, progress)
+    return archive
+
+
+def _even_start(low: _Array, high: _Array, size: int, seed: int) -> _Array:
+    """First candidates of the global search: the middle, and points spread evenly."""
+    qmc = scipy("stats", "a design", "design").qmc
+
+    shares = qmc.Halton(len(low), seed=seed).random(size)
+    shares[0] = 0.5
+    return np.asarray(low + (high - low) * shares)
+
+
+def _promising(candidates: _Array, levels: _Array, width: _Array, many: int) -> _Array:
+    """Some of the best candidates, not too close to each other."""
+    chosen: list[_Array] = []
+    for number in np.argsort(levels, kind="stable"):
+        here = candidates[number]
+        if all(np.max(np.abs(here - other) / width) > 0.02 for other in chosen):
+            chosen.append(here)
+        if len(chosen) == many:
+            break
+    return np.array(chosen)
+
+
+def _judge(problem: Problem, fine: Grid, candidates: _Array, archive: Archive) -> None:
+    """Adds candidates to the archive."""
+    found = judged(problem, fine, candidates)
+    archive.values.extend(candidates)
+    for name, numbers in zip(("nominal", "level", "excess", "worst"), found, strict=True):
+        getattr(archive, name).extend(map(float, numbers))
+
+
+def descend(
+    problem: Problem, fine: Grid, archive: Archive, low: _Array, high: _Array,
+    progress: door.Progress | None, steps: int = 8,
+) -> None:  # fmt: skip
+    """Steps from the best candidate that lower the greatest of the linearized targets, within a trust region.
+
+    Each step is a linear program over the worst units; where motions appear or vanish the level jumps, and a step
+    that does not lower it halves the region.
+    """
+    linprog = scipy("optimize", "a design", "design").linprog
+
+    radius = 0.05
+    active = active_slopes(problem, fine, archive.values[archive.best], archive)
+    for step in range(steps):
+        if active is None or radius < 1e-4:
+            return
+        if progress is not None:
+            progress(0.8 + 0.2 * step / steps, "steps down the gradient")
+        best = archive.best
+        here = archive.values[best]
+        values, slopes = active
+        k = len(here)
+        reach = np.where([name in problem.whole for name in problem.free], 0, radius * (high - low))
+        ends = zip(np.maximum(low - here, -reach), np.minimum(high - here, reach), strict=True)
+        solved = linprog(
+            np.append(np.zeros(k), 1.0), A_ub=np.hstack([slopes, -np.ones((len(values), 1))]), b_ub=-values,
+            bounds=[*ends, (None, None)],
+        )  # fmt: skip
+        if solved.status != 0 or np.max(np.abs(solved.x[:k]) / (high - low)) < 1e-6:
+            return
+        _judge(problem, fine, (here + solved.x[:k])[None], archive)
+        if archive.best == best:
+            radius *= 0.3
+        else:
+            radius *= 1.5
+            active = active_slopes(problem, fine, archive.values[archive.best], archive)
+
+
+def active_slopes(
+    problem: Problem, fine: Grid, here: _Array, archive: Archive, most: int = 6
+) -> tuple[_Array, _Array] | None:
+    """Targets of the worst units of a candidate, and their derivatives by the free parameters.
+
+    None where they have no periodic motions that can be followed. The archive takes the sensitivities of the
+    worst.
+    """
+    archive.sensitivity = {}
+    target, _ = problem.outcomes(here[None], fine.shares, fine.nodes, fine.places)
+    level = problem.levels(target)[0]
+    order = np.argsort(np.where(target[0] <= level, -target[0], np.inf), axis=None)[: 4 * most]
+    values: list[float] = []
+    slopes: list[_Array] = []
+    units, load = problem.units(here, fine.shares)
+    for node, unit, state in zip(*np.unravel_index(order, target.shape[1:]), strict=True):
+        value = float(target[0, node, unit, state])
+        if not value > 0.95 * level or len(values) == most:
+            break
+        if any(abs(value - other) < 1e-9 for other in values):
+            continue
+        gradient = problem.host.slopes(
+            {name: float(each[unit]) for name, each in units.items()}, fine.nodes[node], float(load[unit]),
+            fine.places[:, state],
+        )  # fmt: skip
+        if gradient is None:
+            continue
+        if not values:
+            archive.sensitivity = {
+                name: slope for name, slope in gradient.items() if np.isfinite(slope)
+            }
+        slope = np.array([gradient[name] for name in problem.free])
+        if np.isfinite(slope).all():
+            values.append(value)
+            slopes.append(slope)
+    return (np.array(values), np.array(slopes)) if values else None

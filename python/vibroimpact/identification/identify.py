@@ -1,0 +1,617 @@
+"""Identification of a rig: from records of its load and motion to its parameters, with their errors."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..motions.motion import Motion
+from ..motions.structure_motion import StructureMotion
+from ..results.noun import Noun
+from ..studies.structure_branch import branch_structure
+from ..systems.oscillator import Oscillator, Pattern, of_numbers
+from ..systems.restitution import Restitution
+from ..systems.units import SI as SI_UNITS
+from ..systems.units import Units, positive
+from .known import known_values
+from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
+from .measured import SensorRecord
+from .motions import oscillator_of, verified
+from .stages import fitted
+from .steps import of_record, of_times
+from .tables import said, tables_of
+
+__all__ = ["Identification", "identify"]
+
+_Array = NDArray[np.float64]
+#: The keys of &identify for them.
+OF_KEYS = {
+    "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
+}  # fmt: skip
+
+
+class Boundary(NamedTuple):
+    """A boundary of the zone of a motion.
+
+    Attributes
+    ----------
+    type : str
+        As of the special points of a `Branch`: fold, flip, grazing, ….
+    parameter : str
+        "r" or "clearance".
+    value, distance : float
+        Value of the parameter there, and its relative distance from that of the motion.
+    """
+
+    type: str
+    parameter: str
+    value: float
+    distance: float
+
+
+class Identification(Noun, study="identify"):
+    """The parameters of a rig that records of it determine, and the steps from the records to them.
+
+    In SI units. With several records the attributes of one record are those of the first one; `records` has all.
+
+    Attributes
+    ----------
+    status : str
+        What the impacts do: "periodic", "not periodic", "accumulation", "rest" or "no impacts". Only periodic
+        records have motions, and parameters that are fitted.
+    values, errors : dict
+        The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
+        were fitted; infinite where the records do not determine a parameter. Laws of restitution add theirs.
+    undetermined : list of str
+        Names of the parameters that the records do not determine. Their values only complete the fitted motion:
+        others fit as well.
+    oscillator : Oscillator or None
+        The identified system, with its units if M and K are among the values. With a law its coefficients of
+        restitution are those at the speed v0.
+    restitution : (Restitution, Restitution) or None
+        Of the right and of the left wall; a law as a `PowerLaw`, which is 1 at the most, or as a
+        `TabulatedRestitution` over the approach speed in m/s.
+    r, frequency : float
+        Frequency ratio, and load frequency in Hz.
+    F0, d, clearance : float
+        Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0.
+    pattern : Pattern or None
+    motion : Motion, StructureMotion or None
+        The exact motion with these parameters, with its multipliers and verdicts; with a law, or under
+        a load with harmonics, that of ``oscillator.structure``.
+    impact_times : ndarray (impacts,)
+        Times of all impacts that were picked in the record, s.
+    impact_sides : ndarray (impacts,) of str
+        Their walls.
+    impact_phases, impact_phase_errors : ndarray (N,)
+        Load phases of the impacts of a period, refined below the sample, and their standard errors (radians).
+    misfit : float
+        Sum of squares of the weighted residuals over the degrees of freedom; about 1 where the model holds. Errors
+        are multiplied by its root where it is larger.
+    """
+
+    __slots__ = ("_motions",)
+    _motions: list[Motion | StructureMotion | None]
+
+    @property
+    def records(self) -> int:
+        """Number of records."""
+        return int(self._result.tables["records"].dims["recording"])
+
+    def _one(self, name: str, record: int = 0) -> Any:
+        """A column of the table of records for one of them."""
+        return self._result.column("records", name).decoded()[record].item()
+
+    def _parameters(self, name: str) -> dict[str, Any]:
+        """A column of the table of parameters, by their names."""
+        names = self._result.column("parameters", "name").decoded().tolist()
+        return dict(
+            zip(names, self._result.column("parameters", name).decoded().tolist(), strict=True)
+        )
+
+    @property
+    def status(self) -> str:
+        """What the impacts do."""
+        status: str = self._one("status")
+        return status
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters by name."""
+        return self._parameters("value")
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the parameters that are not known, by name."""
+        states, errors = self._parameters("state"), self._parameters("error")
+        return {name: errors[name] for name, state in states.items() if state != "known"}
+
+    @property
+    def undetermined(self) -> list[str]:
+        """Names of the parameters that the records do not determine."""
+        return [
+            name for name, state in self._parameters("state").items() if state == "undetermined"
+        ]
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """The 95 % interval of a parameter.
+
+        Raises
+        ------
+        ParameterError
+            If there is no parameter of this name.
+        """
+        low = self._parameters("low")
+        checks.choice(name, "name", tuple(low))
+        return low[name], self._parameters("high")[name]
+
+    @property
+    def oscillator(self) -> Oscillator | None:
+        """The identified system."""
+        if self.status != "periodic":
+            return None
+        values = self.values
+        scale: dict[str, Any] = {
+            name: values[name]
+            for name in ("M", "K", "F0") if math.isfinite(values.get(name, math.nan))
+        }  # fmt: skip
+        if not {"M", "K"} <= scale.keys():
+            scale = {}
+        return oscillator_of(values, **scale)
+
+    @property
+    def law(self) -> str:
+        """How the coefficients of restitution depend on the approach speed, as in `identify`."""
+        return law_of(self.values).kind
+
+    @property
+    def restitution(self) -> tuple[Restitution, Restitution] | None:
+        """Of the right and of the left wall, over the approach speed in m/s with a power law."""
+        return law_of(self.values).restitution(self.values) if self.status == "periodic" else None
+
+    @property
+    def osc(self) -> Any:
+        """The identified system, as of other results."""
+        return self.oscillator
+
+    @property
+    def r(self) -> float:
+        """Frequency ratio."""
+        return float(self._one("r"))
+
+    @property
+    def frequency(self) -> float:
+        """Load frequency, Hz."""
+        return float(self._one("frequency"))
+
+    @property
+    def clearance(self) -> float:
+        """d K/F0."""
+        return float(self._one("clearance"))
+
+    @property
+    def F0(self) -> float:
+        """Load amplitude, N; NaN if it is not known."""
+        return self.values.get("F0", math.nan)
+
+    @property
+    def d(self) -> float:
+        """Clearance, m."""
+        return self.values.get("d", math.nan)
+
+    @property
+    def misfit(self) -> float:
+        """Sum of squares of the weighted residuals over the degrees of freedom."""
+        return float(self._one("misfit"))
+
+    @property
+    def pattern(self) -> Pattern | None:
+        """Walls of the impacts of a period in order, and load cycles in it."""
+        return self.pattern_of(0)
+
+    def pattern_of(self, record: int) -> Pattern | None:
+        """The pattern of one of the records, counted from 0."""
+        cycles = self._one("cycles", record)
+        return Pattern(self._one("sides", record), cycles) if cycles else None
+
+    @property
+    def multipliers(self) -> NDArray[np.complex128]:
+        """Multipliers of the identified motion, (4,)."""
+        multipliers: NDArray[np.complex128] = self._result.column("records", "multipliers").values[
+            0
+        ]
+        return multipliers
+
+    @property
+    def motion(self) -> Motion | StructureMotion | None:
+        """The exact motion with the identified parameters."""
+        return self.motions[0]
+
+    @property
+    def motions(self) -> list[Motion | StructureMotion | None]:
+        """Of each record, the exact motion with the identified parameters."""
+        try:
+            return self._motions
+        except AttributeError:
+            found = [self._motion_of(i) for i in range(self.records)]
+            object.__setattr__(self, "_motions", found)
+            return found
+
+    def _motion_of(self, record: int) -> Motion | StructureMotion | None:
+        pattern, osc = self.pattern_of(record), self.oscillator
+        if pattern is None or osc is None:
+            return None
+        phases = self._of(record, "impacts", "fitted")
+        r, clearance = self._one("r", record), self._one("clearance", record)
+        values = self.values
+        walls = law_of(values).restitution(values, values["omega"] * self._one("static", record))
+        harmonics = self._result.column("records", "harmonics").values[record]
+        return verified(osc, r, clearance, phases, pattern, walls, harmonics)
+
+    def _of(self, record: int, table: str, name: str) -> NDArray[Any]:
+        """The rows of a table that belong to a record."""
+        own = self._result.column(table, "number").values == record + 1
+        rows: NDArray[Any] = self._result.column(table, name).decoded()[own]
+        return rows
+
+    @property
+    def impact_times(self) -> _Array:
+        """Times of all impacts that were picked, s."""
+        return self._of(0, "picks", "time")
+
+    @property
+    def impact_sides(self) -> NDArray[np.str_]:
+        """Walls of all impacts that were picked."""
+        return self._of(0, "picks", "side")
+
+    @property
+    def impact_phases(self) -> _Array:
+        """Load phases of the impacts of a period as picked, refined below the sample."""
+        return self._of(0, "impacts", "picked")
+
+    @property
+    def impact_phase_errors(self) -> _Array:
+        """Their standard errors."""
+        return self._of(0, "impacts", "picked_error")
+
+    @property
+    def units(self) -> Units:
+        """Physical units of the identified motion.
+
+        Raises
+        ------
+        ParameterError
+            If M, K or F0 is not known.
+        """
+        osc = self.oscillator
+        if osc is None or osc.F0 is None:
+            raise ParameterError(
+                "units: must have M, K and F0 among the values; known=dict(M=...) and a load give them"
+            )
+        return osc.units()
+
+    def nearest_boundary(self, record: int = 0) -> Boundary | None:
+        """The nearest boundary of the zone of the identified motion, along r or along the clearance.
+
+        The motion is followed in both directions over half and twice the clearance, and over 0.9 and 1.1 r.
+
+        Returns
+        -------
+        Boundary or None
+            None if no boundary is that near, or no motion was fitted.
+        """
+        from ..studies.branch import branch
+
+        motion = self.motions[checks.integer(record, "record", 0, self.records - 1)]
+        if motion is None:
+            return None
+        found = []
+        for parameter, factor in (("clearance", 2.0), ("r", 1.1)):
+            here = self._one(parameter, record)
+            if isinstance(motion, StructureMotion):
+                name, unit = {"clearance": ("opening", 2.0), "r": ("frequency", 1.0)}[parameter]
+                path = branch_structure(motion, name, (here / unit / factor, here / unit * factor))
+                values = [(point.type, unit * point.value) for point in path.special_points]
+            else:
+                line = branch(motion, parameter, (here / factor, here * factor))
+                values = [(point.type, getattr(point, parameter)) for point in line.special_points]
+            found += [Boundary(kind, parameter, v, abs(v / here - 1)) for kind, v in values]
+        return min(found, key=lambda boundary: boundary.distance, default=None)
+
+    def plot(self, ax: Any = None, kind: str | None = None, record: int = 0) -> Any:
+        """Draw every step: record, load, impacts and their sides, pattern, fitted motion, residuals (extra
+        `plot`).
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw one panel; without it a figure with all panels is made.
+        kind : {"record", "load", "impacts", "motion", "residuals"}, optional
+            Which panel.
+        record : int
+            Which record, counted from 0.
+
+        Returns
+        -------
+        Axes, or an array of Axes if all panels were drawn.
+        """
+        return self._draw(ax, kind, record)
+
+    def require(self) -> None:
+        """Nothing: a record that is not periodic has a status."""
+
+    def _facts(self) -> dict[str, str]:
+        return {
+            name: said(name, value, self.errors.get(name)) for name, value in self.values.items()
+        }
+
+    @classmethod
+    def computed(
+        cls, case: Any, progress: Callable[[float, str], None] | None = None
+    ) -> Identification:
+        """The result of an &identify case."""
+        from .sensor_files import read_record
+
+        del progress  # it takes a moment
+        keys = case.keys
+        known = {name: keys[key] for key, name in OF_KEYS.items() if key in keys}
+        if "natural_frequency" in keys:
+            known["omega"] = 2 * math.pi * keys["natural_frequency"]
+        right, left = case.osc.restitution
+        for name in ("exponent", "knee"):
+            each = np.atleast_1d(keys.get(f"law_{name}", [])).tolist()
+            known |= {
+                name + wall: value
+                for wall, value in zip("12" if len(each) > 1 else [""], each, strict=False)
+            }
+        start = {"xi": case.osc.xi, "mu": case.osc.mu, "R1": right, "R2": left}
+        if case.osc.M is not None:
+            F0 = case.osc.F0
+            units = Units(case.osc.M, case.osc.K, F0 or 1.0, case.osc.unit_names or SI_UNITS).to(
+                SI_UNITS
+            )
+            own = {"M": units.M, "K": units.K} | ({} if F0 is None else {"F0": units.F0})
+            known = own | known
+        fixed = keys.get("fixed", [])
+        known |= {name: start[name] for name in ([fixed] if isinstance(fixed, str) else fixed)}
+        options: dict[str, Any] = {
+            "frequency": keys.get("frequency"),
+            "known": known,
+            "start": case.osc,
+            "law": keys.get("law", "constant"),
+            "law_speed": keys.get("law_speed"),
+            "law_knots": keys.get("law_knots"),
+        }
+        if "impact_times" in keys:
+            options |= {
+                "impact_times": keys["impact_times"], "impact_sides": keys.get("impact_sides"),
+                "load_phase": keys.get("load_phase"),
+            }  # fmt: skip
+            return identified(case=case.text, **options)
+        paths = keys["records"]
+        how = {name: keys.get(name) for name in ("rate", "channels", "bandwidth")}
+        how["units"] = keys.get("channel_units")
+        records = [
+            read_record(path, **how) for path in ([paths] if isinstance(paths, str) else paths)
+        ]
+        return identified(records, case=case.text, **options)
+
+    def __repr__(self) -> str:
+        if self.status != "periodic":
+            return f"<Identification: {self.status}, {self.impact_times.size} impacts picked>"
+        pattern = self.pattern
+        assert pattern is not None
+        fitted = ", ".join(
+            said(name, self.values[name], error)
+            for name, error in self.errors.items()
+            if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d") and math.isfinite(error)
+        )  # fmt: skip
+        left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
+        shown = "; ".join(filter(None, (fitted, left))) or "all known"
+        return f"<Identification {pattern.sides}/{pattern.cycles} at r = {self.r:.6g}: {shown}>"
+
+
+def identify(
+    record: SensorRecord | str | os.PathLike[str] | Sequence[Any] | None = None,
+    *,
+    rate: float | None = None,
+    load: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    velocity: ArrayLike | None = None,
+    displacement: ArrayLike | None = None,
+    units: Mapping[str, str] | None = None,
+    bandwidth: float | None = None,
+    impact_times: ArrayLike | None = None,
+    impact_sides: str | Sequence[str] | None = None,
+    frequency: float | None = None,
+    load_phase: float | None = None,
+    known: Mapping[str, float] | None = None,
+    start: Oscillator | None = None,
+    law: str = "constant",
+    law_speed: float | None = None,
+    law_knots: int | None = None,
+) -> Identification:
+    """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
+
+    The load gives frequency, phase and amplitude. Impacts are picked as spikes in a band above load, motion and
+    ringing, and refined below the sample by the harmonics of the motion, with a mode that rings after them. Their
+    phases repeat as a pattern of N impacts in k load cycles, or do not. The linear equations of 1983 with these
+    phases give a first motion. From it, exact motions are fitted to all harmonics, weighted by errors that are
+    estimated from the noise beside each harmonic.
+
+    Parameters
+    ----------
+    record : SensorRecord, path, or list of them, optional
+        One or several records of one rig, fitted at once; else the next arguments make one.
+    rate : float
+        Sampling rate, Hz.
+    load, acceleration, velocity, displacement : array_like (n,)
+        The load, and one quantity of the motion of the primary mass.
+    units, bandwidth
+        As of `SensorRecord`.
+    impact_times : array_like (impacts,)
+        Times of impacts (s), instead of records of the motion; with `frequency`, `load_phase` if it is known, and
+        known M and K, or omega.
+    impact_sides : str or sequence of str
+        Walls of these impacts, R or L each; by default they alternate, from the right wall on.
+    frequency : float, optional
+        Load frequency (Hz), by default that of the load, or without one that of the motion.
+    load_phase : float, optional
+        Phase of the load at time 0 of the impact times (radians).
+    known : mapping, optional
+        What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
+        and of a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
+    start : Oscillator, optional
+        Where the fit starts, for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
+    law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
+        How the coefficients of restitution depend on the approach speed v; in the plural each wall has its own
+        law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far above its knee. "knee": a
+        `PowerLaw` of sharpness 2, which is R1 and R2 at the speed v0, with its `exponent` and its speed `knee`.
+        "table": linear between knots, R[1] at the speed v[1] and so on, and constant beyond them. Plurals:
+        exponent1, knee1 and R1[1] on the right wall, exponent2, knee2 and R2[1] on the left one. Impacts of
+        different speeds determine a law: records at different loads, or in one period. What they do not determine
+        is `undetermined`.
+    law_speed : float, optional
+        v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
+    law_knots : int, optional
+        Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds, the
+        outer ones a little beyond them.
+
+    Returns
+    -------
+    Identification
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or a record is of no use: clipped, samples missing, too short, channels
+        in the wrong order, units that do not agree.
+    SingularError
+        If there is no motion near the picked impacts.
+    MissingExtraError
+        Without SciPy (extra `identify`).
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> rig = vi.VirtualRig(M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=0.7, F0=6.0, frequency=19.5)
+    >>> found = vi.identify(rig.record(seed=1), known=dict(M=2.7, K=42e3, m=0.11))
+    >>> found.pattern, found.undetermined
+    (Pattern(sides='RLL', cycles=1), [])
+    >>> low, high = found.interval("xi")
+    >>> bool(low < 0.01143 < high), found.errors["xi"] < 0.0002
+    (True, True)
+    """
+    arrays: dict[str, Any] = {
+        "load": load,
+        "acceleration": acceleration,
+        "velocity": velocity,
+        "displacement": displacement,
+    }
+    given = [name for name, values in arrays.items() if values is not None]
+    if impact_times is not None:
+        if record is not None or given:
+            raise ParameterError("impact_times: must be given without a record")
+        return identified(
+            impact_times=impact_times, impact_sides=impact_sides, frequency=frequency, load_phase=load_phase,
+            known=known, start=start, law=law, law_speed=law_speed, law_knots=law_knots,
+        )  # fmt: skip
+    if record is None:
+        if not given:
+            raise ParameterError(
+                f"record = None: must be given, or one of {', '.join(arrays)}, or impact_times"
+            )
+        if rate is None:
+            raise ParameterTypeError("rate = None: must be the sampling rate in Hz")
+        record = SensorRecord(rate, units=units, bandwidth=bandwidth, **arrays)
+    elif given or rate is not None or units is not None or bandwidth is not None:
+        extra = [
+            *given,
+            *(
+                name
+                for name, x in (("rate", rate), ("units", units), ("bandwidth", bandwidth))
+                if x is not None
+            ),
+        ]
+        raise ParameterError(f"{extra[0]}: must be left out beside a record, which has its own")
+    several = record if isinstance(record, (list, tuple)) else [record]
+    if not several:
+        raise ParameterError("record = []: must be at least one record")
+    return identified(
+        [one_record(item) for item in several], frequency=frequency, known=known, start=start, law=law,
+        law_speed=law_speed, law_knots=law_knots,
+    )  # fmt: skip
+
+
+def one_record(item: Any) -> SensorRecord:
+    """A record, also of a file."""
+    if isinstance(item, (str, os.PathLike)):
+        from .sensor_files import read_record
+
+        try:
+            return read_record(item)
+        except ParameterError as error:
+            raise ParameterError("record" + str(error).removeprefix("path")) from None
+    checks.instance(item, "record", SensorRecord)
+    record: SensorRecord = item
+    return record
+
+
+def identified(
+    records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
+    frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
+    start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
+    law_knots: int | None = None, case: str = "",
+) -> Identification:  # fmt: skip
+    """All steps; arguments as of `identify`."""
+    if frequency is not None:
+        frequency = positive(frequency, "frequency")
+    scale, shared = known_values(known or {})
+    law = checks.choice(law, "law", KINDS)
+    if law_speed is not None:
+        law_speed = positive(law_speed, "law_speed")
+    if law_speed is not None and law == "constant":
+        raise ParameterError(
+            f"law_speed = {law_speed!r}: must come with another law than 'constant'"
+        )
+    tabulated = law.startswith("table")
+    if law_knots is not None and not tabulated:
+        raise ParameterError(f"law_knots = {law_knots!r}: must come with law = 'table' or 'tables'")
+    knots = checks.integer(3 if law_knots is None else law_knots, "law_knots", 2, 20)
+    own = Law(law, knots if tabulated else 0)
+    for name in shared:
+        if name not in own.shared:
+            of = [repr(kind) for kind in KINDS if name in Law(kind).shared]
+            raise ParameterError(
+                f"known {name} = {shared[name]!r}: must come with law = {' or '.join(of)}"
+            )
+        if name in ("R1", "R2") and law != "constant" and law_speed is None:
+            raise ParameterError(
+                f"known {name} = {shared[name]!r}: must come with law_speed, at which it is known"
+            )
+    guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
+    if start is not None:
+        of_numbers(start, "start")
+        guess = {
+            "xi": start.xi,
+            "mu": start.mu,
+            "R1": start.restitution[0],
+            "R2": start.restitution[1],
+        }
+    if impact_times is not None:
+        steps = [of_times(impact_times, impact_sides, frequency, load_phase, scale, shared)]
+    else:
+        steps = [
+            of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
+        ]
+    found = None
+    if all(step.rhythm.status == "periodic" for step in steps):
+        found, own = fitted(steps, scale, shared, guess, own, law_speed)
+    return Identification(tables_of(steps, found, scale, shared, own, case))

@@ -1,0 +1,598 @@
+"""Records of sensors from files: CSV, WAV, MATLAB, netCDF, SEP005 and universal files (UFF)."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base import checks, libraries
+from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
+from ..base.sizes import NUMBERS, check_file, check_size
+from ..formats.matlab import read_variables
+from ..systems.units import positive
+from .measured import SI, UNITS, SensorRecord
+
+_Array = NDArray[np.float64]
+#: What a channel may be called, in lower case; the first one is its name here.
+NAMES = {
+    "load": ("load", "force", "excitation", "f", "input"),
+    "acceleration": ("acceleration", "accel", "acc", "a"),
+    "velocity": ("velocity", "vel", "v"),
+    "displacement": ("displacement", "disp", "position", "x"),
+    "time": ("time", "t"),
+}
+#: Seconds in the units of time, by what they are called.
+SECONDS = {
+    name: one
+    for names, one in (
+        (("s", "sec", "second", "seconds"), 1.0), (("ms", "msec", "millisecond", "milliseconds"), 1e-3),
+        (("us", "microsecond", "microseconds"), 1e-6), (("ns", "nanosecond", "nanoseconds"), 1e-9),
+        (("min", "minute", "minutes"), 60.0),
+    )
+    for name in names
+}  # fmt: skip
+RATES = ("rate", "fs", "sampling_rate", "sample_rate", "samplerate")
+#: The quantity of a data set of a universal file, by its code of specific data.
+UFF_CODES = {8: "displacement", 9: "load", 11: "velocity", 12: "acceleration", 13: "load"}
+#: Largest relative difference of the steps of time of regular samples, and of a rate from that of the times.
+REGULAR = 1e-3
+#: Largest shift of samples that are taken as simultaneous, in samples.
+SHIFT = 0.02
+
+
+class Channel(NamedTuple):
+    """A channel of a file: its name and unit as they are there, its samples, and their times (s) and rate (Hz) if
+    the file gives them for this channel."""
+
+    name: str
+    unit: str
+    values: _Array
+    times: _Array | None = None
+    rate: float | None = None
+
+
+class Content(NamedTuple):
+    """What a file has: channels, and the rate of all if it has one."""
+
+    channels: list[Channel]
+    rate: float | None = None
+    bandwidth: float | None = None
+
+
+class Clock(NamedTuple):
+    """When the samples of a channel were taken: the time of the first one (s) and the rate (Hz); None: unknown."""
+
+    start: float | None
+    rate: float | None
+
+
+def read_record(
+    path: str | os.PathLike[str] | Mapping[str, Any] | list[Mapping[str, Any]],
+    rate: float | None = None,
+    channels: str | Sequence[str] | None = None,
+    units: str | Sequence[str] | None = None,
+    bandwidth: float | None = None,
+    scale: Sequence[float] | None = None,
+) -> SensorRecord:
+    """Read a record of the load and the motion of a rig.
+
+    Channels are known by their names (load or force, acceleration, velocity, displacement and common short
+    forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``.
+
+    Parameters
+    ----------
+    path : path, dict or list of dict
+        A file: .csv or .txt (columns, with a header such as ``time (s), load (N), acceleration (g)``), .wav and
+        .mat (extra `identify`), .nc (extra `data`), .json (SEP005), .uff, .unv, .uf (universal files, sets 58;
+        extra `uff`). Or signals in memory by SDyPy's SEP005: dicts with name, data, unit_str, and fs or time.
+    rate : float, optional
+        Sampling rate (Hz) of a file that has neither times nor a rate; one that differs from that of the file is
+        refused.
+    channels : str or sequence of str, optional
+        What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
+    units : str or sequence of str, optional
+        Their units, in their order; by default those of the file, else SI.
+    bandwidth : float, optional
+        -3 dB frequency of the sensors, as of `SensorRecord`.
+    scale : sequence of float, optional
+        What 1 in each channel stands for, in its unit, such as the full scale of a .wav file.
+
+    Returns
+    -------
+    SensorRecord
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If there is no such file, it is not of its format, samples are missing or irregular, a channel is not
+        known, or channels have different rates or are not sampled at the same times.
+    MissingExtraError
+        If the library that reads the format is not installed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, vibroimpact as vi
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "bench.csv"
+    >>> rows = "\\n".join(f"{i / 1000},{i % 7},{i % 5}" for i in range(100))
+    >>> _ = path.write_text("time (s),force (lbf),acc (g)\\n" + rows)
+    >>> vi.read_record(path)
+    <SensorRecord of 100 samples at 1000 Hz, 0.1 s: load, acceleration>
+    """
+    if isinstance(path, (Mapping, list)):
+        return assembled(of_sep005(path), "", rate, channels, units, bandwidth, scale)
+    place = checks.path(path)
+    suffix = place.suffix.lower()
+    shown = f"path = {str(path)!r}"
+    if suffix not in READERS:
+        raise ParameterError(f"{shown}: must end with one of {', '.join(READERS)}")
+    if not place.is_file():
+        raise ParameterError(f"{shown}: must be a file; there is none")
+    try:
+        check_file(place)
+        content = READERS[suffix](place)
+        return assembled(content, place.name, rate, channels, units, bandwidth, scale)
+    except MissingExtraError:
+        raise
+    except (ParameterError, ParameterTypeError) as error:
+        raise ParameterError(f"{shown}: {error}") from None
+    except Exception as error:  # whatever a library says of a broken file
+        reason = str(error).strip().split("\n")[0] or type(error).__name__
+        raise ParameterError(
+            f"{shown}: must be a record in the format of {suffix}; {reason}"
+        ) from None
+
+
+def assembled(
+    content: Content, name: str, rate: float | None, channels: str | Sequence[str] | None,
+    units: str | Sequence[str] | None, bandwidth: float | None, scale: Sequence[float] | None,
+) -> SensorRecord:  # fmt: skip
+    """The record of some channels."""
+    found = content.channels
+    labels = as_list(channels, "channels", len(found))
+    given_units = as_list(units, "units", len(found))
+    factors = None if scale is None else checks.real_array(scale, "scale", "numbers, one a channel")
+    if factors is not None and factors.shape != (len(found),):
+        raise ParameterError(
+            f"scale = {scale!r}: must be {len(found)} numbers, one for each channel"
+        )
+    times: _Array | None = None
+    arrays: dict[str, Channel] = {}
+    of_units: dict[str, str] = {}
+    for i, channel in enumerate(found):
+        unit = given_units[i] if given_units else channel.unit
+        if labels is None:
+            label = label_of(channel.name, unit)
+        else:
+            label = checks.choice(labels[i], f"channels[{i}]", (*SI, "time", "none"))
+        unit = unit or unit_in(channel.name, label)
+        if label == "time":
+            own = seconds(channel.values, unit)
+            if times is not None and not np.array_equal(own, times):
+                raise ParameterError(
+                    f"channel {channel.name!r}: is a second time; must be one, or channels given"
+                )
+            times = own
+        if label in (None, "none", "time"):
+            continue
+        if label in arrays:
+            raise ParameterError(
+                f"channel {channel.name!r}: is a second {label}; must be one, or channels given"
+            )
+        assert label is not None
+        factor = 1.0 if factors is None else factors[i]
+        arrays[label] = channel._replace(values=channel.values * factor)
+        if unit:
+            of_units[label] = unit
+    if not arrays:
+        names = ", ".join(repr(channel.name) for channel in found) or "none"
+        raise ParameterError(
+            f"channels {names}: must be named as one of {', '.join(SI)}, or channels given"
+        )
+    clocks = [clock_of(channel, times, content.rate) for channel in arrays.values()]
+    samples, start, own_rate = joined([*arrays.values()], clocks)
+    if rate is None:
+        rate = own_rate
+    elif own_rate is not None and not abs(positive(rate, "rate") - own_rate) <= REGULAR * own_rate:
+        raise ParameterError(
+            f"rate = {rate!r}: must be left out, or be that of the record, {own_rate:g} Hz"
+        )
+    else:
+        rate = rate if own_rate is None else own_rate
+    if rate is None:
+        raise ParameterError(
+            "rate = None: must be the sampling rate in Hz; the record has neither times nor a rate"
+        )
+    bandwidth = content.bandwidth if bandwidth is None else bandwidth
+    return SensorRecord(
+        rate, units=of_units, bandwidth=bandwidth, start=start, name=name,
+        **dict(zip(arrays, samples, strict=True)),
+    )  # fmt: skip
+
+
+def clock_of(channel: Channel, times: _Array | None, rate: float | None) -> Clock:
+    """When a channel was sampled: by its own times, or by those and the rate of the file."""
+    times = times if channel.times is None else channel.times
+    rate = rate if channel.rate is None else channel.rate
+    if times is None:
+        return Clock(None, rate)
+    if times.size != channel.values.size:
+        raise ParameterError(
+            f"channel {channel.name!r} of {channel.values.size} samples: must have as many as times, {times.size}"
+        )
+    own, start = rate_of(times)
+    if rate is not None and not abs(rate - own) <= REGULAR * own:
+        raise ParameterError(
+            f"channel {channel.name!r}: its rate is {rate:g} Hz and that of its times {own:g} Hz; must be the same"
+        )
+    return Clock(start, own)
+
+
+def joined(
+    channels: list[Channel], clocks: list[Clock]
+) -> tuple[list[_Array], float, float | None]:
+    """The samples of channels at the times that all of them have, the first of these, and the rate.
+
+    Raises
+    ------
+    ParameterError
+        If rates differ, or samples are not simultaneous: nothing is interpolated, which would change spikes.
+    """
+    first, clock = channels[0], clocks[0]
+    longest = max(channel.values.size for channel in channels)
+    places = []
+    for channel, other in zip(channels, clocks, strict=True):
+        pair = f"channels {first.name!r} and {channel.name!r}"
+        if (other.rate is None) != (clock.rate is None) or (other.start is None) != (
+            clock.start is None
+        ):
+            raise ParameterError(f"{pair}: must both have times, or a rate, or none of them")
+        if clock.rate is None or other.rate is None:
+            continue
+        if not abs(other.rate / clock.rate - 1) * longest <= SHIFT:
+            raise ParameterError(
+                f"{pair}: rates are {clock.rate:.9g} and {other.rate:.9g} Hz; must be the same of all channels"
+            )
+        if clock.start is None or other.start is None:
+            continue
+        shift = (other.start - clock.start) * clock.rate
+        if abs(shift - round(shift)) > SHIFT:
+            raise ParameterError(
+                f"{pair}: start at {clock.start:.9g} and {other.start:.9g} s, {abs(shift):.6g} samples apart; "
+                "must be sampled at the same times"
+            )
+        places.append(round(shift))
+    if not places:
+        return [channel.values for channel in channels], 0.0, clock.rate
+    begin = max(places)
+    end = min(place + channel.values.size for place, channel in zip(places, channels, strict=True))
+    if end <= begin:
+        raise ParameterError(
+            f"channels {', '.join(repr(channel.name) for channel in channels)}: must have times in common"
+        )
+    assert clock.start is not None
+    assert clock.rate is not None
+    return (
+        [
+            channel.values[begin - place : end - place]
+            for place, channel in zip(places, channels, strict=True)
+        ],
+        clock.start + begin / clock.rate,
+        clock.rate,
+    )
+
+
+def as_list(value: Any, name: str, count: int) -> list[str] | None:
+    """Words for each channel, or one for the only one."""
+    if value is None:
+        return None
+    words = [value] if isinstance(value, str) else list(value)
+    if len(words) != count:
+        raise ParameterError(f"{name} = {value!r}: must be {count} words, one for each channel")
+    for word in words:
+        if not isinstance(word, str):
+            raise ParameterTypeError(f"{name} = {value!r}: must be words")
+    return words
+
+
+def label_of(name: str, unit: str) -> str | None:
+    """What a channel is, by its name, or by its unit if only one quantity has it."""
+    plain = re.split(r"[\s(\[_:,.-]", name.strip().lower())[0]
+    for label, names in NAMES.items():
+        if plain in names:
+            return label
+    stripped = unit.strip().strip("[]()")
+    fitting = [label for label, known in UNITS.items() if stripped and stripped in known]
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def unit_in(name: str, label: str | None) -> str:
+    """The unit with which the name of a channel ends, as in acc_g; "" without one."""
+    words = re.split(r"[\s_]+", name.strip())
+    known = SECONDS if label == "time" else UNITS.get(str(label), {})
+    return words[-1] if len(words) > 1 and words[-1] in known else ""
+
+
+def seconds(times: _Array, unit: str) -> _Array:
+    """Times in seconds; a unit of netCDF goes on, as "ms since 2026-01-01"."""
+    plain = unit.strip().strip("[]()").split(" since ")[0].replace("\N{MICRO SIGN}", "u")
+    if plain and plain.lower() not in SECONDS:
+        raise ParameterError(f"unit of time = {unit!r}: must be one of {', '.join(SECONDS)}")
+    return times * SECONDS[plain.lower() or "s"]
+
+
+def rate_of(times: _Array) -> tuple[float, float]:
+    """Sampling rate and first time of regular samples."""
+    if times.ndim != 1 or times.size < 2:
+        raise ParameterError(f"time of shape {times.shape}: must be one list of at least 2 numbers")
+    if not np.isfinite(times).all():
+        missing = int(np.argmax(~np.isfinite(times)))
+        raise ParameterError(f"time[{missing}] = {times[missing]}: must be a finite number")
+    steps = np.diff(times)
+    step = float(np.median(steps))
+    if not step > 0:
+        raise ParameterError(f"time from {times[0]:g} to {times[-1]:g}: must increase")
+    off = abs(steps - step) > max(REGULAR * step, 4 * np.spacing(abs(times).max()))
+    # digits of a text round times
+    if (
+        off.any()
+        and np.max(
+            abs(
+                times - times[0] - np.arange(times.size) * (times[-1] - times[0]) / (times.size - 1)
+            )
+        )
+        > 0.1 * step
+    ):
+        i = int(np.argmax(off))
+        count = round(float(steps[i]) / step) - 1
+        what = f"{count} samples are missing" if count > 0 else "samples are irregular"
+        raise ParameterError(
+            f"time[{i + 1}] = {times[i + 1]:.9g} after {times[i]:.9g}: must be {step:.6g} later; {what}"
+        )
+    return (times.size - 1) / float(times[-1] - times[0]), float(times[0])
+
+
+def read_csv(path: Path) -> Content:
+    """Columns of numbers, with or without a header; lines that begin with # are comments."""
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    lines = [
+        line
+        for line in text.splitlines()
+        if line.strip() and not line.lstrip().startswith(("#", "!"))
+    ]
+    if not lines:
+        raise ParameterError("no rows: must have samples")
+    # the last line has no header, whose names may hold blanks
+    separator = next((mark for mark in (";", "\t", ",") if mark in lines[-1]), None)
+    one = separator is None and len(lines[-1].split()) == 1
+
+    def cells(line: str) -> list[str]:
+        """The values of a row."""
+        return [cell.strip().strip('"') for cell in ([line] if one else line.split(separator))]
+
+    first = cells(lines[0])
+    width = len(first)
+    header = None if all(number(cell) is not None for cell in first) else first
+    del lines[: header is not None]
+    check_size(len(lines) * width, NUMBERS * 8, "its table")
+    table = np.full((len(lines), width), math.nan)
+    for i, row in enumerate(map(cells, lines)):
+        if len(row) != width:
+            raise ParameterError(f"row {i + 1} with {len(row)} values: must have {width}")
+        for j, cell in enumerate(row):
+            value = number(cell.replace(",", ".") if separator in (";", "\t") else cell)
+            if value is None:
+                raise ParameterError(f"row {i + 1}: {cell!r} must be a number")
+            table[i, j] = value
+    names = header or [f"column {j + 1}" for j in range(width)]
+    found = [re.match(r"^(.*?)\s*[(\[](.*?)[)\]]\s*$", name) for name in names]
+    parts = [
+        (match[1], match[2]) if match else (name, "")
+        for name, match in zip(names, found, strict=True)
+    ]
+    return Content(
+        [Channel(name, unit, table[:, j].copy()) for j, (name, unit) in enumerate(parts)]
+    )
+
+
+def number(text: str) -> float | None:
+    """The number in a cell, NaN in an empty one; None for other text."""
+    if text == "":
+        return math.nan
+    if "_" in text or not text.isascii():  # which only Python reads as numbers
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def read_wav(path: Path) -> Content:
+    """Sound; whole numbers become parts of their full scale."""
+    rate, data = libraries.scipy("io.wavfile", "sound").read(path)
+    values = np.atleast_2d(data.T).astype(np.float64)
+    if data.dtype.kind == "u":
+        values = (values - 128) / 128
+    elif data.dtype.kind == "i":
+        values = values / -float(np.iinfo(data.dtype).min)
+    labels = (
+        ("load", "acceleration")
+        if len(values) == 2
+        else tuple(f"channel {j + 1}" for j in range(len(values)))
+    )
+    return Content(
+        [Channel(label, "", row) for label, row in zip(labels, values, strict=True)],
+        rate=float(rate),
+    )
+
+
+def read_mat(path: Path) -> Content:
+    """Variables of a MATLAB file, or the fields of its one struct."""
+    found = read_variables(path)
+    if len(found) == 1:
+        (only,) = found.values()
+        found = only if isinstance(only, dict) else found
+    return of_variables(found)
+
+
+def of_variables(found: Mapping[str, Any]) -> Content:
+    """Channels among variables by their names; `units` may be a struct of texts, `rate` a number."""
+    rate, bandwidth = None, None
+    channels = []
+    for name, array in found.items():
+        if not isinstance(array, np.ndarray):  # a text, or a struct
+            continue
+        if name.lower() in RATES and array.size == 1:
+            rate = positive(float(array.ravel()[0]), name)
+        elif name.lower() in ("dt", "step") and array.size == 1:
+            rate = 1 / positive(float(array.ravel()[0]), name)
+        elif name.lower() == "bandwidth" and array.size == 1:
+            bandwidth = float(array.ravel()[0])
+        elif array.dtype.kind in "iuf" and array.squeeze().ndim == 1 and array.size > 1:
+            unit = str(found.get(f"{name}_unit", ""))
+            channels.append(Channel(name, unit, array.squeeze().astype(np.float64)))
+    return Content(channels, rate=rate, bandwidth=bandwidth)
+
+
+def read_netcdf(path: Path) -> Content:
+    """Variables along one dimension, with the attribute `units`."""
+    from ..formats.netcdf import need, need_netcdf, unpacked
+
+    need_netcdf()
+    h5py = need("h5py")
+    if h5py.is_hdf5(path):  # the older format is not packed
+        with h5py.File(path, "r") as data:
+            lists = [
+                item for item in data.values() if isinstance(item, h5py.Dataset) and item.ndim == 1
+            ]
+            check_size(sum(map(unpacked, lists)), NUMBERS, "its lists of numbers together")
+    with libraries.xarray("netCDF files").open_dataset(path, decode_times=False) as data:
+        channels: list[tuple[Any, Channel]] = []
+        times: dict[Any, _Array] = {}
+        since = {}
+        for name, variable in data.variables.items():
+            if variable.ndim != 1 or variable.dtype.kind not in "iuf":
+                continue
+            (dim,) = variable.dims
+            values = np.asarray(variable.values, dtype=np.float64)
+            unit = str(variable.attrs.get("units", variable.attrs.get("unit", "")))
+            if label_of(str(name), "") == "time":
+                times[dim] = seconds(values, unit or unit_in(str(name), "time"))
+                since[unit.partition(" since ")[2]] = name
+            else:
+                channels.append((dim, Channel(str(name), unit, values)))
+        if len(since) > 1:
+            raise ParameterError(
+                f"times {', '.join(map(repr, since.values()))}: must be since the same moment"
+            )
+        rates = [data.attrs[name] for name in RATES if name in data.attrs]
+        return Content(
+            [channel._replace(times=times.get(dim)) for dim, channel in channels],
+            positive(rates[0], "rate") if rates else None,
+        )
+
+
+def read_json(path: Path) -> Content:
+    """SEP005 signals as JSON."""
+    return of_sep005(json.loads(path.read_text(encoding="utf-8")))
+
+
+def of_sep005(signals: Any) -> Content:
+    """Signals of SDyPy's SEP005: dicts with name, data, unit_str, and fs or time; several have one rate."""
+    several = [signals] if isinstance(signals, Mapping) else list(signals)
+    channels: list[Channel] = []
+    begin: Any = None
+    for i, signal in enumerate(several):
+        if not isinstance(signal, Mapping) or not {"name", "data"} <= signal.keys():
+            raise ParameterError(
+                f"path: signal {i} must be a SEP005 dict with name, data, unit_str, and fs or time"
+            )
+        data = checks.real_array(signal["data"], f"data of signal {signal['name']!r}", "numbers")
+        unit = str(signal.get("unit_str") or "")
+        rate, times = None, None
+        if signal.get("fs") is not None:
+            rate = positive(signal["fs"], f"fs of signal {signal['name']!r}")
+        if signal.get("time") is not None:
+            times = checks.real_array(
+                signal["time"], f"time of signal {signal['name']!r}", "numbers"
+            )
+        if signal.get("start_timestamp") is not None and (times is not None or rate is not None):
+            moment = moment_of(signal["start_timestamp"], f"start_timestamp of {signal['name']!r}")
+            begin = moment if begin is None else begin
+            try:
+                since = (moment - begin).total_seconds()
+            except TypeError:
+                raise ParameterError(
+                    f"start_timestamp of {signal['name']!r} = {str(moment)!r}: must be with a time zone as the "
+                    "others, or all without"
+                ) from None
+            if times is None:
+                times = np.arange(data.shape[-1] if data.ndim else 0) / positive(rate, "fs")
+            times = times + since
+        names: Sequence[Any] = [signal["name"]]
+        if data.ndim == 2:  # several channels in one signal
+            listed = isinstance(signal["name"], (list, tuple))
+            names = signal["name"] if listed else [signal["name"]] * len(data)
+        rows = data if data.ndim == 2 else [data]
+        if len(names) != len(rows):
+            raise ParameterError(
+                f"name = {signal['name']!r}: must be {len(rows)} names, one for each channel of data"
+            )
+        channels += [
+            Channel(str(name), unit, row, times, rate)
+            for name, row in zip(names, rows, strict=True)
+        ]
+    return Content(channels)
+
+
+def moment_of(value: Any, label: str) -> datetime:
+    """A date and time."""
+    if isinstance(value, datetime):
+        return value
+    try:
+        return datetime.fromisoformat(str(value))
+    except ValueError:
+        raise ParameterError(
+            f"{label} = {value!r}: must be a date and time such as '2026-01-31T12:00:00'"
+        ) from None
+
+
+def read_uff(path: Path) -> Content:
+    """The time histories (data sets 58) of a universal file."""
+    try:
+        import pyuff
+    except ImportError:
+        raise MissingExtraError(
+            "universal files (UFF) need pyuff: pip install 'vibroimpact[uff]'"
+        ) from None
+    file = pyuff.UFF(str(path))
+    sets = file.read_sets(np.flatnonzero(np.asarray(file.get_set_types()) == 58).tolist())
+    channels = []
+    for item in [sets] if isinstance(sets, dict) else sets:
+        if item.get("func_type", 1) not in (0, 1):
+            continue
+        name = str(item.get("id1") or "").strip()
+        label = UFF_CODES.get(int(item.get("ordinate_spec_data_type", 0)))
+        unit = str(item.get("ordinate_axis_units_lab") or "").strip()
+        unit = "" if unit.upper() == "NONE" else unit
+        channels.append(
+            Channel(
+                label or name, unit, np.asarray(item["data"]).real.astype(np.float64),
+                np.asarray(item["x"], dtype=np.float64),
+            )
+        )  # fmt: skip
+    return Content(channels)
+
+
+READERS: dict[str, Callable[[Path], Content]] = {
+    ".csv": read_csv, ".txt": read_csv, ".wav": read_wav, ".mat": read_mat, ".nc": read_netcdf, ".json": read_json,
+    ".uff": read_uff, ".unv": read_uff, ".uf": read_uff,
+}  # fmt: skip

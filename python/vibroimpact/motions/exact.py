@@ -1,0 +1,302 @@
+"""Exact motions by Newton's method."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.interrupt import with_stack
+from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
+from ..results.events import event_table
+from ..systems.oscillator import Oscillator, Pattern, of_numbers
+from ..systems.structure import or_structure
+from .motion import Motion
+from .periodic import frozen, impact_restitution, periodic
+from .structure_motion import exact_structure
+from .trajectory import Trajectory, end_of, letters_of, not_periodic
+
+__all__ = ["exact"]
+
+MOST_ITERATIONS = 50
+#: Limits on the impacts and rests in a period of a motion with rest, tried in turn: most motions have few.
+REST_EVENTS = (200, 20_000)
+
+
+def _guess_by_gaps(given: dict[str, Any]) -> None:
+    """Turns a guess for an oscillator into one for a structure: load phases, gaps, cycles."""
+    guess = given.get("guess")
+    if isinstance(guess, Motion):
+        if guess.pattern.has_rest:
+            raise ParameterError(
+                f"guess = {guess!r}: must be a motion without rest where restitution depends on the speed, or a "
+                "simulation with that restitution"
+            )
+        gaps = np.where(guess.pattern.signs > 0, 0, 1).tolist()
+        given["guess"] = (guess.phases + guess.load_phase, gaps, guess.pattern.cycles)
+
+
+@or_structure(exact_structure, of_law=_guess_by_gaps)
+def exact(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    guess: Motion | Trajectory | tuple[Any, Pattern | str],
+    load: float = 1.0,
+) -> Motion:
+    """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
+
+    Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and rest they are
+    the phase and velocity at a release, a fixed point of the return map there.
+
+    Parameters
+    ----------
+    osc, r, clearance, load
+        As in `simulate`.
+    guess : Motion, Trajectory or (phases, pattern)
+        A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
+        phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
+        cycles with which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used,
+        because just past a period doubling the shorter period repeats approximately, too.
+
+    Returns
+    -------
+    Motion
+        `admissible` is False if the solution of the equations would pass through a wall.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the trajectory has no impacts at its end or is not approximately
+        periodic.
+    SingularError
+        If the iteration does not converge, or leads from a motion to one of a shorter period or one that is
+        its own mirror image: the motions of the guess end there, at a flip or a pitchfork.
+
+    Examples
+    --------
+    The motion that corresponds to the third column of Table 1, at d K/F0 = 37 exactly:
+
+    >>> import math, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+    >>> round(float(motion.phases[1]) / math.pi, 6), motion.stable
+    (1.382026, True)
+
+    From a simulation, with rest on the left wall:
+
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    >>> vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
+    <Motion RL*/1 at r = 0.9, d K/F0 = 6: admissible, stable (max|lambda| = 0.9189)>
+    """
+    of_numbers(osc)
+    r = checks.frequency_ratio(r, osc.xi)
+    clearance = checks.number(clearance, "clearance")
+    load = checks.number(load, "load")
+    each = given = None
+    if isinstance(guess, Motion):
+        pattern = guess.pattern
+        if pattern.has_rest:
+            # the velocity at a release scales with the load and depends little on the clearance
+            releases = of_releases(guess, load / guess.load)
+            found = release_motion(osc, r, clearance, load, pattern.cycles, releases)
+            return of_same_kind(found, guess)
+        each = None if guess.osc.restitution != osc.restitution else guess.restitution
+        if (
+            guess.kind == "periodic"
+            and (guess.osc, guess.r) == (osc, r)
+            and guess.precision == "double"
+        ):
+            given = guess.phases
+        x, theta = guess.X * (clearance / guess.clearance), guess.phases + guess.tau
+    elif isinstance(guess, Trajectory):
+        return motion_at_end(osc, r, clearance, load, guess)
+    elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], (Pattern, str)):
+        linear = periodic(osc, r, guess[0], guess[1])
+        pattern = linear.pattern
+        given = linear.phases
+        x, theta = linear.X * (clearance / linear.clearance), linear.phases + linear.tau
+    else:
+        raise ParameterTypeError(
+            f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, pattern)"
+        )
+    found = newton(osc, r, clearance, load, pattern, x, theta, each, given)
+    return of_same_kind(found, guess) if isinstance(guess, Motion) else found
+
+
+def of_same_kind(found: Motion, guess: Motion) -> Motion:
+    """A motion found from an exact one; an error if it has a shorter period or a symmetry that the guess lacks.
+
+    At a flip and a pitchfork two motions merge, and beyond it Newton's method converges to the one that is left.
+    """
+    if guess.consistent:
+        if is_repeated(found) and not is_repeated(guess):
+            raise_status(SHORTER_PERIOD)
+        if is_mirrored(found) and not is_mirrored(guess):
+            raise_status(SYMMETRIC)
+    return found
+
+
+def is_repeated(motion: Motion) -> bool:
+    """Whether a motion is described over several of its periods."""
+    sides, cycles = motion.pattern.sides, motion.pattern.cycles
+    # most patterns cannot repeat
+    parts = (m for m in range(2, cycles + 1) if not cycles % m and not len(sides) % m)
+    if not any(sides == sides[: len(sides) // m] * m for m in parts):
+        return False
+    system = (motion.osc, motion.r, motion.clearance, motion.load)
+    _, _, shortest, *_ = found_motion(*system, cycles, *parts_of(motion), 1)
+    return bool(shortest < cycles)
+
+
+def is_mirrored(motion: Motion) -> bool:
+    """Whether a motion is its own mirror image."""
+    system = (motion.osc.xi, motion.r, motion.load, motion.clearance, motion.pattern.cycles)
+    right, left = motion.osc.restitution
+    parts = parts_of(motion)
+    return right == left and bool(_core.same_motion(*system, *parts, *parts, True))
+
+
+def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:
+    """The exact motion with which a trajectory ends, if it is stable and has a period of some load cycles."""
+    osc, r, clearance, load = run.osc, run.r, run.clearance, run.load
+    system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    answer = roomy(_core.end_of_trajectory, *system, *end_of(run, cycles), 2)
+    return None if answer[-1] else described_motion(osc, r, clearance, load, answer[5:])
+
+
+def motion_at_end(
+    osc: Oscillator, r: float, clearance: float, load: float, run: Trajectory
+) -> Motion:
+    """The exact motion with which a trajectory ends."""
+    system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    try:
+        answer = roomy(_core.end_of_trajectory, *system, *end_of(run), 1)
+        if not answer[0]:
+            raise not_periodic(run)
+    except ParameterError as error:
+        raise ParameterError(f"guess = {error}, or give phases and a pattern") from None
+    return described_motion(osc, r, clearance, load, answer[5:])
+
+
+def newton(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    load: float,
+    pattern: Pattern,
+    x: NDArray[np.float64],
+    theta: NDArray[np.float64],
+    restitution: NDArray[np.float64] | None = None,
+    given: NDArray[np.float64] | None = None,
+) -> Motion:
+    """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest.
+
+    `given` are phases from which these are a solution of the linear equations, for the record.
+    """
+    each = impact_restitution(osc, pattern, None) if restitution is None else restitution
+    phases, impacts, scalars, multipliers, verdicts, status, _ = _core.exact(
+        osc.xi, osc.mu, osc.restitution, r, load, clearance, pattern.cycles, pattern.signs, each,
+        x, theta,
+        MOST_ITERATIONS,
+    )  # fmt: skip
+    raise_status(int(status))
+    return impact_motion(
+        osc, r, clearance, load, pattern, each, phases, impacts, scalars, multipliers, verdicts, given
+    )  # fmt: skip
+
+
+def impact_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, pattern: Pattern,
+    restitution: NDArray[np.float64], phases: NDArray[np.float64], impacts: NDArray[np.float64],
+    scalars: NDArray[np.float64], multipliers: NDArray[np.complex128], verdicts: NDArray[np.int32],
+    given: NDArray[np.float64] | None = None, rest_events: NDArray[Any] | None = None,
+) -> Motion:  # fmt: skip
+    """A motion from the arrays of the core; `given` as in `newton`."""
+    impacts.flags.writeable = False
+    multipliers.flags.writeable = False
+    _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
+    consistent, admissible, stable = verdicts.tolist()
+    return Motion(
+        osc, r, clearance, pattern, restitution, frozen(phases),
+        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
+        amplitude, tau, residual, multipliers,
+        VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
+        guess=given, rest_events=rest_events,
+    )  # fmt: skip
+
+
+def of_releases(motion: Motion, factor: float) -> NDArray[np.float64]:
+    """Side, phase and velocity, times a factor, of the releases of a motion with rest, (3, m)."""
+    events = motion.events[motion.events["kind"] == "release"]
+    sides = np.where(events["side"] == "R", 1.0, -1.0)
+    return np.asfortranarray([sides, events["phase"], factor * events["x_dot_after"]])
+
+
+class Parts(NamedTuple):
+    """A motion in the form that the core compares: the impacts of one without rest, the releases of one with
+    rest; the other parts are zero."""
+
+    sides: NDArray[np.int32]
+    unknowns: NDArray[np.float64]
+    releases: NDArray[np.float64]
+
+
+def parts_of(motion: Motion) -> Parts:
+    """A motion in that form."""
+    if motion.rest_events is None:
+        unknowns = np.append(motion.X, motion.phases + motion.tau)
+        return Parts(motion.pattern.signs, unknowns, np.zeros((3, 1), order="F"))
+    return Parts(np.zeros(1, np.int32), np.zeros(2), of_releases(motion, 1.0))
+
+
+def release_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, cycles: int,
+    releases: NDArray[np.float64],
+) -> Motion:  # fmt: skip
+    """Newton's method on the return map of releases (3, m): side, phase and velocity, from the last one on."""
+    _, *answer = found_motion(
+        osc, r, clearance, load, cycles, np.zeros(1, np.int32), np.zeros(2), releases, 0
+    )
+    return described_motion(osc, r, clearance, load, answer)
+
+
+def found_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, cycles: int, sides: NDArray[np.int32],
+    unknowns: NDArray[np.float64], releases: NDArray[np.float64], form: int,
+) -> Any:  # fmt: skip
+    """The core's description of a motion, given by its impacts or releases, in one of its forms."""
+    system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
+    return roomy(_core.find_motion, *system, cycles, sides, unknowns, releases, form)
+
+
+def roomy(procedure: Any, *arguments: Any) -> Any:
+    """The answer of a procedure of the core, with room for all events of a motion with rest."""
+    for capacity in REST_EVENTS:
+        answer = with_stack(procedure, *arguments, capacity)
+        if answer[-1] != MORE_EVENTS:
+            break
+    return answer
+
+
+def described_motion(
+    osc: Oscillator, r: float, clearance: float, load: float, answer: Any
+) -> Motion:
+    """A motion from the core's arrays for the symbols and events of a period."""
+    n, cycles, sides, each, phases, impacts, scalars, multipliers, verdicts, *rest, status = answer
+    raise_status(int(status))
+    m, values, labels = rest
+    table = None
+    if m:
+        table = event_table(values[:, :m].copy(), labels[:, :m]).copy()
+        table["time"] -= table["time"][0]
+        table.flags.writeable = False
+    return impact_motion(
+        osc, r, clearance, load, Pattern(letters_of(sides[:n]), int(cycles)),
+        frozen(each[:n].copy()), phases[:n].copy(), impacts[:n].copy(order="F"), scalars, multipliers,
+        verdicts, rest_events=table,
+    )  # fmt: skip

@@ -1,0 +1,128 @@
+"""Comparison of motions, which may be given over several periods, starting at any impact, or as a mirror image.
+
+The core compares them, with the same tolerance for all studies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .. import _core
+from ..base import checks
+from ..base.errors import SingularError
+from .exact import described_motion, found_motion, parts_of
+from .motion import Motion
+
+__all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
+
+
+def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
+    """A motion, or its mirror image, over its shortest period, with its impacts counted from the one that puts
+    R before L.
+
+    The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if the walls are alike.
+
+    Raises
+    ------
+    ParameterTypeError
+        If it is no Motion.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 4.3], vi.Pattern("LR")))
+    >>> vi.standard_motion(motion).pattern.sides
+    'RL'
+    """
+    checks.instance(motion, "motion", Motion)
+    checks.truth(mirrored, "mirrored")
+    system = (motion.osc, motion.r, motion.clearance, motion.load)
+    changed, *answer = found_motion(
+        *system, motion.pattern.cycles, *parts_of(motion), 2 if mirrored else 1
+    )
+    return described_motion(*system, answer) if changed else motion
+
+
+def motion_images(motion: Motion) -> Iterator[Motion]:
+    """A motion in standard form, and its mirror image where the walls are alike.
+
+    Raises
+    ------
+    ParameterTypeError
+        If it is no Motion.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 4.3], vi.Pattern("RL")))
+    >>> [round(float(image.phases[1]), 3) for image in vi.motion_images(motion)]
+    [4.342, 1.941]
+    """
+    return _images(checks.instance(motion, "motion", Motion))
+
+
+def _images(motion: Motion) -> Iterator[Motion]:
+    yield standard_motion(motion)
+    if motion.osc.restitution[0] == motion.osc.restitution[1]:
+        try:
+            image = standard_motion(motion, mirrored=True)
+        except SingularError:  # at the limit of convergence, as is the motion itself
+            return
+        yield image
+
+
+def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
+    """Whether two motions of one system, or one and the other's mirror image, are the same.
+
+    The impact with which each begins does not matter.
+
+    Raises
+    ------
+    ParameterTypeError
+        If one is no Motion.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> one, other = vi.equispaced(osc, 0.94, 37.0)
+    >>> vi.same_motion(one, other), vi.same_motion(one, one, mirrored=True)
+    (False, True)
+    """
+    checks.instance(one, "one", Motion)
+    checks.instance(other, "other", Motion)
+    checks.truth(mirrored, "mirrored")
+    first, second = parts_of(one), parts_of(other)
+    if (
+        (one.rest_events is None) != (other.rest_events is None)
+        or len(one.pattern) != len(other.pattern)
+        or one.pattern.cycles != other.pattern.cycles
+        or first.releases.shape != second.releases.shape
+    ):
+        return False
+    system = (one.osc.xi, one.r, one.load, one.clearance, one.pattern.cycles)
+    return bool(_core.same_motion(*system, *first, *second, mirrored))
+
+
+def is_symmetric(motion: Motion) -> bool:
+    """Whether a motion without rest is its own mirror image half a period later.
+
+    Raises
+    ------
+    ParameterTypeError
+        If it is no Motion.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> vi.is_symmetric(vi.equispaced(osc, 0.94, 37.0)[0])
+    True
+    """
+    checks.instance(motion, "motion", Motion)
+    right, left = motion.osc.restitution
+    return (
+        right == left and not motion.pattern.has_rest and same_motion(motion, motion, mirrored=True)
+    )

@@ -1,0 +1,400 @@
+"""The solvers of the 1983 theory: given impact phases, and the equispaced pair."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..base import checks
+from ..base.errors import ParameterError
+from ..base.status import NO_MOTION, VERDICT, raise_status
+from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
+from ..systems.structure import or_structure
+from .motion import Motion, Motions
+from .structure_motion import periodic_structure
+
+__all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
+
+PRECISIONS = ("double", "single")
+
+
+@or_structure(periodic_structure)
+def periodic(
+    osc: Oscillator,
+    r: float,
+    phases: ArrayLike,
+    pattern: Pattern | str,
+    restitution: ArrayLike | None = None,
+    precision: str = "double",
+    acceptance: float = 0.03,
+) -> Motion:
+    """The periodic motion whose impact phases are given (equations (26), (30) of the 1983 paper).
+
+    For N = 2 impacts the equations are a square linear system (LAPACK DGESV). For N > 2 they are overdetermined
+    (DGELS), and the motion is consistent only if its `residual` is small.
+
+    Parameters
+    ----------
+    osc : Oscillator
+    r : float
+        Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
+    phases : array_like (N,)
+        Phase of each impact, counted from the first: increasing from 0, below 2 pi k (radians).
+    pattern : Pattern or str
+        Sides of the N impacts and the number k of load cycles.
+    restitution : array_like (N,), optional
+        Coefficient of restitution of each impact; by default that of the wall.
+    precision : {"double", "single"}
+        "single" computes the whole chain in 32-bit arithmetic.
+    acceptance : float
+        Largest relative residual that counts as consistent, 0 to 1. The paper used 0.03.
+
+    Returns
+    -------
+    Motion
+        Its clearance d K/F0 is part of the result; d is the whole travel between the walls.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+    SingularError
+        If there is no unique motion with these phases, or one without load.
+
+    Examples
+    --------
+    The third column of Table 1:
+
+    >>> import math, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> motion = vi.periodic(osc, r=0.94, phases=[0, 1.37 * math.pi], pattern=vi.Pattern("RL"))
+    >>> motion
+    <Motion RL/1 at r = 0.94, d K/F0 = 38.221: admissible, stable (max|lambda| = 0.9347)>
+    """
+    of_numbers(osc)
+    pattern = plain_pattern(pattern)
+    r = checks.frequency_ratio(r, osc.xi)
+    table = checks.phases(phases, len(pattern), pattern.cycles)
+    each = impact_restitution(osc, pattern, restitution)
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    acceptance = checks.number(acceptance, "acceptance")
+    results = _core.periodic(
+        osc.xi, osc.mu, osc.restitution, r, pattern.cycles, pattern.signs, each,
+        table[:, np.newaxis], acceptance, single, True,
+    )  # fmt: skip
+    raise_status(int(results[4][0]))
+    return _motion(osc, r, pattern, each, table, results, 0, precision, "periodic")
+
+
+def periodic_batch(
+    osc: Oscillator,
+    r: ArrayLike,
+    phases: ArrayLike,
+    pattern: Pattern | str,
+    restitution: ArrayLike | None = None,
+    precision: str = "double",
+    acceptance: float = 0.03,
+    flights: bool = True,
+) -> Motions:
+    """`periodic` for many sets of phases in one call.
+
+    Parameters
+    ----------
+    r : array_like, scalar or (M,)
+    phases : array_like (N, M)
+        One set of impact phases a column.
+    flights : bool
+        Whether to examine every flight too: `admissible`, `x_min`, `x_max`. Without it they are
+        -1 and NaN, and the call is faster.
+    osc, pattern, restitution, precision, acceptance
+        As in `periodic`.
+
+    Returns
+    -------
+    Motions
+        A point that fails has a status code and NaN; the other points are computed.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> second = np.linspace(1.2, 1.5, 7) * np.pi
+    >>> vi.periodic_batch(osc, 0.94, [np.zeros(7), second], vi.Pattern("RL"))
+    <Motions RL/1: 7 points, 7 computed, 5 consistent, admissible and stable>
+    """
+    of_numbers(osc)
+    pattern = plain_pattern(pattern)
+    table = checks.phase_table(phases, len(pattern), pattern.cycles)
+    m = table.shape[1]
+    ratios = frequency_ratios(r, m, osc.xi)
+    each = impact_restitution(osc, pattern, restitution)
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    acceptance = checks.number(acceptance, "acceptance")
+    impacts, scalars, multipliers, verdicts, status = _core.periodic(
+        osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table,
+        acceptance, single, bool(flights),
+    )  # fmt: skip
+    results = (impacts, scalars, multipliers, verdicts, status)
+    return _motions(osc, frozen(ratios), pattern, each, frozen(table), results, precision)
+
+
+def equispaced(
+    osc: Oscillator,
+    r: float,
+    clearance: float,
+    cycles: int = 1,
+    precision: str = "double",
+) -> list[Motion]:
+    """The motions with two equally spaced impacts: none, one or two of them.
+
+    With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the phase
+    tau lies on the intersection of a line with a circle.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        With R1 = R2.
+    r : float
+        Frequency ratio, as in `periodic`.
+    clearance : float
+        D = d K/F0, 1e-12 to 1e12; d is the whole travel between the walls.
+    cycles : int
+        Load cycles k in a period, odd.
+    precision : {"double", "single"}
+
+    Returns
+    -------
+    list of Motion
+        0, 1 or 2 motions, stable or not.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the walls are not alike; nothing was computed.
+
+    Examples
+    --------
+    The first two columns of Table 1:
+
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> [round(float(motion.X[0]), 2) for motion in vi.equispaced(osc, r=0.94, clearance=37.0)]
+    [16.17, -5.1]
+    >>> vi.equispaced(osc, r=0.94, clearance=200.0)
+    []
+    """
+    pattern = equispaced_pattern(osc, cycles)
+    r = checks.frequency_ratio(r, osc.xi)
+    clearance = checks.number(clearance, "clearance")
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    each = impact_restitution(osc, pattern, None)
+    phases = frozen(np.array([0.0, pattern.cycles * np.pi]))
+    results = _core.equispaced(
+        osc.xi, osc.mu, osc.restitution, [r], [clearance], pattern.cycles, 0.03, single, True
+    )
+    motions = []
+    for j, code in enumerate(results[4].tolist()):
+        if code == NO_MOTION:
+            continue
+        raise_status(code)
+        motions.append(_motion(osc, r, pattern, each, phases, results, j, precision, "equispaced"))
+    return motions
+
+
+def equispaced_batch(
+    osc: Oscillator,
+    r: ArrayLike,
+    clearance: ArrayLike,
+    cycles: int = 1,
+    precision: str = "double",
+) -> tuple[Motions, Motions]:
+    """`equispaced` at many points (r, clearance) in one call.
+
+    Parameters
+    ----------
+    r, clearance : array_like, scalar or (M,)
+    osc, cycles, precision
+        As in `equispaced`.
+
+    Returns
+    -------
+    tuple of two Motions
+        The two solutions at each point; `status` is not 0 where they do not exist.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed, or the walls are not alike; nothing was computed.
+
+    Examples
+    --------
+    >>> import numpy as np, vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> vi.equispaced_batch(osc, 0.94, np.linspace(20, 60, 5))[0]
+    <Motions RL/1: 5 points, 5 computed, 0 consistent, admissible and stable>
+    """
+    pattern = equispaced_pattern(osc, cycles)
+    single = checks.choice(precision, "precision", PRECISIONS) == "single"
+    values = checks.real_array(clearance, "clearance", "one number or a list of numbers").ravel()
+    if not values.size:
+        raise ParameterError("clearance of 0 values: must be one number or a list of numbers")
+    m = np.size(r) if values.size == 1 else values.size
+    ratios = frequency_ratios(r, m, osc.xi)
+    for value in (values.min(), values.max()):
+        checks.number(float(value), "clearance")
+    values = np.broadcast_to(values, m)
+    each = impact_restitution(osc, pattern, None)
+    phases = np.repeat([[0.0], [pattern.cycles * np.pi]], m, axis=1)
+    results = _core.equispaced(
+        osc.xi, osc.mu, osc.restitution, ratios, values, pattern.cycles, 0.03, single, True
+    )
+    first, second = (
+        _motions(
+            osc,
+            frozen(ratios),
+            pattern,
+            each,
+            frozen(phases),
+            [x[..., i::2] for x in results],
+            precision,
+        )
+        for i in (0, 1)
+    )
+    return first, second
+
+
+def equispaced_pattern(osc: Oscillator, cycles: int) -> Pattern:
+    """RL over an odd number of load cycles; an error if the walls differ."""
+    of_numbers(osc)
+    if osc.restitution[0] != osc.restitution[1]:
+        raise ParameterError(
+            f"restitution = {osc.restitution!r}: must be equal on both walls for equispaced impacts; use "
+            "periodic(osc, r, phases, pattern)"
+        )
+    cycles = checks.integer(cycles, "cycles", 1, checks.MAX_CYCLES)
+    if cycles % 2 == 0:
+        raise ParameterError(f"cycles = {cycles}: must be odd for equispaced impacts")
+    return Pattern("RL", cycles)
+
+
+def linear_system(
+    osc: Oscillator,
+    r: float,
+    phases: ArrayLike,
+    pattern: Pattern | str,
+    restitution: ArrayLike | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The linear equations of the 1983 paper, for inspection: (26), i = 1..N, then (30), i = 1..N.
+
+    Returns
+    -------
+    matrix : ndarray (2N, N + 2)
+        Coefficients of x_1 .. x_N, A cos(tau), A sin(tau), for omega = 1.
+    rhs : ndarray (2N,)
+        Right sides for clearance 1.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed; nothing was computed.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    >>> matrix, rhs = vi.linear_system(osc, 0.94, [0, 2, 4], vi.Pattern("RRL"))
+    >>> matrix.shape, rhs.shape
+    ((6, 5), (6,))
+    """
+    of_numbers(osc)
+    pattern = plain_pattern(pattern)
+    r = checks.frequency_ratio(r, osc.xi)
+    table = checks.phases(phases, len(pattern), pattern.cycles)
+    each = impact_restitution(osc, pattern, restitution)
+    matrix, rhs = _core.linear_system(osc.xi, osc.mu, r, pattern.cycles, pattern.signs, each, table)
+    return matrix, rhs
+
+
+def impact_restitution(osc: Oscillator, pattern: Pattern, restitution: Any) -> NDArray[np.float64]:
+    """Coefficient of restitution of each impact, read-only."""
+    if restitution is None:
+        right, left = osc.restitution
+        return frozen(np.where(pattern.signs > 0, right, left))
+    return frozen(checks.restitution_list(restitution, len(pattern)))
+
+
+def frequency_ratios(values: Any, m: int, xi: float) -> NDArray[np.float64]:
+    """One frequency ratio for each of m points, given as one number or m."""
+    wanted = f"one number or {m}, one a column of phases"
+    ratios = checks.real_array(values, "r", wanted)
+    if ratios.ndim > 1 or ratios.size not in (1, m):
+        raise ParameterError(f"r of shape {ratios.shape}: must be {wanted}")
+    for value in ratios.ravel() if ratios.size == 1 else (ratios.min(), ratios.max()):
+        checks.number(float(value), "r")
+    if (ratios == 1).any():
+        checks.frequency_ratio(1.0, xi)
+    return np.broadcast_to(ratios.ravel(), m) if ratios.size == 1 else ratios
+
+
+def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A read-only copy of an array, which a caller cannot change."""
+    if array.flags.writeable:
+        array = array.copy()
+        array.flags.writeable = False
+    return array
+
+
+def _motion(
+    osc: Oscillator,
+    r: float,
+    pattern: Pattern,
+    restitution: NDArray[np.float64],
+    phases: NDArray[np.float64],
+    results: Any,
+    j: int,
+    precision: str,
+    kind: str,
+) -> Motion:
+    """One column of the core's results as a Motion."""
+    impacts, scalars, multipliers, verdicts, _ = results
+    impacts.flags.writeable = False
+    multipliers.flags.writeable = False
+    clearance, amplitude, tau, residual, x_min, x_max = scalars[:, j].tolist()
+    consistent, admissible, stable = verdicts[:, j].tolist()
+    return Motion(
+        osc, r, clearance, pattern, restitution, frozen(phases),
+        impacts[:, 0, j], impacts[:, 1, j], impacts[:, 2, j], impacts[:, 3, j], impacts[:, 4, j],
+        impacts[:, 5, j], amplitude, tau, residual, multipliers[:, j], VERDICT[consistent],
+        VERDICT[admissible], VERDICT[stable], x_min, x_max, precision, kind=kind,
+    )  # fmt: skip
+
+
+def _motions(
+    osc: Oscillator,
+    r: NDArray[np.float64],
+    pattern: Pattern,
+    restitution: NDArray[np.float64],
+    phases: NDArray[np.float64],
+    results: Any,
+    precision: str,
+) -> Motions:
+    """All columns of the core's results."""
+    impacts, scalars, multipliers, verdicts, status = results
+    consistent, admissible, stable = verdicts.astype(np.int8)
+    for array in (impacts, scalars, multipliers, status, consistent, admissible, stable):
+        array.flags.writeable = False
+    clearance, amplitude, tau, residual, x_min, x_max = scalars
+    return Motions(
+        osc, r, clearance, pattern, restitution, phases,
+        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
+        amplitude, tau, residual, multipliers, consistent, admissible, stable, x_min, x_max, status,
+        precision,
+    )  # fmt: skip

@@ -1,0 +1,184 @@
+"""The interface to all studies: a case is the text of a namelist, which the core reads, checks and runs."""
+
+from __future__ import annotations
+
+import operator
+import os
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..base import checks
+from ..base.errors import OutOfMemoryError, ParameterError, ParameterTypeError, StudyInterrupted
+from ..base.interrupt import new_counters, stoppable
+from ..base.spacing import spacing_of
+from ..systems.oscillator import Oscillator, of_numbers
+from . import namelist
+from .tables import Handle, Result, from_core, language, message_of
+
+#: The status that the core returns for a case that needs more memory or stack than is available.
+NO_MEMORY = 4
+
+Progress = Callable[[float, str], None]
+Found = TypeVar("Found")
+
+
+def run(
+    noun: Callable[[Result], Found], osc: Oscillator, keys: Mapping[str, Any], r: float | None = None,
+    threads: int | None = None, progress: Progress | None = None,
+    parameters: Mapping[str, str] | None = None, start: Mapping[str, Any] | None = None,
+    little: bool = False,
+) -> Found:  # fmt: skip
+    """Runs a study in the core and returns its result object.
+
+    Parameters
+    ----------
+    noun : class
+        Class of the result; its `study` names the group.
+    keys : mapping
+        Keys of the group; None for a key that is left out. `r` is that of &system.
+    parameters : mapping, optional
+        The caller's names of keys and words of the core, where they differ.
+    start : mapping, optional
+        Keys of the &motion that the study starts from.
+    little : bool
+        Whether it takes a moment, too short for progress and Ctrl-C.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        With the message of the core and the caller's name of the parameter.
+    OutOfMemoryError
+        The case takes more memory than there is.
+    StudyInterrupted
+        After Ctrl-C, with what was finished.
+    """
+    study: str = noun.study  # type: ignore[attr-defined]
+    of_numbers(osc)
+    names = parameters or {}
+    values = {key: plain(study, key, value, names.get(key, key)) for key, value in keys.items()}
+    before = {} if start is None else {"motion": start}
+    text = namelist.case(osc, r, **before, **{study: values})
+    try:
+        return run_text(noun, text, threads, progress, little)
+    except ParameterError as error:
+        message = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
+        raise ParameterError(translated(message, names)) from None
+
+
+def translated(message: str, names: Mapping[str, str]) -> str:
+    """A message of the core with the caller's names; a name such as state['x'] is used only at its beginning."""
+    for word, name in names.items():
+        whole_word = rf"\b{word}\b" if word.isidentifier() else re.escape(word)
+        if ":" in name or "'" in name:
+            whole_word = rf"^{word}\b"
+        message = re.sub(whole_word, lambda _, name=name: name, message)  # type: ignore[misc]
+    return message
+
+
+def run_text(
+    noun: Callable[[Result], Found], text: str, threads: int | None = None,
+    progress: Progress | None = None, little: bool = False, counters: NDArray[np.int32] | None = None,
+) -> Found:  # fmt: skip
+    """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist.
+
+    With `counters` the call is made in this thread, and another one stops it by their flag.
+    """
+    study: str = noun.study  # type: ignore[attr-defined]
+    checks.progress(progress)
+    workers = checks.integer(
+        os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
+    )
+    call = (_core.run_case, np.frombuffer(text.encode(), "S1"), workers)
+    if little or counters is not None:
+        counters = new_counters() if counters is None else counters
+        (handle, status), complete = call[0](*call[1:], counters), True
+    else:
+        (handle, status), complete = stoppable(
+            *call, counters=new_counters(), progress=progress, note=study
+        )
+    if status == 2:
+        raise ParameterError(message_of(Handle(handle)))
+    result = from_core(study, handle)
+    if status == NO_MEMORY:
+        raise OutOfMemoryError(result.notes[-1][1])
+    if result.cut and result.empty:
+        raise KeyboardInterrupt
+    found = noun(result)
+    if not complete:
+        raise StudyInterrupted(found)
+    return found
+
+
+def plain(study: str, key: str, value: Any, name: str) -> Any:
+    """A value in a form for a namelist: float, int, str, or a list of them; the core checks its range."""
+    declared = next(item for item in language()["groups"][study] if item["name"] == key)
+    wanted = declared["takes"]
+    if value is None:
+        # None never stands for a default, even where the core has one
+        if declared["default"]:
+            raise ParameterTypeError(f"{name} = None: must be {wanted}")
+        return None
+    kind = {"number": number, "whole": whole, "word": word}[declared["kind"]]
+    several = isinstance(value, (list, tuple))  # of any shape
+    if declared["most"] == 1 or (not several and np.ndim(value) == 0):
+        return kind(value, name, wanted)
+    if declared["kind"] != "number":
+        return [kind(item, name, wanted) for item in value]
+    array = checks.real_array(value, name, wanted)
+    if array.ndim != 1 or array.size == 0:
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}, one list")
+    return array.tolist()
+
+
+def number(value: Any, name: str, wanted: str) -> float:
+    """Any real number as a float."""
+    return checks.to_float(value, name, wanted)
+
+
+def whole(value: Any, name: str, wanted: str) -> int:
+    """Any whole number as an int."""
+    if isinstance(value, (bool, np.bool_)):
+        raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}, not bool")
+    try:
+        return operator.index(value)
+    except TypeError:
+        kind = ParameterError if isinstance(value, float) else ParameterTypeError
+        raise kind(f"{name} = {value!r}: must be {wanted}") from None
+
+
+def word(value: Any, name: str, wanted: str) -> str:
+    """A text."""
+    if not isinstance(value, str):
+        raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}")
+    return value
+
+
+def line(name: str, values: Any, geometric: bool = False) -> dict[str, Any]:
+    """Values along an axis for a namelist: their ends and number, if these reproduce the values."""
+    array = np.atleast_1d(checks.real_array(values, name, "numbers"))
+    if array.ndim != 1 or array.size == 0:
+        raise ParameterError(
+            f"{name} of shape {array.shape}: must be a number or a list of numbers"
+        )
+    spacing = spacing_of(array)
+    if spacing == "linear" or (geometric and spacing == "geometric"):
+        low, high = float(array[0]), float(array[-1])
+        ends = {f"{name}_min": low, f"{name}_max": high, f"{name}_points": array.size}
+        return ends | ({"spacing": spacing} if geometric else {})
+    return {name: array}
+
+
+def swept(values: NDArray[np.float64], parameter: str) -> dict[str, Any] | None:
+    """The keys of the values of a parameter, if their ends, number and spacing reproduce the values."""
+    for end in (values.min(), values.max()):
+        checks.number(float(end), "restitution" if parameter[0] == "R" else parameter, parameter)
+    spacing = spacing_of(values) if values.ndim == 1 else None
+    if spacing is None:
+        return None
+    low, high = float(values[0]), float(values[-1])
+    return {"low": low, "high": high, "values": values.size, "spacing": spacing}

@@ -1,0 +1,120 @@
+"""Derivatives with respect to parameters, by name of quantity and parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError
+from ..base.libraries import xarray
+
+__all__ = ["Gradient"]
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Gradient:
+    """Exact derivatives of all quantities of a motion or a trajectory, by name of quantity and parameter.
+
+    ``gradient["x_max"]`` is the array of derivatives by all `parameters`, ``gradient["X", "mu"]`` that by one
+    parameter: its shape is that of the quantity. Arrays are read-only. A derivative that does not exist is NaN,
+    and `status` says why.
+
+    Attributes
+    ----------
+    of : str
+        What the quantities belong to.
+    parameters : tuple of str
+        Names of the parameters, in the order of the last axis of the derivatives.
+    values : dict of str to ndarray
+        The quantities themselves.
+    derivatives : dict of str to ndarray
+        The derivatives of each quantity; the last axis is that of the parameters.
+    dimensions : dict of str to tuple of str
+        Names of the dimensions of each quantity.
+    status : dict of str to str
+        Why a quantity, or an entry of it as ``"multipliers[0]"``, has no derivatives.
+    """
+
+    of: str
+    parameters: tuple[str, ...]
+    values: Mapping[str, NDArray[Any]]
+    derivatives: Mapping[str, NDArray[Any]]
+    dimensions: Mapping[str, tuple[str, ...]]
+    status: Mapping[str, str]
+
+    def __getitem__(self, name: str | tuple[str, str]) -> NDArray[Any]:
+        """Derivatives of one quantity, by all parameters or by one."""
+        quantity, parameter = name if isinstance(name, tuple) and len(name) == 2 else (name, None)
+        if quantity not in self.derivatives:
+            raise ParameterError(f"quantity {quantity!r}: must be one of {', '.join(self.values)}")
+        table = self.derivatives[str(quantity)]
+        if parameter is None:
+            return table
+        if parameter not in self.parameters:
+            raise ParameterError(
+                f"parameter {parameter!r}: must be one of {', '.join(self.parameters)}"
+            )
+        column: NDArray[Any] = table[..., self.parameters.index(parameter)]
+        return column
+
+    def to_xarray(self) -> Any:
+        """The derivatives as a dataset with the dimension `parameter` (extra `data`).
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> table = vi.equispaced(osc, 0.94, 37.0)[0].gradient().to_xarray()
+        >>> table["X"].sel(parameter="clearance").dims
+        ('impact',)
+        """
+        data = {
+            name: ((*self.dimensions[name], "parameter"), table)
+            for name, table in self.derivatives.items()
+        }
+        return xarray("derivatives").Dataset(
+            data, {"parameter": list(self.parameters)}, {"title": f"Derivatives of {self.of}"}
+        )
+
+    def __repr__(self) -> str:
+        return f"<Gradient of {self.of}: {len(self.values)} quantities by {', '.join(self.parameters)}>"
+
+    def __str__(self) -> str:
+        widths = [12, *(max(12, len(name) + 2) for name in self.parameters)]
+        head = "".join(
+            f"{name:>{width}}"
+            for name, width in zip(("value", *self.parameters), widths, strict=True)
+        )
+        lines = [f"Derivatives of {self.of}", f"{'':20}{head}"]
+        for name, table in self.derivatives.items():
+            values = np.atleast_1d(self.values[name]).ravel()
+            rows = table.reshape(len(values), -1)
+            for i, numbers in enumerate(np.column_stack([values, rows])):
+                if np.isnan(numbers[0]):
+                    continue
+                place = np.unravel_index(i, np.shape(self.values[name]))
+                label = f"{name}[{', '.join(map(str, place))}]" if place else name
+                parts = {"": numbers.real}
+                if np.iscomplexobj(numbers):
+                    parts = {" real": numbers.real, " imag": numbers.imag}
+                for part, row in parts.items():
+                    shown = (f"{x:>{width}.5g}" for x, width in zip(row, widths, strict=True))
+                    lines.append(f"{label + part:20}{''.join(shown)}")
+                if label in self.status:
+                    lines.append(f"{'':20}  {self.status[label]}")
+        return "\n".join(lines)
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """The array, read-only."""
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,266 @@
+"""The base classes of all results: conversion to files and other libraries, and read-only views of tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError
+from ..systems.oscillator import Oscillator
+from .namelist import keys_of
+from .tables import Found, Result
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
+
+Self = TypeVar("Self", bound="Savable")
+#: The classes by name, for results that are read from files.
+NOUNS: dict[str, type[Savable]] = {}
+#: The classes by the studies whose whole result they are.
+RESULTS: dict[str, type[Noun]] = {}
+#: What is done with results elsewhere: files, pictures, physical units, derivatives. The package registers these
+#: functions when it is imported, so that results depend on none of them.
+ACTIONS: dict[str, Callable[..., Any]] = {}
+
+
+class column:  # noqa: N801 (a descriptor, written as property is)
+    """A column of a table as an attribute, read-only; its own dimension comes last, or `first`."""
+
+    def __init__(self, table: str, name: str = "", first: bool = False) -> None:
+        self.table = table
+        self.name = name
+        self.first = first
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = self.name or name
+
+    @overload
+    def __get__(self, noun: None, owner: type) -> column: ...
+    @overload
+    def __get__(self, noun: Noun, owner: type) -> NDArray[Any]: ...
+    def __get__(self, noun: Noun | None, owner: type) -> Any:
+        if noun is None:
+            return self
+        values = noun._result.column(self.table, self.name).decoded()
+        return np.moveaxis(values, -1, 0) if self.first else values
+
+
+def key(*names: str) -> Any:
+    """The value of a key of the case as an attribute, read-only; a tuple of the values of several keys."""
+
+    def value(noun: Noun) -> Any:
+        keys = noun.keys
+        return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
+
+    return property(value)
+
+
+class Savable:
+    """What all results can do: conversion to files and to objects of other libraries, and back.
+
+    A class gives its tables as `_result`, and is made of such tables by `of_result`.
+    """
+
+    __slots__ = ()
+    study: ClassVar[str] = ""
+    #: Whether there is something to draw.
+    drawable: bool = True
+    #: The message if there is nothing to draw.
+    undrawable: ClassVar[str] = ""
+    #: Whether the vertical axis of its small picture is logarithmic.
+    _log_clearance: ClassVar[bool] = False
+    plot: Callable[..., Any]
+
+    def __init_subclass__(cls, study: str = "") -> None:
+        super().__init_subclass__()
+        if study:  # a dataclass with slots is created a second time, without these arguments
+            cls.study = study
+        if cls.study:
+            NOUNS[cls.__name__] = cls
+
+    @property
+    def _result(self) -> Result:
+        """The tables."""
+        raise NotImplementedError
+
+    @classmethod
+    def of_result(cls: type[Self], result: Result) -> Self:
+        """The object that has these tables."""
+        raise NotImplementedError
+
+    def _check_read(self) -> None:
+        """An error if tables that were read from a file do not fit together, beyond what all results share."""
+
+    def _facts(self) -> dict[str, str]:
+        """Names and values for Jupyter."""
+        return {}
+
+    def _draw_small(self, ax: Any) -> None:
+        """The small picture for Jupyter."""
+        self.plot(ax=ax)
+
+    def _draw(self, *options: Any) -> Any:
+        """The picture of this class, with the options of its function in `plot`."""
+        return ACTIONS["draw"](self, *options)
+
+    def _animate(self, *options: Any) -> Any:
+        """The animation, with the options of `plot.animate`."""
+        return ACTIONS["animate"](self, *options)
+
+    def physical(self, units: Units | str | None = None) -> Any:
+        """The result in physical units, a `Physical`: see `vibroimpact.physical`.
+
+        Parameters
+        ----------
+        units : Units or str, optional
+            Units of length, force and time, as "mm N s" or "SI"; those of the oscillator by default.
+
+        Raises
+        ------
+        errors.ParameterError, errors.ParameterTypeError
+            If the oscillator does not know M, K and F0, or a unit is not known.
+        """
+        return ACTIONS["physical"](self, units)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
+        found: dict[str, Any] = ACTIONS["to_dict"](self)
+        return found
+
+    @classmethod
+    def from_dict(cls: type[Self], data: dict[str, Any]) -> Self:
+        """The inverse of `to_dict`; errors name the faulty item of the data."""
+        noun: Self = ACTIONS["from_dict"](cls, data)
+        return noun
+
+    def to_json(self) -> str:
+        """`to_dict` as JSON text; numbers have all their digits."""
+        text: str = ACTIONS["to_json"](self)
+        return text
+
+    @classmethod
+    def from_json(cls: type[Self], text: str) -> Self:
+        """The inverse of `to_json`; the result has the same bits."""
+        noun: Self = ACTIONS["from_json"](cls, text)
+        return noun
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset with named dimensions, and with the unit and meaning of each variable (extra
+        `data`)."""
+        return ACTIONS["to_xarray"](self)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with the columns of the CSV (extra `data`)."""
+        return ACTIONS["to_pandas"](self)
+
+    def save(self, path: str | Path) -> None:
+        """Write a file, completely or not at all; the extension sets the format.
+
+        .json, .nc (netCDF, labelled as `to_xarray`; extra `data`) and .mat (a MATLAB struct; extra
+        `matlab`) hold every bit, and `vibroimpact.load` reads them back. .csv holds the table that
+        `vibroimpact run` writes, with the case in its header, from which the result can be computed again.
+        """
+        ACTIONS["save"](self, path)
+
+    @classmethod
+    def _load(cls: type[Self], path: str | Path) -> Self:
+        """A result of this class that `save` wrote."""
+        result = ACTIONS["load"](path)
+        if not isinstance(result, cls):
+            raise ParameterError(
+                f"path = {str(path)!r}: must be a file that {cls.__name__}.save wrote, not a "
+                f"{type(result).__name__}"
+            )
+        return result
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter, with a small picture if matplotlib is installed."""
+        page: str = ACTIONS["html"](self, ACTIONS["thumbnail"](self))
+        return page
+
+
+class Noun(Savable):
+    """A result of a study as a view of its tables.
+
+    Attributes
+    ----------
+    case : str
+        What was asked for, as a namelist.
+    complete : bool
+        False if Ctrl-C stopped it early; `cut` then says how far it got.
+    """
+
+    __slots__ = ("_result",)
+    #: The options of an example command, for studies whose command has no module of its own.
+    example: ClassVar[str] = ""
+    #: Whether the core provides a printout of it.
+    printable: ClassVar[bool] = False
+    _result: Result
+
+    def __init_subclass__(cls, study: str = "", part: bool = False, example: str = "") -> None:
+        """`part`: whether the result of a case contains several objects of this class, rather than being one."""
+        super().__init_subclass__(study)
+        cls.example = example
+        if not part:
+            RESULTS[study] = cls
+
+    def __init__(self, result: Result) -> None:
+        object.__setattr__(self, "_result", result)
+
+    @classmethod
+    def of_result(cls: type[Self], result: Result) -> Self:
+        return cls(result)  # type: ignore[call-arg]
+
+    @classmethod
+    def computed(cls: type[Self], case: Any, progress: Callable[[float, str], None] | None) -> Self:
+        """The result of a case that the Python package computes, for such studies (`in_python`)."""
+        raise NotImplementedError
+
+    def parts(self) -> list[Any]:
+        """What the result of a case consists of: the objects that are saved and drawn each by itself."""
+        return [self]
+
+    def require(self) -> None:
+        """An error if the result is not there, of a case that asks for one thing."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __reduce__(self) -> Any:
+        return type(self), (self._result,)
+
+    @property
+    def case(self) -> str:
+        return self._result.case
+
+    @property
+    def cut(self) -> str:
+        return self._result.cut
+
+    @property
+    def complete(self) -> bool:
+        return not self._result.cut
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """The keys of the case and their values; one that the case of a file lacks is an error that names it."""
+        return Found(keys_of(self.case), "case")
+
+    @property
+    def osc(self) -> Oscillator:
+        """The system."""
+        keys = self.keys
+        if "xi" not in keys:
+            raise AttributeError(f"{self!r}: is a result of a Structure, which has no Oscillator")
+        return Oscillator._of_keys(keys)
+
+    def to_namelist(self) -> str:
+        """The case as a namelist; the program, the command and Python compute the same digits from it."""
+        return self.case

@@ -1,0 +1,227 @@
+"""Structures and loads as functions of parameters: entries by name, or any smooth function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..systems.restitution import PowerLaw, TabulatedRestitution
+from ..systems.structure import Gap, Load, Structure
+from .tables import Result
+
+#: A parameter: its name, or a name with a function of it that gives the structure and the load, and its value.
+Wanted = str | tuple[str, Callable[[float], tuple[Structure, Load]], float]
+
+__all__: list[str] = []
+
+_Array = NDArray[np.float64]
+#: A parameter: its name, or a function of it that gives the structure and the load.
+Parameter = str | Callable[[float], tuple[Structure, Load]]
+#: Kinds of entries, numbered as in the core.
+MATRICES = {1: "mass", 2: "damping", 3: "stiffness"}
+DIRECTION, OPENING, RESTITUTION, FREQUENCY, COSINE, SINE, CONSTANT = range(4, 11)
+#: Degrees of the Chebyshev series that are tried, and the share of an entry that may be left.
+DEGREES, NEGLIGIBLE = (8, 16, 32, 64, 128), 1e-14
+
+
+def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Array]:
+    """All entries (m, 3) of a structure and its load by kind and place from 1, and their values (m,)."""
+    n = structure.coordinates
+    rows, columns = np.tril_indices(n)
+    parts: list[tuple[int, Any, Any, Any]] = [
+        (kind, rows, columns, getattr(structure, name)[rows, columns])
+        for kind, name in MATRICES.items()
+    ]
+    for j, gap in enumerate(structure.gaps):
+        parts.append((DIRECTION, np.arange(n), np.full(n, j), gap.direction))
+        law = gap.restitution
+        if isinstance(law, TabulatedRestitution):
+            first = law.values[0]
+        else:
+            first = law.R0 if isinstance(law, PowerLaw) else law
+        parts += [(OPENING, [j], [-1], [gap.opening]), (RESTITUTION, [j], [-1], [first])]
+    parts += [
+        (FREQUENCY, [-1], [-1], [load.frequency]),
+        (CONSTANT, np.arange(n), np.full(n, -1), load.constant),
+    ]
+    for kind, values in ((COSINE, load.cosine), (SINE, load.sine)):
+        for h, amplitudes in enumerate(values):
+            parts.append((kind, np.arange(n), np.full(n, h), amplitudes))
+    places = np.concatenate(
+        [np.stack([np.full(len(v), kind), i, j], axis=1) for kind, i, j, v in parts]
+    )
+    places[:, 1:] += 1
+    return places, np.concatenate([np.asarray(v, dtype=float) for *_, v in parts])
+
+
+def laws_of(structure: Structure) -> list[object]:
+    """What a parameter cannot change in the laws of restitution of all gaps."""
+    found: list[object] = []
+    for gap in structure.gaps:
+        law = gap.restitution
+        if isinstance(law, PowerLaw):
+            found.append((law.speed, law.exponent, law.sharpness))
+        elif isinstance(law, TabulatedRestitution):
+            found.append((list(law.speeds), list(law.values)))
+        else:
+            found.append(None)
+    return found
+
+
+def with_entries(
+    structure: Structure, load: Load, places: NDArray[np.int64], values: _Array
+) -> tuple[Structure, Load]:
+    """The structure and the load after some of their entries were set."""
+    matrices = {kind: getattr(structure, name).copy() for kind, name in MATRICES.items()}
+    directions = [gap.direction.copy() for gap in structure.gaps]
+    openings = [gap.opening for gap in structure.gaps]
+    laws = [gap.restitution for gap in structure.gaps]
+    frequency, constant = load.frequency, load.constant.copy()
+    harmonics = {COSINE: load.cosine.copy(), SINE: load.sine.copy()}
+    for (kind, i, j), value in zip((places - (0, 1, 1)).tolist(), values.tolist(), strict=True):
+        if kind in matrices:
+            matrices[kind][i, j] = matrices[kind][j, i] = value
+        elif kind == DIRECTION:
+            directions[j][i] = value
+        elif kind == OPENING:
+            openings[i] = value
+        elif kind == RESTITUTION:
+            law = laws[i]
+            if isinstance(law, PowerLaw):
+                laws[i] = PowerLaw(value, law.speed, law.exponent, law.sharpness)
+            else:
+                laws[i] = value
+        elif kind == FREQUENCY:
+            frequency = value
+        elif kind == CONSTANT:
+            constant[i] = value
+        else:
+            harmonics[kind][j, i] = value
+    changed = Structure(
+        matrices[1],
+        matrices[2],
+        matrices[3],
+        [Gap(*gap) for gap in zip(directions, openings, laws, strict=True)],
+    )
+    return changed, Load(
+        frequency, cosine=harmonics[COSINE], sine=harmonics[SINE], constant=constant
+    )
+
+
+def keys_of_parameter(
+    structure: Structure, load: Load, parameter: Any, bounds: Any, at: Any, word: str, prefix: str = ""
+) -> dict[str, Any]:  # fmt: skip
+    """The keys of a parameter and its bounds; `word` is the key of its name, others begin with `prefix`."""
+    try:
+        low, high = bounds
+    except (TypeError, ValueError):
+        raise ParameterError(
+            f"{prefix}bounds = {bounds!r}: must be (lowest, highest) values of the parameter"
+        ) from None
+    low, high = (checks.to_float(x, f"{prefix}bounds", "finite numbers") for x in (low, high))
+    ends = {f"{prefix}low": low, f"{prefix}high": high}
+    if isinstance(parameter, str):
+        if at is not None:
+            raise ParameterError(f"{prefix}at = {at!r}: goes with a function as parameter")
+        return {word: parameter, **ends}
+    if not callable(parameter):
+        raise ParameterTypeError(
+            f"{word} = {parameter!r}: must be a name, or a function that gives a structure and a load"
+        )
+    if at is None:
+        raise ParameterError(f"{prefix}at = None: must be the value of the parameter at the motion")
+    at = checks.to_float(at, f"{prefix}at", "a finite number")
+    if not low < high or not low <= at <= high:
+        raise ParameterError(
+            f"bounds = {(low, high)!r}: must be (lowest, highest) with at = {at!r} between them"
+        )
+    places, series = series_of(structure, load, parameter, low, high, at)
+    return {
+        word: "function", **ends, f"{prefix}entries": places.ravel().tolist(),
+        f"{prefix}series": series.ravel().tolist(), f"{prefix}at": at,
+    }  # fmt: skip
+
+
+def series_of(
+    structure: Structure, load: Load, function: Callable[[float], Any], low: float, high: float, at: float
+) -> tuple[NDArray[np.int64], _Array]:  # fmt: skip
+    """The entries (m, 3) that a function changes, and their Chebyshev coefficients (m, degree + 1)."""
+    places, expected = entries_of(structure, load)
+
+    def values(p: float) -> _Array:
+        pair = function(p)
+        if not (
+            isinstance(pair, tuple)
+            and len(pair) == 2
+            and isinstance(pair[0], Structure)
+            and isinstance(pair[1], Load)
+        ):
+            raise ParameterTypeError(
+                f"the parameter gives {pair!r} at {p!r}: must be (Structure, Load)"
+            )
+        found, numbers = entries_of(*pair)
+        if found.shape != places.shape or (found != places).any():
+            raise ParameterError(
+                f"the parameter gives another number of coordinates, gaps or harmonics at {p!r}"
+            )
+        if laws_of(pair[0]) != laws_of(structure):
+            raise ParameterError(
+                f"the parameter gives another law of restitution at {p!r}: it may change R and R0 alone"
+            )
+        return numbers
+
+    scale = np.abs(expected)
+    if (np.abs(values(at) - expected) > 1e-12 * np.maximum(scale, scale.max() * 1e-6)).any():
+        raise ParameterError(
+            f"at = {at!r}: the parameter gives another structure or load there than that of the motion"
+        )
+    for degree in DEGREES:
+        nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+        table = np.array(
+            [values(float(0.5 * (low + high) + 0.5 * (high - low) * s)) for s in nodes]
+        )
+        # the discrete orthogonality of the polynomials at these nodes
+        series = 2 / (degree + 1) * chebyshev.chebvander(nodes, degree).T @ table
+        series[0] /= 2
+        largest = np.abs(table).max(axis=0)
+        if (np.abs(series[-2:]) <= NEGLIGIBLE * largest).all():
+            break
+    else:
+        raise ParameterError(
+            f"the parameter is no smooth function between {low!r} and {high!r}: a polynomial of degree "
+            f"{DEGREES[-1]} does not describe it; choose bounds without a corner between them"
+        )
+    changes = (np.abs(series[1:]) > 1e-15 * np.maximum(largest, 1e-300)).any(axis=0)
+    if not changes.any():
+        raise ParameterError("the parameter changes nothing between its bounds")
+    return places[changes], series[:, changes].T
+
+
+class Path:
+    """The structures and loads of a branch or a zone, from the tables of its result."""
+
+    def __init__(
+        self, result: Result, structure: Structure, load: Load, bounds: list[tuple[float, float]]
+    ) -> None:
+        columns = {name: item.decoded() for name, item in result.tables["path"].columns.items()}
+        self.axis, self.entry = columns["axis"], columns["entry"].astype(np.int64)
+        self.series, self.chebyshev = columns["series"], columns["chebyshev"].astype(bool)
+        self.structure, self.load, self.bounds = structure, load, bounds
+
+    def at(self, *parameters: float) -> tuple[Structure, Load]:
+        """The structure and the load at values of the parameters."""
+        values = np.empty(len(self.axis))
+        for i, axis in enumerate(self.axis.tolist()):
+            low, high = self.bounds[axis - 1]
+            p = parameters[axis - 1]
+            if self.chebyshev[i]:
+                values[i] = chebyshev.chebval((2 * p - low - high) / (high - low), self.series[i])
+            else:
+                values[i] = self.series[i, 0] + self.series[i, 1] * p
+        return with_entries(self.structure, self.load, self.entry, values)

@@ -1,0 +1,329 @@
+"""A result as named tables: arrays that share the memory of the core, or that were read from a file."""
+
+from __future__ import annotations
+
+import json
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..base.errors import ParameterError
+from ..systems.units import GAP, MIXED, RATIO
+from .namelist import keys_of
+
+#: How values are stored, by the kind of their column.
+STORED = {"real": "<f8", "complex": "<c16"}
+
+
+#: Columns of a design with the unit of its target, and these units.
+OF_TARGET = ("limit", "level", "nominal", "worst")
+UNIT_OF = {
+    "attenuation": "", "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
+    "damping": "",
+}  # fmt: skip
+
+
+def text_of(function: Any, *arguments: Any, capacity: int = 16_384) -> str:
+    """A text that a function of the core writes into a buffer."""
+    text, length = function(*arguments, capacity)
+    if length > capacity:
+        text, length = function(*arguments, length)
+    return bytes(text[:length].tobytes()).decode(errors="surrogateescape")
+
+
+@cache
+def language() -> Any:
+    """The keys of all groups and the columns of all results, as the core declares them."""
+    return json.loads(text_of(_core.describe_language, capacity=200_000))
+
+
+class Handle:
+    """Owns a result of the core, which is freed with the last array that shares its memory."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        weakref.finalize(self, _core.free_result, number)
+
+
+def message_of(handle: Handle) -> str:
+    """The error for a case that the core refused, or the text behind a handle; bytes that are not UTF-8 stay as
+    they are."""
+    message: str = json.loads(text_of(_core.describe_result, handle.number))["message"]
+    return message
+
+
+class Memory:
+    """Memory of a result in NumPy's array interface: read-only, and valid as long as an array uses it."""
+
+    def __init__(self, owner: Handle, address: int, shape: tuple[int, ...], stored: str) -> None:
+        self.owner = owner
+        self.__array_interface__ = {
+            "version": 3, "data": (address, True), "shape": shape, "typestr": stored,
+        }  # fmt: skip
+
+
+def shown(owner: Handle, address: int, shape: tuple[int, ...], stored: str = "<i4") -> NDArray[Any]:
+    """An array of the core, without copying."""
+    if 0 in shape:
+        empty: NDArray[Any] = np.empty(shape, stored)
+        empty.flags.writeable = False
+        return empty
+    return np.asarray(Memory(owner, address, shape, stored))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Column:
+    """A column with its declaration; `values` has the dimensions of its table, then its own."""
+
+    name: str
+    kind: str
+    each: str
+    unit: str
+    meaning: str
+    label: str
+    listed: bool
+    words: tuple[str, ...]
+    values: NDArray[Any]
+
+    def decoded(self) -> NDArray[Any]:
+        """Converts words to texts and logical values to bool; verdicts stay codes, and numbers are unchanged."""
+        if self.kind == "word":
+            texts: NDArray[Any] = np.array(("", *self.words))[self.values]
+            return texts
+        return self.values == 1 if self.kind == "truth" else self.values
+
+
+def column_from(description: dict[str, Any], values: Any) -> Column:
+    """A column from its declaration and its values, with words as texts; verdicts are codes."""
+    words = tuple(word for word in description["words"].split(",") if word)
+    if description["kind"] == "word":
+        texts = np.asarray(values, dtype=object)
+        flat = texts.ravel().tolist()
+        words += tuple(dict.fromkeys(text for text in flat if text and text not in words))
+        places = {text: i for i, text in enumerate(("", *words))}
+        codes = np.fromiter((places[text] for text in flat), "<i4", len(flat))
+        values = codes.reshape(texts.shape)
+    # a view, so that the array of a caller keeps its own flags
+    array = np.asarray(values, STORED.get(description["kind"], "<i4")).view()
+    array.flags.writeable = False
+    return declared_column(description, words, array)
+
+
+def declared_column(
+    description: dict[str, Any], words: tuple[str, ...], values: NDArray[Any]
+) -> Column:
+    """A column from its declaration."""
+    name, kind, each, unit, meaning, label, listed = (
+        description[key]
+        for key in ("name", "kind", "each", "unit", "meaning", "label", "listed")
+    )  # fmt: skip
+    return Column(name, kind, each, unit, meaning, label, listed, words, values)
+
+
+class Found(dict[str, Any]):
+    """Tables or columns of a file by their names; one that the file lacks is an error that names it."""
+
+    def __init__(self, items: Mapping[str, Any], place: str) -> None:
+        super().__init__(items)
+        self.place = place
+
+    def __missing__(self, name: str) -> Any:
+        raise ParameterError(f"{self.place}.{name}: must be there; it is missing")
+
+    def __reduce__(self) -> Any:
+        return Found, (dict(self), self.place)
+
+
+@cache
+def declared(study: str) -> dict[tuple[str, str], dict[str, Any]]:
+    """The declarations of the columns of a study, by table and name."""
+    columns = language()["results"][study]["columns"]
+    return {(item["table"], item["name"]): item for item in columns}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Rows of one size; the row of its parent that owns each, counted from 0, if it has one."""
+
+    dims: dict[str, int]
+    parent: str = ""
+    owners: NDArray[np.int32] | None = None
+    columns: dict[str, Column] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Result:
+    """The result of a study: its case, notes and remarks, and tables.
+
+    `cut` says how far it got if it was stopped; `row` names the table whose rows are those of the CSV.
+    """
+
+    study: str
+    case: str
+    cut: str
+    empty: bool
+    remarks: tuple[str, ...]
+    notes: tuple[tuple[bool, str], ...]
+    row: str
+    tables: dict[str, Table]
+    handle: Handle | None = None
+
+    def __reduce__(self) -> Any:
+        items = [getattr(self, name) for name in self.__slots__[:-1]]
+        return Result, tuple(items)
+
+    def column(self, table: str, name: str) -> Column:
+        """One column; an error if it is not there, as in a file that lacks it."""
+        try:
+            return self.tables[table].columns[name]
+        except KeyError:
+            raise ParameterError(f"{table}.{name}: must be there; it is missing") from None
+
+    def columns(self) -> Iterator[tuple[Table, Column]]:
+        """All columns with their tables, in the order of their declaration."""
+        for declared in language()["results"][self.study]["columns"]:
+            table = self.tables.get(declared["table"])
+            if table is not None and declared["name"] in table.columns:
+                yield table, table.columns[declared["name"]]
+
+    def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
+        """One row of a table with all rows that belong to it, as the result of another study; the arrays are
+        views."""
+        study_tables = language()["results"][study]
+        known = {(item["table"], item["name"]) for item in study_tables["columns"]}
+        rows = {table: slice(row, row + 1)}
+        tables = {}
+        for name, item in self.tables.items():
+            if item.parent in rows and item.owners is not None:
+                # rows are in the order of their owners
+                own = rows[item.parent]
+                first, last = np.searchsorted(item.owners, (own.start, own.stop)).tolist()
+                rows[name] = slice(first, last)
+        for name, here in rows.items():
+            item = self.tables[name]
+            owners = None
+            if item.parent in rows and item.owners is not None:
+                owners = item.owners[here] - rows[item.parent].start
+            columns = {
+                key: replace(column, values=column.values[here])
+                for key, column in item.columns.items()
+                if (name, key) in known
+            }
+            (dim,) = item.dims
+            size = {dim: here.stop - here.start}
+            parent = item.parent if owners is not None else ""
+            tables[name] = Table(size, parent, owners, Found(columns, name))
+        return Result(
+            study,
+            case,
+            self.cut,
+            False,
+            (remark,),
+            (),
+            study_tables["row"],
+            Found(tables, "tables"),
+        )
+
+
+def made(
+    study: str, case: str, tables: Mapping[str, tuple[Sequence[str], Mapping[str, Any]]],
+    remarks: tuple[str, ...] = (), cut: str = "", notes: Sequence[tuple[bool, str]] = (),
+) -> Result:  # fmt: skip
+    """A result of arrays that were not computed by the core.
+
+    Parameters
+    ----------
+    study : str
+        The study that declares the columns.
+    case : str
+        A namelist that gives the result, or "" if none does.
+    tables : mapping
+        For each table the names of its dimensions, and its columns; those that are None are left out.
+    notes : sequence of (bool, str)
+        Lines for the user: whether each is a fault, and its text.
+    """
+    about = declared(study)
+    filled = {}
+    for name, (dims, values) in tables.items():
+        columns = {
+            key: column_from(about[name, key], item)
+            for key, item in values.items() if item is not None
+        }  # fmt: skip
+        shape = next(iter(columns.values())).values.shape
+        filled[name] = Table(dict(zip(dims, shape, strict=False)), columns=columns)
+    row = language()["results"][study]["row"]
+    return Result(study, case, cut, False, remarks, tuple(notes), row, filled)
+
+
+def settled(result: Result) -> Result:
+    """A result in which the values of a parameter, and those along an axis of states, have their unit."""
+    found = {}
+    for name, table in result.tables.items():
+        columns = {}
+        for key, column in table.columns.items():
+            about = decided(result, name, key) if column.unit == MIXED else {}
+            columns[key] = replace(column, **about) if about else column
+        found[name] = replace(table, columns=Found(columns, name))
+    return replace(result, tables=Found(found, "tables"))
+
+
+def decided(result: Result, table: str, name: str) -> dict[str, Any]:
+    """Unit and meaning of a column that the case decides; nothing if its numbers have several units."""
+    keys = keys_of(result.case)
+    if result.study == "design":
+        return {"unit": UNIT_OF[keys["target"]]} if name in OF_TARGET and keys else {}
+    if table in ("first", "second") and "axes" in keys:
+        axis = keys["axes"][table == "second"]
+        units = {"t": "1/omega", "x": "F0/K", "y": "F0/K"}
+        return {"unit": units.get(axis, "omega F0/K"), "meaning": f"{axis} of the states"}
+    if name not in ("value", "low", "high") or "parameter" not in keys:
+        return {}
+    parameter = keys["parameter"]
+    meaning = {"r": RATIO, "clearance": GAP}.get(parameter, parameter)
+    return {"unit": "F0/K" if parameter == "clearance" else "", "meaning": meaning}
+
+
+def runs(table: Table, parents: int | None = None) -> list[slice]:
+    """The rows of a table grouped by their owners, which are in order; of a table without owners all rows."""
+    owners = table.owners
+    if owners is None:
+        return [slice(None)]
+    number = (int(owners[-1]) + 1 if owners.size else 0) if parents is None else parents
+    ends = np.searchsorted(owners, np.arange(number + 1)).tolist()
+    return [slice(first, last) for first, last in pairwise(ends)]
+
+
+def from_core(study: str, number: int) -> Result:
+    """The result behind a handle, which is freed with it."""
+    handle = Handle(number)
+    described = json.loads(text_of(_core.describe_result, number))
+    tables = {}
+    for item in described["tables"]:
+        # the core counts rows from 1, and its first dimension varies fastest
+        dims = dict(reversed(item["dims"]))
+        owners = None
+        if item["parent"]:
+            owners = shown(handle, item["owners"], tuple(dims.values())) - 1
+        tables[item["name"]] = Table(dims, item["parent"], owners)
+    for item in described["columns"]:
+        if item["address"] is None:
+            continue
+        table = tables[item["table"]]
+        about = declared(study)[item["table"], item["name"]]
+        own = (item["inner"],) if about["each"] else ()
+        stored = STORED.get(about["kind"], "<i4")
+        values = shown(handle, item["address"], (*table.dims.values(), *own), stored)
+        table.columns[item["name"]] = declared_column(about, tuple(item["words"]), values)
+    lines = [line[2:] for line in described["case"] if not line.startswith("# !")]
+    case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
+    return Result(
+        study, case, described["cut"], described["empty"], tuple(described["remarks"]),
+        tuple((bool(fault), text) for fault, text in described["notes"]), described["row"], tables, handle,
+    )  # fmt: skip

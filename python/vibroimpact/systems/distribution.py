@@ -1,0 +1,283 @@
+"""What is known of an uncertain parameter: its value, a range, quantiles, or a normal distribution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from .oscillator import Oscillator
+
+#: Parameters of an oscillator and its clearance that may be uncertain, and the names of their ranges.
+RANGE_OF = {
+    "xi": "xi", "mu": "mu", "R1": "restitution", "R2": "restitution", "restitution": "restitution",
+    "clearance": "clearance",
+}  # fmt: skip
+#: Standard deviations beyond which a normal distribution is cut off.
+CUT = 6.0
+#: Number of quantiles that represent a distribution of SciPy that is neither normal nor uniform, and the share
+#: taken for 0 at its lower end and for 1 less at its upper end.
+QUANTILES, TAIL = 1001, 1e-9
+#: Nominal values that a point gives, and that may be uncertain by a factor.
+FACTORS = ("r", "clearance", "load")
+#: Rows of `systems`.
+ROWS = ("r", "clearance", "xi", "mu", "R1", "R2")
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A random variable.
+
+    Attributes
+    ----------
+    numbers : tuple of float
+        Quantiles at even steps, linear in between: two are the range of a uniform distribution. If it is normal,
+        mean and standard deviation.
+    normal : bool
+        A normal distribution is cut off at 6 standard deviations.
+    """
+
+    numbers: tuple[float, ...]
+    normal: bool = False
+
+    @property
+    def low(self) -> float:
+        """Its least value."""
+        return self.numbers[0] - CUT * self.numbers[1] if self.normal else self.numbers[0]
+
+    @property
+    def high(self) -> float:
+        """Its greatest value."""
+        return self.numbers[0] + CUT * self.numbers[1] if self.normal else self.numbers[-1]
+
+    @property
+    def middle(self) -> float:
+        """Its median."""
+        return float(self.at(np.array([0.5]))[0])
+
+    @property
+    def text(self) -> str:
+        """The distribution in words."""
+        if self.normal:
+            return f"normal, mean {self.numbers[0]:.6g}, standard deviation {self.numbers[1]:.6g}"
+        count = f" by {len(self.numbers)} quantiles" if len(self.numbers) > 2 else ""
+        return f"{self.low:.6g} to {self.high:.6g}{count}"
+
+    @property
+    def meaning(self) -> str:
+        """What `around` takes its values for."""
+        return " (factors)" if self.low > 0 else " (deviations)"
+
+    def around(self, nominal: Any, values: Any) -> Any:
+        """Values of a parameter that has a nominal one: factors if all are positive, otherwise deviations.
+
+        Values that include 0 can only be deviations, and those of a factor are above 0, so that none means both.
+        """
+        return nominal * values if self.low > 0 else nominal + values
+
+    def require_around(self, name: str) -> None:
+        """Refuses values that are neither deviations from a nominal value nor factors of it.
+
+        Raises
+        ------
+        ParameterError
+            With the name, the values and what they must be.
+        """
+        zero = 1.0 if self.low > 0 else 0.0
+        if not (self.numbers[0] == zero if self.normal else self.low <= zero <= self.high):
+            raise ParameterError(
+                f"{name} = {self.numbers}: must be deviations with 0 among them, or factors above 0 with 1 among "
+                "them; if normal, of mean 0 or 1"
+            )
+
+    def at(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The quantiles of shares between 0 and 1."""
+        if not self.normal:
+            return np.interp(shares, np.linspace(0, 1, len(self.numbers)), self.numbers)
+        from scipy.special import ndtri
+
+        mean, deviation = self.numbers
+        return np.asarray(mean + deviation * np.clip(ndtri(shares), -CUT, CUT))
+
+
+def uncertain(value: Any, name: str) -> Uncertain:
+    """An uncertain parameter from what a caller gives.
+
+    Parameters
+    ----------
+    value : float, sequence or distribution
+        A number, a range (low, high) in which all values are equally likely, three or more quantiles at even
+        steps, or a frozen distribution of scipy.stats. A distribution that is neither normal nor uniform is
+        represented by 1001 quantiles, with those of 1e-9 and 1 - 1e-9 at its ends.
+    name : str
+        For messages.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If it is none of these, or not finite.
+
+    Examples
+    --------
+    >>> from vibroimpact.distribution import uncertain
+    >>> uncertain((0.6, 0.8), "restitution").middle
+    0.7
+    """
+    wanted = (
+        "a number, a range (low, high), quantiles in order, or a frozen distribution of scipy.stats"
+    )
+    if hasattr(value, "ppf"):
+        found = _of_scipy(value)
+    else:
+        if isinstance(value, str) or np.ndim(value) > 1 or np.size(value) == 0:
+            raise ParameterTypeError(f"{name} = {value!r}: must be {wanted}")
+        items = np.atleast_1d(np.asarray(value, dtype=object)).tolist()
+        numbers = tuple(checks.to_float(item, name, wanted) for item in items)
+        found = Uncertain(numbers if len(numbers) > 1 else 2 * numbers)
+    steps = found.numbers[1:] if found.normal else np.diff(found.numbers)
+    if not (np.isfinite(found.numbers).all() and np.min(steps) >= 0):
+        raise ParameterError(f"{name} = {value!r}: must be {wanted}, finite and with low <= high")
+    return found
+
+
+def _of_scipy(distribution: Any) -> Uncertain:
+    """A frozen distribution of scipy.stats."""
+    kind = getattr(getattr(distribution, "dist", None), "name", "")
+    if kind == "norm":
+        return Uncertain((float(distribution.mean()), float(distribution.std())), normal=True)
+    if kind == "uniform":
+        return Uncertain((float(distribution.ppf(0)), float(distribution.ppf(1))))
+    shares = np.clip(np.linspace(0, 1, QUANTILES), TAIL, 1 - TAIL)
+    return Uncertain(tuple(float(value) for value in distribution.ppf(shares)))
+
+
+def uncertain_parameters(given: Any, name: str, factors: bool = False) -> dict[str, Uncertain]:
+    """Uncertain parameters by name; `restitution` stands for that of both walls, which is then the same.
+
+    With `factors`, those of a point (r, clearance, load) are factors of their nominal values.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If there is no such parameter, or a value is not allowed.
+    """
+    if not isinstance(given, Mapping):
+        raise ParameterTypeError(
+            f"{name} = {given!r}: must be a dict of parameters, not {type(given).__name__}"
+        )
+    names = tuple(RANGE_OF | dict.fromkeys(FACTORS)) if factors else tuple(RANGE_OF)
+    for key in given:
+        if key not in names:
+            raise ParameterError(
+                f"{name}: unknown parameter {key!r}: must be one of {', '.join(names)}"
+            )
+    if "restitution" in given and ("R1" in given or "R2" in given):
+        raise ParameterError(f"{name}: must have restitution, or R1 and R2, not both")
+    found = {key: uncertain(value, f"{name}[{key!r}]") for key, value in given.items()}
+    for key, item in found.items() if factors else ():
+        if key not in FACTORS:
+            in_range(key, item.low, item.high, f"{name}[{key!r}]")
+        elif not 0 < item.low <= 1 <= item.high:
+            raise ParameterError(
+                f"{name}[{key!r}] = {given[key]!r}: must be factors of the nominal {key}, above 0, "
+                f"with low <= 1 <= high; here {item.low:g} to {item.high:g}"
+            )
+    return found
+
+
+def shares(count: int, items: int, random: np.random.Generator) -> NDArray[np.float64]:
+    """A Latin hypercube: (items, count) numbers between 0 and 1, one in each of `count` equal parts of each row.
+
+    The variance of a mean over its columns is at most count/(count - 1) times that over independent ones.
+    """
+    order = random.permuted(np.tile(np.arange(count), (items, 1)), axis=1)
+    return np.asarray((order + random.random((items, count))) / count)
+
+
+def systems(
+    osc: Oscillator, parameters: Mapping[str, Uncertain], where: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Systems whose uncertain parameters are at some quantiles.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        With the nominal values.
+    parameters : dict of Uncertain
+        As of `uncertain_parameters` with `factors`.
+    where : ndarray (parameters, n)
+        Shares between 0 and 1.
+
+    Returns
+    -------
+    ndarray (6, n)
+        Rows `ROWS`: factors of r and of the clearance over the load, then xi, mu, R1, R2.
+    """
+    nominal = np.array([1.0, 1.0, osc.xi, osc.mu, *osc.restitution])
+    found = np.repeat(nominal[:, None], where.shape[1], axis=1)
+    for share, (key, item) in zip(where, parameters.items(), strict=True):
+        values = item.at(share)
+        if key == "load":
+            found[1] /= values
+        elif key in FACTORS:
+            found[ROWS.index(key)] *= values
+        else:
+            for row in ("R1", "R2") if key == "restitution" else (key,):
+                found[ROWS.index(row)] = values
+    return found
+
+
+def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
+    """The interval of Clopper and Pearson for a probability, from independent trials.
+
+    Parameters
+    ----------
+    holds, count : int
+        Successes, and trials, at least one.
+    confidence : float
+        Least probability with which such an interval contains the true one.
+
+    Examples
+    --------
+    >>> from vibroimpact.distribution import interval
+    >>> [round(end, 4) for end in interval(95, 100)]
+    [0.8872, 0.9836]
+    """
+    logs = np.concatenate([[0.0], np.cumsum(np.log(np.arange(1, count + 1)))])
+    rest = 0.5 * (1 - confidence)
+
+    def at_least(successes: int, p: float) -> float:
+        """The probability of at least so many successes."""
+        j = np.arange(successes, count + 1)
+        exponents = (
+            logs[-1] - logs[j] - logs[count - j] + j * np.log(p) + (count - j) * np.log1p(-p)
+        )
+        return float(np.exp(exponents).sum())
+
+    def solved(successes: int, wanted: float) -> float:
+        """The probability of a trial at which `at_least` has a value, which it increases to."""
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if at_least(successes, middle) > wanted else (middle, high)
+        return 0.5 * (low + high)
+
+    low = 0.0 if holds == 0 else solved(holds, rest)
+    return low, 1.0 if holds == count else solved(holds + 1, 1 - rest)
+
+
+def in_range(key: str, low: float, high: float, name: str) -> None:
+    """Refuses values outside the range of a parameter.
+
+    Raises
+    ------
+    ParameterError
+        With the parameter, the value and its range.
+    """
+    for value in (low, high):
+        checks.number(value, RANGE_OF[key], name)

@@ -1,0 +1,555 @@
+"""The given data: the vibrating system and the pattern of impacts."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.jupyter import facts_html
+from .restitution import Restitution, checked
+from .structure import Gap, Load, Structure
+from .units import SI, Units, checked_names, positive
+
+__all__ = ["Oscillator", "Pattern"]
+
+#: Largest number of characters of a text that a message repeats.
+MOST_SHOWN = 80
+Names = ParamSpec("Names")
+Found = TypeVar("Found")
+
+
+def by_name(example: str) -> Callable[[Callable[Names, Found]], Callable[Names, Found]]:
+    """Makes a method refuse arguments without names by an error that shows the call with names."""
+
+    def decorate(method: Callable[Names, Found]) -> Callable[Names, Found]:
+        @wraps(method)
+        def checked(*positional: Any, **named: Any) -> Found:
+            if len(positional) > 1:  # the first is the object or the class
+                given = ", ".join(map(repr, positional[1:]))
+                raise ParameterTypeError(
+                    f"{example.partition('(')[0]}({given}): must have the names of its parameters, as {example}"
+                )
+            return method(*positional, **named)
+
+        return checked
+
+    return decorate
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """A primary mass on spring and dashpot, with a free mass between two walls.
+
+    Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and
+    length in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
+
+    Parameters
+    ----------
+    xi : float
+        Damping ratio C/(2 sqrt(K M)), ``0 <= xi < 1``.
+    mu : float
+        Mass ratio m/M, ``0 <= mu <= 1e6``. With 0 the primary mass does not feel the impacts (the
+        impact pair).
+    restitution : float, PowerLaw or TabulatedRestitution, or two of them
+        Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law over the
+        approach speed in F0 omega/K; one stands for both. An oscillator with a law is treated as
+        `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov` and `basins` take it and give the results
+        of a `Structure`; all others ask for numbers.
+    M, K, F0 : float, optional
+        Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
+        All results of the oscillator and their files keep them. They are not part of the dimensionless
+        system: neither compared nor shown.
+    unit_names : str, optional
+        Their units, of length, force and time, as ``"mm N s"``.
+
+    All are given by name: three numbers between 0 and 1 are easily put in a wrong order.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If a value is outside its range, is not a real number, or is given without its name.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+
+    With a law, further arguments and results are those of structures:
+
+    >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
+    >>> vi.exact(osc, 0.94, 37.0, ([1.6, 6.0], [0, 1]))
+    <StructureMotion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
+    """
+
+    xi: float
+    mu: float
+    restitution: tuple[Any, Any]
+    #: Primary mass in physical units, if set by `from_dimensional`.
+    M: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    #: Stiffness in physical units, if set by `from_dimensional`.
+    K: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    #: Load amplitude in physical units, if set by `from_dimensional`.
+    F0: float | None = field(default=None, repr=False, compare=False, kw_only=True)
+    #: Units of length, force and time of these, if M is known.
+    unit_names: str | None = field(default=None, repr=False, compare=False, kw_only=True)
+
+    @by_name("Oscillator(xi=0.0114, mu=0.028, restitution=0.75)")
+    def __init__(
+        self,
+        *,
+        xi: float,
+        mu: float,
+        restitution: Restitution | tuple[Restitution, Restitution],
+        M: float | None = None,
+        K: float | None = None,
+        F0: float | None = None,
+        unit_names: str | None = None,
+    ) -> None:
+        if (M is None) != (K is None):
+            raise ParameterError(f"M = {M!r}, K = {K!r}: must be both given, or neither")
+        for name, value in {"F0": F0, "unit_names": unit_names}.items():
+            if M is None and value is not None:
+                raise ParameterError(f"{name} = {value!r}: must be given with M and K only")
+        values: dict[str, Any] = {
+            "xi": checks.number(xi, "xi"),
+            "mu": checks.number(mu, "mu"),
+            "restitution": _walls(restitution),
+            "M": M if M is None else positive(M, "M"),
+            "K": K if K is None else positive(K, "K"),
+            "F0": F0 if F0 is None else positive(F0, "F0"),
+            "unit_names": M if M is None else checked_names(unit_names or SI, "unit_names"),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        right, left = self.restitution
+        facts = {"xi": self.xi, "mu": self.mu, "R1 (right wall)": right, "R2 (left wall)": left}
+        units = (
+            {}
+            if self.M is None
+            else {"M": self.M, "K": self.K, "F0": self.F0, "units": self.unit_names}
+        )
+        return facts_html(repr(self), {name: str(value) for name, value in (facts | units).items()})
+
+    @classmethod
+    @by_name("Oscillator.from_dimensional(M=0.73, K=11385.0, C=2.08, m=0.02, restitution=0.75)")
+    def from_dimensional(
+        cls,
+        *,
+        M: float,
+        K: float,
+        C: float,
+        m: float,
+        restitution: Restitution | tuple[Restitution, Restitution],
+        F0: float | None = None,
+        units: str = SI,
+    ) -> Oscillator:
+        """The dimensionless system of a rig, which knows its physical units.
+
+        All results of it know them, too: see `Units` and the method `physical` of results.
+
+        All are given by name.
+
+        Parameters
+        ----------
+        M, K, C : float
+            Primary mass (> 0), stiffness (> 0) and viscous damping (>= 0, below critical).
+        m : float
+            Free mass (>= 0).
+        restitution : float, PowerLaw or TabulatedRestitution, or two of them
+            As for the class.
+        F0 : float, optional
+            Load amplitude (> 0).
+        units : str
+            Units of length, force and time in which they are given: one of m, mm, cm, um, km, in, ft; one of N,
+            mN, kN, MN, lbf, kgf; one of s, ms, us, min, h. The unit of mass follows from them (kg for "m N s",
+            tonne for "mm N s").
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            As for the class.
+
+        Examples
+        --------
+        The rig of 1983: 1.61 lbf and 0.044 lbf of weight, 65.01 lbf/in.
+
+        >>> import math, vibroimpact as vi
+        >>> g = 386.09                                   # in/s^2
+        >>> M, K = 1.61 / g, 65.01
+        >>> C = 2 * 0.0114 * math.sqrt(K * M)
+        >>> rig = vi.Oscillator.from_dimensional(
+        ...     M=M, K=K, C=C, m=0.044 / g, restitution=0.75, F0=0.5, units="in lbf s"
+        ... )
+        >>> round(rig.xi, 4), round(rig.mu, 4)
+        (0.0114, 0.0273)
+        >>> units = rig.units()
+        >>> round(units.clearance(d=0.0105), 4)
+        1.3652
+        >>> round(units.frequency_ratio(f=19.87), 4)
+        0.9999
+        >>> round(units.to("m N s").M, 4), round(units.to("m N s").K, 1)
+        (0.7303, 11385.0)
+        """
+        M, K = positive(M, "M"), positive(K, "K")
+        C, m = positive(C, "C", zero=True), positive(m, "m", zero=True)
+        # with 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
+        with localcontext() as context:
+            context.prec = 50
+            critical = 2 * (Decimal(K) * Decimal(M)).sqrt()
+            xi = float(Decimal(C) / critical)
+        if not xi < 1:
+            raise ParameterError(
+                f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
+            )
+        return cls(
+            xi=xi,
+            mu=m / M,
+            restitution=restitution,
+            M=M,
+            K=K,
+            F0=F0,
+            unit_names=checked_names(units),
+        )
+
+    def structure(
+        self, clearance: float | None = None,
+        restitution: Restitution | tuple[Restitution, Restitution] | None = None, *, d: float | None = None,
+    ) -> Structure:  # fmt: skip
+        """The same two masses as a structure, whose coefficients of restitution may depend on the approach speed.
+
+        Coordinates are x and z, gap 0 is the right wall and gap 1 the left one. With `clearance` the structure
+        is dimensionless, and the load sin(r t) is ``Load(r, sine=[1, 0])``. With `d` it is in the units of M
+        and K, for loads of any kind: a shock, a swept sine or a motion of the base by `Record`,
+        `base_record` or `base_motion`.
+
+        Parameters
+        ----------
+        clearance : float, optional
+            d K/F0 > 0; d is the whole travel of the free mass between the walls.
+        restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
+            Those of the oscillator by default. Speeds of a law are in F0 omega/K, or in the units of M and K.
+        d : float, optional
+            The whole travel in the unit of length of M and K; either this or `clearance`.
+
+        Returns
+        -------
+        Structure
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed, or mu is 0: a structure has no body without mass.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> pair = osc.structure(37.0, vi.PowerLaw(0.75, speed=20, exponent=0.25))
+        >>> vi.exact(pair, vi.Load(0.94, sine=[1, 0]), ([1.6, 6.0], [0, 1]))
+        <StructureMotion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
+        """
+        if not self.mu > 0:
+            raise ParameterError(f"mu = {self.mu!r}: must be > 0 for a structure")
+        M, K = 1.0, 1.0
+        if d is None:
+            half = 0.5 * positive(clearance, "clearance")
+        elif clearance is not None:
+            raise ParameterError(
+                f"clearance = {clearance!r}, d = {d!r}: must be one of them, not both"
+            )
+        elif self.M is None or self.K is None:
+            raise ParameterError(
+                f"d = {d!r}: must be given to an oscillator that knows M and K only"
+            )
+        else:
+            half, M, K = 0.5 * positive(d, "d"), self.M, self.K
+        if isinstance(restitution, (tuple, list)) and len(restitution) != 2:
+            raise ParameterError(
+                f"restitution = {restitution!r}: must be one coefficient or law, or two: right, left"
+            )
+        right, left = (
+            restitution if isinstance(restitution, (tuple, list))
+            else self.restitution if restitution is None else (restitution, restitution)
+        )  # fmt: skip
+        gaps = [Gap([-1, 1], half, right), Gap([1, -1], half, left)]
+        return Structure([M, self.mu * M], [2 * self.xi * math.sqrt(K * M), 0], [K, 0], gaps)
+
+    def base_load(
+        self, f: float, *, displacement: float | None = None, velocity: float | None = None,
+        acceleration: float | None = None,
+    ) -> float:  # fmt: skip
+        """The load amplitude F0 that is equivalent to a harmonic motion of the base.
+
+        A base that moves by y = Y sin(Omega t) exerts K y + C y' through spring and dashpot, a force of amplitude
+        Y |K + i Omega C|. Positions stay absolute, and the free mass slides in its slot without
+        friction as before. The force on the base is then K (X - y) + C (X' - y').
+
+        Parameters
+        ----------
+        f : float
+            Frequency of the base, cycles per unit of time (Hz).
+        displacement, velocity, acceleration : float
+            Amplitude of one of them, in the units of M and K.
+
+        Returns
+        -------
+        float
+            F0, for `units` and for `from_dimensional`.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If the oscillator does not know M and K, a value is no positive number, or not exactly one
+            amplitude is given.
+
+        Examples
+        --------
+        A shaking table with 1 m/s^2 at 19.5 Hz, under a rig of 2.7 kg on 42 kN/m:
+
+        >>> import vibroimpact as vi
+        >>> rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, C=7.7, m=0.11, restitution=0.75)
+        >>> round(rig.base_load(19.5, acceleration=1.0), 4)
+        2.7985
+        """
+        if self.M is None or self.K is None:
+            raise ParameterError("M = None: must be the primary mass for a motion of the base")
+        omega = 2 * math.pi * positive(f, "f")
+        amplitudes = {
+            "displacement": displacement,
+            "velocity": velocity,
+            "acceleration": acceleration,
+        }
+        given = [name for name, value in amplitudes.items() if value is not None]
+        if len(given) != 1:
+            raise ParameterError(
+                f"displacement, velocity, acceleration: must be one of them; given: {given}"
+            )
+        amplitude = positive(amplitudes[given[0]], given[0]) / omega ** [*amplitudes].index(
+            given[0]
+        )
+        return amplitude * math.hypot(self.K, omega * 2 * self.xi * math.sqrt(self.K * self.M))
+
+    def units(self, F0: float | None = None) -> Units:
+        """The physical units of length, time, velocity, … for a load amplitude F0, by default its own.
+
+        The oscillator has to know M and K (see `from_dimensional`).
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If it does not know them, or F0 is no positive number.
+        """
+        if self.M is None or self.K is None:
+            raise ParameterError(
+                "M = None: must be the primary mass for units; make the oscillator with "
+                "Oscillator.from_dimensional(M=..., K=..., C=..., m=..., restitution=..., F0=...)"
+            )
+        if F0 is None and self.F0 is None:
+            raise ParameterError(
+                "F0 = None: must be the load amplitude for units; give it here as units(F0=...), or to "
+                "Oscillator.from_dimensional"
+            )
+        return Units(
+            self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
+        )
+
+    @property
+    def _has_law(self) -> bool:
+        """Whether a coefficient of restitution depends on the speed."""
+        return not all(isinstance(each, float) for each in self.restitution)
+
+    def _as_structure(
+        self, r: float, clearance: float, load: float = 1.0
+    ) -> tuple[Structure, Load]:
+        """The same system as a structure with its load."""
+        structure = self.structure(clearance)
+        r = checks.frequency_ratio(r, self.xi)
+        return structure, Load(r, sine=[checks.number(load, "load"), 0])
+
+    def _keys(self, r: float | None = None) -> dict[str, Any]:
+        """The keys of a &system; None where they are not known."""
+        of_numbers(self)
+        return {
+            "xi": self.xi, "mu": self.mu, "restitution": list(self.restitution), "r": r, "mass": self.M,
+            "stiffness": self.K, "force": self.F0, "unit_names": self.unit_names,
+        }  # fmt: skip
+
+    @classmethod
+    def _of_keys(cls, keys: Mapping[str, Any]) -> Oscillator:
+        """The oscillator of the keys of a &system."""
+        return cls(
+            xi=keys["xi"], mu=keys["mu"], restitution=tuple(np.atleast_1d(keys["restitution"]).tolist()),
+            M=keys.get("mass"), K=keys.get("stiffness"), F0=keys.get("force"), unit_names=keys.get("unit_names"),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """The walls that are hit, in their order, and the number of load cycles.
+
+    Parameters
+    ----------
+    sides : str
+        One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
+        at least once (a motion with impacts on one wall only is never periodic). A star after a
+        symbol stands for impacts that accumulate on that wall and end in rest there.
+    cycles : int, optional
+        Load cycles k in one period of the motion, 1 to 10000.
+
+    Wherever a pattern is taken, a text such as "RRL" or "RL/2" (sides/cycles) stands for it, too.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If there is no such pattern.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.Pattern("RRL")
+    Pattern(sides='RRL', cycles=1)
+    >>> vi.Pattern("RL*").rests
+    (False, True)
+    """
+
+    sides: str
+    cycles: int = 1
+    #: +1 for R, -1 for L (N)
+    signs: NDArray[np.int32] = field(init=False, repr=False, compare=False)
+    #: Whether impacts accumulate and end in rest (N)
+    rests: tuple[bool, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        wanted = (
+            "letters R and L (a star after one for accumulation and rest), each wall at least once"
+        )
+        if not isinstance(self.sides, str):
+            raise ParameterTypeError(f"sides = {self.sides!r}: must be a string of {wanted}")
+        sides = self.sides.upper()
+        symbols = re.findall(r"[RL]\*?", sides)
+        if not sides or "".join(symbols) != sides:
+            raise ParameterError(f"sides = {self.sides!r}: must be {wanted}")
+        if len({symbol[0] for symbol in symbols}) < 2:
+            raise ParameterError(
+                f"sides = {self.sides!r}: must name both walls; with N = 1 or impacts on one wall only "
+                "no motion is periodic"
+            )
+        if len(symbols) > checks.MAX_IMPACTS:
+            raise ParameterError(
+                f"sides of {len(symbols)} letters: must be at most {checks.MAX_IMPACTS}"
+            )
+        object.__setattr__(self, "sides", sides)
+        object.__setattr__(
+            self, "cycles", checks.integer(self.cycles, "cycles", 1, checks.MAX_CYCLES)
+        )
+        signs = np.array([1 if symbol[0] == "R" else -1 for symbol in symbols], dtype=np.int32)
+        signs.flags.writeable = False
+        object.__setattr__(self, "signs", signs)
+        object.__setattr__(self, "rests", tuple(len(symbol) == 2 for symbol in symbols))
+
+    def __len__(self) -> int:
+        """Number of impacts N; an accumulation counts as one."""
+        return len(self.signs)
+
+    @property
+    def has_rest(self) -> bool:
+        """Whether any impacts accumulate and end in rest."""
+        return any(self.rests)
+
+    @property
+    def symbols(self) -> list[str]:
+        """The symbols one by one, each with its star."""
+        return re.findall(r"[RL]\*?", self.sides)
+
+    def standard(self, alike: bool = False) -> Pattern:
+        """The same pattern, begun at the symbol that puts R before L.
+
+        Parameters
+        ----------
+        alike : bool
+            Whether the walls are alike, so that the mirror image counts as the same.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> vi.Pattern("LRL").standard(), vi.Pattern("LRL").standard(alike=True)
+        (Pattern(sides='RLL', cycles=1), Pattern(sides='RRL', cycles=1))
+        """
+        orders = [self.symbols]
+        if checks.truth(alike, "alike"):
+            orders.append([item.translate(str.maketrans("RL", "LR")) for item in self.symbols])
+        turned = ("".join(one[j:] + one[:j]) for one in orders for j in range(len(one)))
+        return Pattern(max(turned), self.cycles)
+
+
+def of_numbers(osc: Any, name: str = "osc") -> None:
+    """Checks that a value is an oscillator whose coefficients of restitution are numbers."""
+    checks.instance(osc, name, Oscillator)
+    if osc._has_law:
+        raise ParameterError(
+            f"restitution = {osc.restitution!r} of {name}: must be numbers here; simulate, exact, find, lyapunov "
+            "and basins take laws, and so does all that takes a Structure (Oscillator.structure)"
+        )
+
+
+def pattern_of(value: Any, name: str = "pattern") -> Pattern:
+    """A pattern, also from its text: SIDES, or SIDES/CYCLES.
+
+    Examples
+    --------
+    >>> from vibroimpact.systems.oscillator import pattern_of
+    >>> pattern_of("RL/2")
+    Pattern(sides='RL', cycles=2)
+    """
+    if isinstance(value, Pattern):
+        return value
+    wanted = "a vibroimpact.Pattern or a text SIDES/CYCLES, as 'RL' or 'RRL/2'"
+    if not isinstance(value, str):
+        raise ParameterTypeError(
+            f"{name} = {value!r}: must be {wanted}, not {type(value).__name__}"
+        )
+    sides, slash, cycles = value.strip().partition("/")
+    whole = cycles.isascii() and cycles.isdigit() and len(cycles) < 10
+    shown = repr(value if len(value) <= MOST_SHOWN else value[:MOST_SHOWN] + "…")
+    if slash and not whole:
+        raise ParameterError(f"{name} = {shown}: must be {wanted}")
+    try:
+        return Pattern(sides, int(cycles) if slash else 1)
+    except ParameterError as error:
+        raise ParameterError(f"{name} = {shown}: must be {wanted}; {error}") from None
+
+
+def plain_pattern(value: Any) -> Pattern:
+    """A pattern without rest, as the linear equations need it, also from its text."""
+    pattern = pattern_of(value)
+    if pattern.has_rest:
+        raise ParameterError(
+            f"pattern = {pattern.sides!r}: must have no star here; motions with rest come from exact and find"
+        )
+    return pattern
+
+
+def _walls(restitution: Any) -> tuple[Any, Any]:
+    if isinstance(restitution, (tuple, list, np.ndarray)) and np.ndim(restitution) == 1:
+        if len(restitution) != 2:
+            raise ParameterError(
+                f"restitution = {restitution!r}: must be one number or two (R1 right wall, R2 left wall)"
+            )
+        first, second = restitution
+        return checked(first, "restitution[0]"), checked(second, "restitution[1]")
+    value = checked(restitution)
+    return value, value

@@ -1,0 +1,206 @@
+"""Coefficients of restitution that depend on the approach speed."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+
+__all__ = ["PowerLaw", "TabulatedRestitution"]
+
+_Array = NDArray[np.float64]
+
+
+class ByValue:
+    """Equality and hash of a frozen dataclass with arrays, by the values of its fields."""
+
+    def _values(self) -> tuple[Any, ...]:
+        """The fields; arrays with their shapes."""
+        items = [getattr(self, item.name) for item in fields(self) if item.compare]  # type: ignore[arg-type]
+        # adding 0.0 makes -0.0 equal to 0.0, as in a comparison of numbers
+        return tuple(
+            (item.shape, (item + 0.0).tobytes()) if isinstance(item, np.ndarray) else item
+            for item in items
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self._values() == other._values()
+
+    def __hash__(self) -> int:
+        return hash(self._values())
+
+
+class _Law(abc.ABC):
+    """A law R(v)."""
+
+    @abc.abstractmethod
+    def _numbers(self) -> tuple[float, _Array]:
+        """Its kind and numbers, for the core."""
+
+    def __call__(self, speed: ArrayLike) -> _Array:
+        """R at approach speeds >= 0, of any shape."""
+        return self._evaluate(speed)[0]
+
+    def slope(self, speed: ArrayLike) -> _Array:
+        """dR/dv at approach speeds >= 0, of any shape."""
+        return self._evaluate(speed)[1]
+
+    def _evaluate(self, speed: ArrayLike) -> tuple[_Array, _Array]:
+        wanted = "numbers >= 0"
+        speeds = np.array(checks.real_array(speed, "speed", wanted), dtype=np.float64)
+        if not (speeds >= 0).all():
+            raise ParameterError(f"speed: must be {wanted}")
+        values, slopes = _core.restitution_values(*self._numbers(), speeds.ravel())
+        return values.reshape(speeds.shape), slopes.reshape(speeds.shape)
+
+
+@dataclass(frozen=True)
+class PowerLaw(_Law):
+    """A coefficient of restitution that falls with the approach speed: R0 (1 + (v/speed)^k)^(-exponent/k).
+
+    It tends to `R0` far below `speed`, and to R0 (v/speed)^-exponent far above.
+
+    Parameters
+    ----------
+    R0 : float
+        Coefficient at low speeds, 0 to 1. With 1, accumulating impacts never come to rest.
+    speed : float
+        The speed, > 0, at which the two parts meet, such as that of first yield.
+    exponent : float
+        >= 0; 1/4 for plastic contact of spheres.
+    sharpness : float
+        k > 0. A large one gives the smaller one of R0 and R0 (v/speed)^-exponent with a sharp corner at
+        `speed`; 1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> law = vi.PowerLaw(0.9, speed=0.1, exponent=0.25)
+    >>> law([0.0, 0.1, 1.0]).round(4).tolist()
+    [0.9, 0.8253, 0.5055]
+    >>> vi.Gap([1.0], 0.5, law)
+    Gap([1.0], 0.5, restitution=PowerLaw(R0=0.9, speed=0.1, exponent=0.25, sharpness=2.0))
+    """
+
+    R0: float
+    speed: float
+    exponent: float
+    sharpness: float = 2.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "R0", checks.number(self.R0, "restitution", "R0"))
+        for name, low in {"speed": "> 0", "exponent": ">= 0", "sharpness": "> 0"}.items():
+            wanted = f"a finite number {low}"
+            value = checks.to_float(getattr(self, name), name, wanted)
+            if not (np.isfinite(value) and (value > 0 or (value == 0 and low == ">= 0"))):
+                raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+            object.__setattr__(self, name, value)
+
+    def _numbers(self) -> tuple[float, _Array]:
+        return 1.0, np.array([self.R0, self.speed, self.exponent, self.sharpness])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TabulatedRestitution(ByValue, _Law):
+    """A coefficient of restitution by a table of approach speeds.
+
+    Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it
+    keeps the value there.
+
+    Parameters
+    ----------
+    speeds : array_like (m,)
+        At least two ascending speeds >= 0.
+    values : array_like (m,)
+        R there, 0 to 1.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> law = vi.TabulatedRestitution([0.0, 0.5, 2.0], [0.9, 0.8, 0.6])
+    >>> law([0.0, 0.25, 0.5, 2.0, 10.0]).round(4).tolist()
+    [0.9, 0.8468, 0.8, 0.6, 0.6]
+    """
+
+    speeds: _Array
+    values: _Array
+
+    def __init__(self, speeds: ArrayLike, values: ArrayLike) -> None:
+        for name, given, wanted in (
+            ("speeds", speeds, "at least two ascending finite numbers >= 0"),
+            ("values", values, "numbers from 0 to 1, one a speed"),
+        ):
+            array = np.array(checks.real_array(given, name, wanted), dtype=np.float64)
+            good = array.ndim == 1 and np.isfinite(array).all() and (array >= 0).all()
+            if name == "speeds":
+                good = good and len(array) >= 2 and (np.diff(array) > 0).all()
+            else:
+                good = good and array.shape == self.speeds.shape and (array <= 1).all()
+            if not good:
+                raise ParameterError(f"{name} = {array.tolist()!r}: must be {wanted}")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def _numbers(self) -> tuple[float, _Array]:
+        return 2.0, np.concatenate([[len(self.speeds)], self.speeds, self.values])
+
+    def __repr__(self) -> str:
+        return f"TabulatedRestitution({self.speeds.tolist()}, {self.values.tolist()})"
+
+
+#: What is taken as the coefficient of restitution of a gap.
+Restitution: TypeAlias = float | PowerLaw | TabulatedRestitution
+
+
+def checked(restitution: Restitution, label: str | None = None) -> Restitution:
+    """A law, or a number from 0 to 1; `label` is its name in the message."""
+    if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
+        return restitution
+    if callable(restitution):
+        wanted = checks.allowed("restitution", label)
+        raise ParameterTypeError(
+            f"{label or 'restitution'} = {restitution!r}: must be {wanted}, or a law: a vibroimpact.PowerLaw or "
+            "TabulatedRestitution"
+        )
+    return checks.number(restitution, "restitution", label)
+
+
+def numbers_of(restitution: Restitution) -> list[float]:
+    """The kind and numbers of a law, for the core."""
+    if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
+        kind, numbers = restitution._numbers()
+        return [kind, *numbers.tolist()]
+    return [0.0, restitution]
+
+
+def keys_of_law(restitution: Restitution) -> dict[str, Any]:
+    """The keys of a &gap for a law."""
+    if isinstance(restitution, PowerLaw):
+        return {
+            "restitution": restitution.R0, "law": "power", "law_speed": restitution.speed,
+            "law_exponent": restitution.exponent, "law_sharpness": restitution.sharpness,
+        }  # fmt: skip
+    if isinstance(restitution, TabulatedRestitution):
+        speeds, values = restitution.speeds.tolist(), restitution.values.tolist()
+        return {"law": "table", "law_speeds": speeds, "law_values": values}
+    return {"restitution": restitution}
+
+
+def law_of_keys(keys: Mapping[str, Any]) -> Restitution:
+    """The law of the keys of a &gap."""
+    law = keys.get("law", "constant")
+    if law == "power":
+        numbers = [keys[f"law_{name}"] for name in ("speed", "exponent", "sharpness")]
+        return PowerLaw(keys["restitution"], *numbers)
+    if law == "table":
+        return TabulatedRestitution(keys["law_speeds"], keys["law_values"])
+    restitution: float = keys["restitution"]
+    return restitution

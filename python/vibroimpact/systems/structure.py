@@ -1,0 +1,493 @@
+"""Linear structures with gaps, and their loads."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..base.status import DEFECTIVE, raise_status, sentence
+from .restitution import (
+    ByValue,
+    PowerLaw,
+    Restitution,
+    TabulatedRestitution,
+    checked,
+    keys_of_law,
+    numbers_of,
+)
+
+__all__ = ["Gap", "Load", "Structure"]
+
+_Array = NDArray[np.float64]
+#: Largest number of coordinates of a structure, and of gaps.
+MOST = 500
+#: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
+LARGEST, LARGEST_MODAL = 1e100, 1e40
+
+
+def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Array:
+    """A read-only array of finite numbers of a given shape; -1 allows any length."""
+    array = np.array(checks.real_array(values, name, wanted), dtype=np.float64)
+    if array.ndim != len(shape) or any(
+        n not in (-1, m) for n, m in zip(shape, array.shape, strict=True)
+    ):
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
+    if not np.isfinite(array).all():
+        raise ParameterError(f"{name}: must be {wanted}, all of them finite")
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gap(ByValue):
+    """A gap that opens and closes: opening - direction.q >= 0.
+
+    Parameters
+    ----------
+    direction : array_like (n,)
+        The coordinates that close it, such as ``[-1, 1]`` for a stop of body 1 to the right of body 2.
+    opening : float
+        Its opening at q = 0; negative if it is closed there.
+    restitution : float, PowerLaw or TabulatedRestitution
+        Coefficient of restitution, 0 to 1, or a law of it over the approach speed.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not as described.
+    """
+
+    direction: _Array
+    opening: float
+    restitution: Restitution = 1.0
+
+    def __init__(
+        self, direction: ArrayLike, opening: float, restitution: Restitution = 1.0
+    ) -> None:
+        wanted = "numbers from -1e40 to 1e40, one a coordinate, not all 0"
+        direction = _numbers(direction, "direction", wanted, (-1,))
+        if not direction.any() or (np.abs(direction) > LARGEST_MODAL).any():
+            raise ParameterError(f"direction = {direction.tolist()!r}: must be {wanted}")
+        opening = checks.to_float(opening, "opening", "a finite number")
+        if not np.isfinite(opening):
+            raise ParameterError(f"opening = {opening!r}: must be a finite number")
+        object.__setattr__(self, "direction", direction)
+        object.__setattr__(self, "opening", opening)
+        object.__setattr__(self, "restitution", checked(restitution))
+
+    def __repr__(self) -> str:
+        r = self.restitution
+        law = f"{r!r}" if isinstance(r, (PowerLaw, TabulatedRestitution)) else f"{r:g}"
+        return f"Gap({self.direction.tolist()}, {self.opening:g}, restitution={law})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure(ByValue):
+    """A linear structure M q'' + C q' + K q = f with gaps.
+
+    All bodies are alike, free masses too: a mass between two walls of another body is a coordinate without
+    stiffness and two gaps. Units are the user's own, consistent ones.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : array_like (n, n)
+        Symmetric matrices M (positive definite), C and K (positive semidefinite), of numbers from -1e100 to 1e100.
+        A vector (n,) is a diagonal.
+    gaps : sequence of Gap
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
+    Examples
+    --------
+    A mass on a spring that carries a free mass between two walls:
+
+    >>> import vibroimpact as vi
+    >>> gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
+    >>> vi.Structure(mass=[1, 0.1], damping=[0.02, 0], stiffness=[1, 0], gaps=gaps)
+    <Structure of 2 coordinates with 2 gaps>
+    """
+
+    mass: _Array
+    damping: _Array
+    stiffness: _Array
+    gaps: tuple[Gap, ...] = field(default=())
+
+    def __init__(
+        self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike, gaps: Sequence[Gap] = ()
+    ) -> None:
+        matrices = {}
+        for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
+            matrices[name] = _square(values, name)
+        n = len(matrices["mass"])
+        if not 1 <= n <= MOST:
+            raise ParameterError(f"mass of shape {(n, n)}: must be for 1 to {MOST} coordinates")
+        masses = np.diag(matrices["mass"])
+        # coordinates scaled by the roots of their masses: what is refused does not depend on their units
+        unit = 1 / np.sqrt(masses) if (masses > 0).all() else np.ones(n)
+        for name, matrix in matrices.items():
+            if len(matrix) != n:
+                raise ParameterError(
+                    f"{name} of shape {matrix.shape}: must be ({n}, {n}) as mass is"
+                )
+            object.__setattr__(self, name, _symmetric(matrix, unit, name))
+            if ((masses < 1e-40) | (masses > 1e40)).any():
+                # such masses are refused by a simulation; their factors would overflow
+                unit = np.ones(n)
+        gaps = _list_of_gaps(gaps)
+        for i, gap in enumerate(gaps):
+            if len(gap.direction) != n:
+                raise ParameterError(
+                    f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {n}, one a coordinate"
+                )
+        object.__setattr__(self, "gaps", gaps)
+
+    @classmethod
+    def from_modes(
+        cls,
+        frequencies: ArrayLike,
+        damping_ratios: ArrayLike,
+        shapes: ArrayLike,
+        gaps: Sequence[Gap] = (),
+    ) -> Structure:
+        """A structure by its modes, whose amplitudes are the coordinates.
+
+        Parameters
+        ----------
+        frequencies : array_like (n,)
+            Circular frequencies of the modes, 0 allowed.
+        damping_ratios : array_like (n,)
+        shapes : array_like (points, n)
+            Mass-normalised mode shapes at some points.
+        gaps : sequence of Gap
+            Their directions refer to the points: `direction` has one number a point.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> beam = vi.Structure.from_modes([1.0, 6.27], [0.01, 0.01], [[2.0, -2.0]], [vi.Gap([1.0], 0.1, 0.6)])
+        >>> beam.gaps[0].direction.tolist()
+        [2.0, -2.0]
+        """
+        wanted = "numbers from 0 to 1e40, one a mode"
+        omega = _numbers(frequencies, "frequencies", wanted, (-1,))
+        n = len(omega)
+        _check_size(omega, "frequencies")
+        zeta = _numbers(damping_ratios, "damping_ratios", wanted, (n,))
+        for name, values in {"frequencies": omega, "damping_ratios": zeta}.items():
+            outside = (values < 0) | (values > LARGEST_MODAL)
+            if outside.any():
+                i = int(np.argmax(outside))
+                raise ParameterError(f"{name}[{i}] = {float(values[i])!r}: must be {wanted}")
+        wanted = "an array (points, modes) of numbers from -1e40 to 1e40"
+        points = _numbers(shapes, "shapes", wanted, (-1, n))
+        if (np.abs(points) > LARGEST_MODAL).any():
+            value = float(points.flat[int(np.argmax(np.abs(points)))])
+            raise ParameterError(f"shapes with {value!r}: must be {wanted}")
+        modal = []
+        for i, gap in enumerate(_list_of_gaps(gaps)):
+            if len(gap.direction) != len(points):
+                raise ParameterError(
+                    f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {len(points)}, one a point"
+                )
+            # point by point, as the core does, so that the digits do not depend on a library
+            direction = np.zeros(n)
+            for factor, shape in zip(gap.direction, points, strict=True):
+                direction = direction + factor * shape
+            if not direction.any() or (np.abs(direction) > LARGEST_MODAL).any():
+                raise ParameterError(
+                    f"gaps[{i}].direction and shapes give {direction.tolist()!r} for the modes: must be "
+                    "numbers from -1e40 to 1e40, not all 0"
+                )
+            modal.append(Gap(direction, gap.opening, gap.restitution))
+        return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
+
+    @property
+    def coordinates(self) -> int:
+        """Number of coordinates."""
+        return len(self.mass)
+
+    def _arrays(self) -> tuple[_Array, _Array, _Array]:
+        """Matrices (n, n, 3), directions (n, gaps), and openings with restitution.
+
+        The latter are (2, gaps), or with laws (3 or more, gaps): opening, kind and numbers of each.
+        """
+        matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
+        # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
+        gaps = self.gaps or (Gap(np.eye(self.coordinates)[0], 1e300),)
+        directions = np.array([gap.direction for gap in gaps]).T
+        if all(isinstance(gap.restitution, float) for gap in gaps):
+            values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
+        else:
+            columns = [[gap.opening, *numbers_of(gap.restitution)] for gap in gaps]
+            values = np.zeros((max(map(len, columns)), len(gaps)))
+            for j, column in enumerate(columns):
+                values[: len(column), j] = column
+        return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
+
+    def _raise_status(self, code: int) -> None:
+        """As `raise_status`; names the eigenvalues of two modes that nearly coincide."""
+        if code != DEFECTIVE:
+            raise_status(code)
+            return
+        n = self.coordinates
+        rates = np.linalg.solve(self.mass, np.hstack([self.stiffness, self.damping]))
+        values, vectors = np.linalg.eig(np.vstack([np.eye(n, 2 * n, n), -rates]))
+        # complex eigenvalues first: two real ones that coincide are a pair at critical damping
+        moving = np.abs(values) > 1e-6 * np.abs(values).max()
+        for kept in (values.imag > 0, moving & (values.imag == 0)):
+            parallel = np.triu(np.abs(vectors[:, kept].conj().T @ vectors[:, kept]), 1)
+            if parallel.max(initial=0.0) > 0.99:
+                first, second = np.unravel_index(int(np.argmax(parallel)), parallel.shape)
+                pair = f"{values[kept][first]:.6g} and {values[kept][second]:.6g}"
+                raise SingularError(f"{sentence(code)}; their eigenvalues are {pair}")
+        raise_status(code)
+
+    def _groups(self) -> list[tuple[str, dict[str, Any]]]:
+        """The groups of a namelist that describe it."""
+        if not self.gaps:
+            raise ParameterError(
+                f"{self!r}: has no namelist, since a &structure has at least one &gap"
+            )
+        matrices = {}
+        for name in ("mass", "damping", "stiffness"):
+            matrix = getattr(self, name)
+            diagonal = np.diag(matrix)
+            plain = diagonal if np.array_equal(matrix, np.diag(diagonal)) else matrix.ravel()
+            matrices[name] = plain.tolist()
+        return [("structure", matrices)] + [
+            ("gap", {
+                "direction": gap.direction.tolist(), "opening": gap.opening, **keys_of_law(gap.restitution),
+            })
+            for gap in self.gaps
+        ]  # fmt: skip
+
+    def __repr__(self) -> str:
+        n, gaps = self.coordinates, len(self.gaps)
+        return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {gaps} gap{'s' if gaps != 1 else ''}>"
+
+
+def _check_size(array: NDArray[Any], name: str) -> None:
+    """An error if a matrix, or its diagonal, is for more coordinates than there may be, before it is made."""
+    if max(array.shape, default=0) > MOST:
+        raise ParameterError(f"{name} of shape {array.shape}: must be for 1 to {MOST} coordinates")
+
+
+def _list_of_gaps(gaps: Any) -> tuple[Gap, ...]:
+    """Gaps as a tuple."""
+    try:
+        found = tuple(gaps)
+    except TypeError:
+        raise ParameterTypeError(f"gaps = {gaps!r}: must be a list of gaps") from None
+    if len(found) > MOST:
+        raise ParameterError(f"gaps: {len(found)} of them; must be at most {MOST}")
+    for i, gap in enumerate(found):
+        checks.instance(gap, f"gaps[{i}]", Gap)
+    return found
+
+
+def _square(values: Any, name: str) -> _Array:
+    """A square matrix; a vector is taken as its diagonal."""
+    wanted = "a symmetric matrix (n, n), or its diagonal (n,)"
+    array = checks.real_array(values, name, wanted)
+    _check_size(array, name)
+    array = _numbers(np.diag(array) if array.ndim == 1 else array, name, wanted, (-1, -1))
+    if array.shape[0] != array.shape[1]:
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
+    outside = np.abs(array) > LARGEST
+    if outside.any():
+        i, j = np.unravel_index(int(np.argmax(outside)), array.shape)
+        raise ParameterError(
+            f"{name}[{i}, {j}] = {float(array[i, j])!r}: must be a number from -1e100 to 1e100"
+        )
+    return array
+
+
+def _symmetric(matrix: _Array, unit: _Array, name: str) -> _Array:
+    """A matrix that is symmetric, and definite as it must be, but for rounding; `unit` scales the coordinates."""
+    scales = np.outer(unit, unit)
+    scaled = matrix * scales
+    apart = np.abs(scaled - scaled.T)
+    largest = np.abs(scaled).max()
+    if apart.max() > 1e-12 * largest:
+        i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
+        raise ParameterError(
+            f"{name}[{i}, {j}] = {float(matrix[i, j])} and {name}[{j}, {i}] = {float(matrix[j, i])}: must be equal"
+        )
+    symmetric: _Array = np.array(0.5 * (matrix + matrix.T))
+    symmetric.flags.writeable = False
+    n = len(matrix)
+    least = float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T)).min())
+    rule = ""
+    if name == "mass" and not least > n * np.finfo(float).eps:
+        rule = "must be positive definite; its least eigenvalue"
+    elif least < -1e-12 * largest * n:
+        rule = "must have no negative eigenvalue; the least one"
+    if rule:
+        # the sign may be lost where the units of coordinates differ
+        own = float(np.linalg.eigvalsh(symmetric).min())
+        lost = " with coordinates scaled by the square roots of their masses" if own > 0 else ""
+        raise ParameterError(f"{name}: {rule} is {least if own > 0 else own:.3g}{lost}")
+    return symmetric
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Load(ByValue):
+    """A periodic load: the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
+
+    Parameters
+    ----------
+    frequency : float, optional
+        Omega, > 0; a constant load needs none.
+    sine, cosine : array_like (n,) or (H, n), optional
+        Amplitudes of the harmonics 1 to H at each coordinate; a vector is the first harmonic.
+    constant : array_like (n,), optional
+        A constant force, such as gravity.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not allowed.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> vi.Load(1.04, sine=[1, 0])
+    <Load of 1 harmonic of Omega = 1.04 on 2 coordinates>
+    """
+
+    frequency: float
+    sine: _Array
+    cosine: _Array
+    constant: _Array
+
+    def __init__(
+        self, frequency: float | None = None, sine: ArrayLike | None = None,
+        cosine: ArrayLike | None = None, constant: ArrayLike | None = None,
+    ) -> None:  # fmt: skip
+        if frequency is not None:
+            frequency = checks.to_float(frequency, "frequency", "a number > 0")
+            if not 0 < frequency < np.inf:
+                raise ParameterError(f"frequency = {frequency!r}: must be a finite number > 0")
+        elif sine is not None or cosine is not None:
+            raise ParameterError("frequency = None: must be given with sine or cosine")
+        parts = {}
+        for name, values in {"sine": sine, "cosine": cosine}.items():
+            if values is not None:
+                wanted = "amplitudes (n,) or (harmonics, n)"
+                array = checks.real_array(values, name, wanted)
+                parts[name] = _numbers(
+                    array[None] if array.ndim == 1 else array, name, wanted, (-1, -1)
+                )
+        if constant is not None:
+            wanted = "a list (n,) with one force for each coordinate"
+            parts["constant"] = _numbers(constant, "constant", wanted, (-1,))
+        if not parts:
+            raise ParameterError("sine, cosine, constant: one of them must be given")
+        sizes = {name: array.shape[-1] for name, array in parts.items()}
+        n = min(sizes.values())
+        if n == 0 or len(set(sizes.values())) > 1:
+            found = ", ".join(f"{name} is for {size}" for name, size in sizes.items())
+            raise ParameterError(f"{found}: must be for the same number of coordinates, at least 1")
+        harmonics = max(
+            (len(array) for name, array in parts.items() if name != "constant"), default=0
+        )
+        for name in ("sine", "cosine"):
+            whole = np.zeros((harmonics, n))
+            if name in parts:
+                whole[: len(parts[name])] = parts[name]
+            whole.flags.writeable = False
+            object.__setattr__(self, name, whole)
+        object.__setattr__(self, "constant", parts.get("constant", np.zeros(n)))
+        object.__setattr__(self, "frequency", frequency or 0.0)
+
+    @property
+    def coordinates(self) -> int:
+        """Number of coordinates."""
+        return self.constant.size
+
+    def _groups(self) -> list[tuple[str, dict[str, Any]]]:
+        """The group of a namelist that describes it."""
+        keys: dict[str, Any] = {"frequency": self.frequency or None}
+        if len(self.sine):
+            keys |= {"cosine": self.cosine.ravel().tolist(), "sine": self.sine.ravel().tolist()}
+        return [("load", keys | {"constant": self.constant.tolist()})]
+
+    def _arrays(self) -> tuple[float, _Array, _Array]:
+        """Omega (0 without harmonics), harmonics (n, 2, H), and the constant part."""
+        both = (
+            np.stack([self.cosine, self.sine], axis=1).T
+            if self.sine.size
+            else np.zeros((self.coordinates, 2, 0))
+        )
+        return self.frequency if len(self.sine) else 0.0, np.asfortranarray(both), self.constant
+
+    def __repr__(self) -> str:
+        n = len(self.sine)
+        if not self.frequency:
+            return f"<Load, constant, on {self.coordinates} coordinates>"
+        kinds = f"{n} harmonic{'s' if n != 1 else ''}"
+        return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
+
+
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+
+def or_structure(
+    of_structure: Callable[..., Any], kind: type | None = None,
+    of_law: Callable[[dict[str, Any]], None] | None = None,
+) -> Callable[[Callable[_Arguments, _Result]], Callable[_Arguments, _Result]]:  # fmt: skip
+    """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
+
+    With `of_law` it also hands oscillators over whose restitution depends on the speed; `of_law` turns further
+    arguments, by name, into those for structures.
+    """
+
+    def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+        @functools.wraps(of_oscillator)
+        def either(*args: Any, **kwargs: Any) -> Any:
+            given = (*args[:1], *kwargs.values())
+            if any(isinstance(x, kind or Structure) for x in given):
+                return of_structure(*args, **kwargs)
+            if kind and any(isinstance(x, Structure) for x in given):
+                raise ParameterTypeError(
+                    f"motion = {given[0]!r}: must be a vibroimpact.{kind.__name__}, not Structure"
+                )
+            if of_law and getattr(args[0] if args else kwargs.get("osc"), "_has_law", False):
+                names = inspect.signature(of_oscillator).bind_partial(*args).arguments
+                return handed_over(names | kwargs)
+            return of_oscillator(*args, **kwargs)
+
+        def handed_over(given: dict[str, Any]) -> Any:
+            osc = given.pop("osc")
+            system = {name: given.pop(name) for name in ("r", "clearance", "load") if name in given}
+            structure, load = osc._as_structure(**system)
+            assert of_law
+            of_law(given)
+            (_, _, *known) = inspect.signature(of_structure).parameters
+            for name, value in given.items():
+                if name not in known:
+                    raise ParameterTypeError(
+                        f"{name} = {value!r}: must be left out where restitution depends on the speed; further "
+                        f"arguments are {', '.join(known)}"
+                    )
+            return of_structure(structure, load, **given)
+
+        summary, blank, rest = inspect.cleandoc(of_oscillator.__doc__ or "").partition("\n\n")
+        first = (kind or Structure).__name__
+        other = f"`{of_structure.__name__}` describes the arguments if the first is a `{first}`."
+        either.__doc__ = f"{summary}{blank}{other}\n\n{rest}"
+        return either
+
+    return decorate

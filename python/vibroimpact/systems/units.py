@@ -1,0 +1,342 @@
+"""Physical units: what a dimensionless number is worth, in any unit of length, force and time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.jupyter import facts_html
+
+__all__ = ["Units"]
+
+#: The units of length, force and time in those of SI.
+KNOWN: tuple[dict[str, float], ...] = (
+    {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
+    {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kgf": 9.80665},
+    {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
+)
+#: Metre, newton and second.
+SI = "m N s"
+#: The unit of columns whose numbers have several units, or one that the case decides.
+MIXED = "mixed"
+#: How the meaning of a frequency ratio begins.
+RATIO = "frequency ratio"
+#: The meaning of a dimensionless clearance, and of a physical one.
+GAP = "clearance d K/F0; d is the whole travel of m between the walls"
+PHYSICAL_GAP = "clearance d, the whole travel of m between the walls"
+#: Powers of length, force and time in the quantities of which dimensionless units consist.
+DIMENSIONS = {"F0": (0, 1, 0), "K": (-1, 1, 0), "omega": (0, 0, -1)}
+
+
+@dataclass(frozen=True)
+class Units:
+    """Physical units of the dimensionless quantities for a primary mass M, stiffness K and load F0.
+
+    Multiply a dimensionless number by its unit to get the physical one.
+
+    Parameters
+    ----------
+    M, K, F0 : float
+        Primary mass, stiffness, load amplitude.
+    names : str
+        Units of length, force and time in which they are given, as in `Oscillator.from_dimensional`.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If a number is not positive, or a unit is not known.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> rig = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
+    >>> units = rig.units(F0=4.0)
+    >>> units.omega, units.length, units.clearance(d=[0.1, 0.2]).tolist()
+    (20.0, 0.005, [20.0, 40.0])
+    >>> units.to("mm N s").length, units.name("omega F0/K")
+    (5.0, 'm/s')
+    """
+
+    M: float
+    K: float
+    F0: float
+    names: str = SI
+
+    def __post_init__(self) -> None:
+        for name in ("M", "K", "F0"):
+            object.__setattr__(self, name, positive(getattr(self, name), name))
+        object.__setattr__(self, "names", checked_names(self.names, "names"))
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        names = ("omega", "length", "time", "velocity", "acceleration", "force")
+        return facts_html(repr(self), {name: f"{getattr(self, name):.6g}" for name in names})
+
+    @property
+    def omega(self) -> float:
+        """Natural frequency sqrt(K/M), radians per unit of time."""
+        return math.sqrt(self.K / self.M)
+
+    @property
+    def length(self) -> float:
+        """F0/K."""
+        return self.F0 / self.K
+
+    @property
+    def time(self) -> float:
+        """1/omega."""
+        return 1 / self.omega
+
+    @property
+    def velocity(self) -> float:
+        """omega F0/K."""
+        return self.omega * self.length
+
+    @property
+    def acceleration(self) -> float:
+        """omega^2 F0/K = F0/M."""
+        return self.F0 / self.M
+
+    @property
+    def force(self) -> float:
+        """F0."""
+        return self.F0
+
+    @property
+    def energy(self) -> float:
+        """F0^2/K."""
+        return self.F0 * self.length
+
+    @property
+    def impulse(self) -> float:
+        """F0/omega."""
+        return self.F0 / self.omega
+
+    @property
+    def frequency(self) -> float:
+        """Natural frequency omega/(2 pi), cycles per unit of time: the load frequency at r = 1."""
+        return self.omega / (2 * math.pi)
+
+    def to(self, names: str) -> Units:
+        """The same in other units of length, force and time, as "mm N s"; "SI" is "m N s".
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If they are not known.
+        """
+        new = checked_names(names, "names")
+        length, force, time = (
+            known[own] / known[other]
+            for known, own, other in zip(KNOWN, self.names.split(), new.split(), strict=True)
+        )
+        return Units(
+            self.M * force * time**2 / length, self.K * force / length, self.F0 * force, new
+        )
+
+    def scale(self, unit: str) -> float:
+        """The number by which a quantity of a dimensionless unit is multiplied, 1 without a dimension.
+
+        Parameters
+        ----------
+        unit : str
+            As columns of results declare it: "F0/K", "omega F0/K", "1/omega", …
+
+        Raises
+        ------
+        ParameterError
+            If it is no product of powers of F0, K and omega.
+        """
+        factors = {"F0": self.F0, "K": self.K, "omega": self.omega}
+        return math.prod(factors[name] ** power for name, power in powers_of(unit).items())
+
+    def name(self, unit: str) -> str:
+        """The name of the physical unit of a quantity of a dimensionless unit, as "m/s^2"."""
+        powers = powers_of(unit)
+        if not powers:
+            return unit
+        sums = np.array(
+            [np.multiply(DIMENSIONS[name], power) for name, power in powers.items()]
+        ).sum(axis=0)
+        length, force, time = zip(self.names.split(), sums.tolist(), strict=True)
+        parts = [(name, power) for name, power in (force, length, time) if power]
+        above = [_power(name, power) for name, power in parts if power > 0]
+        below = [_power(name, -power) for name, power in parts if power < 0]
+        return "/".join([" ".join(above) or "1", *below]) if parts else ""
+
+    @property
+    def hertz(self) -> str:
+        """The name of the unit of frequency, cycles per unit of time."""
+        time = self.names.split()[2]
+        return {"s": "Hz", "ms": "kHz", "us": "MHz"}.get(time, f"1/{time}")
+
+    @overload
+    def clearance(self, d: float) -> float: ...
+    @overload
+    def clearance(self, d: ArrayLike) -> Any: ...
+    def clearance(self, d: Any) -> Any:
+        """The dimensionless clearance D = d K/F0 of a clearance d.
+
+        d is the whole travel of the free mass from wall to wall: in the middle it has d/2 to either side, and its
+        position relative to the primary mass stays within |Z - X| <= D/2. Where "4 mm of play" means 4 mm to each
+        side, d is 8 mm.
+
+        Parameters
+        ----------
+        d : float or array_like
+
+        Returns
+        -------
+        float, or ndarray for an array
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If a value is no positive number.
+        """
+        return positive_each(d, "d") / self.length
+
+    def frequency_ratio(self, Omega: Any = None, *, f: Any = None) -> Any:
+        """r = Omega/omega of a load frequency, in radians or cycles per unit of time.
+
+        Parameters
+        ----------
+        Omega : float or array_like, optional
+            Radians per unit of time; either this or `f`.
+        f : float or array_like, optional
+            Cycles per unit of time (Hz).
+
+        Returns
+        -------
+        float, or ndarray for an array
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If a value is no positive number, or both are given.
+        """
+        if f is None:
+            return positive_each(Omega, "Omega") / self.omega
+        if Omega is not None:
+            raise ParameterError(f"Omega = {Omega!r}, f = {f!r}: must be one of them, not both")
+        return positive_each(f, "f") / self.frequency
+
+    def motion(self, motion: Any) -> dict[str, Any]:
+        """The numbers of a motion in physical units.
+
+        Parameters
+        ----------
+        motion : Motion
+
+        Returns
+        -------
+        dict
+            ``d``, ``Omega``, ``period``, ``t`` (times of the impacts), ``X``, ``Z``, the four
+            velocities, ``A``, ``x_min``, ``x_max``; names as in `Motion`.
+
+        Raises
+        ------
+        ParameterTypeError
+            If it is no Motion.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75)
+        >>> motion = vi.equispaced(osc, r=1.04, clearance=25.0)[0]
+        >>> physical = osc.units(F0=4.0).motion(motion)
+        >>> round(physical["d"], 6), round(physical["Omega"], 6)
+        (0.125, 20.8)
+        """
+        if not hasattr(motion, "load_phase"):
+            raise ParameterTypeError(
+                f"motion = {motion!r}: must be a vibroimpact.Motion, not {type(motion).__name__}"
+            )
+        physical: dict[str, Any] = {
+            "d": motion.clearance * self.length,
+            "Omega": motion.r * self.omega,
+            "period": motion.period * self.time,
+            "t": motion.phases / motion.r * self.time,
+        }
+        for name in ("X", "Z", "A", "x_min", "x_max"):
+            physical[name] = getattr(motion, name) * self.length
+        for name in ("X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"):
+            physical[name] = getattr(motion, name) * self.velocity
+        return physical
+
+
+def powers_of(unit: str) -> dict[str, int]:
+    """The powers of F0, K and omega in a unit; none for one without these.
+
+    Examples
+    --------
+    >>> from vibroimpact.systems.units import powers_of
+    >>> powers_of("omega^2 F0/K"), powers_of("1/omega"), powers_of("rad")
+    ({'omega': 2, 'F0': 1, 'K': -1}, {'omega': -1}, {})
+    """
+    if not isinstance(unit, str):
+        raise ParameterTypeError(
+            f"unit = {unit!r}: must be a text as 'omega F0/K', not {type(unit).__name__}"
+        )
+    above, _, below = unit.partition("/")
+    powers: dict[str, int] = {}
+    for text, sign in ((above, 1), (below, -1)):
+        for factor in text.split():
+            name, _, power = factor.partition("^")
+            if name in DIMENSIONS:
+                powers[name] = sign * (2 if power == "2" else 1)  # others are refused below
+    if unit == MIXED or (
+        powers and set(unit.replace("/", " ").replace("^2", "").split()) - {"1", *DIMENSIONS}
+    ):
+        raise ParameterError(
+            f"unit = {unit!r}: must be a product of powers of F0, K and omega, or without them"
+        )
+    return powers
+
+
+def _power(name: str, power: int) -> str:
+    return name if power == 1 else f"{name}^{power}"
+
+
+def checked_names(value: Any, name: str = "units") -> str:
+    """The names of a unit of length, one of force and one of time."""
+    wanted = (
+        "units of length, force and time, as 'mm N s', of "
+        + "; ".join(", ".join(known) for known in KNOWN) + "; or 'SI'"
+    )  # fmt: skip
+    if not isinstance(value, str):
+        raise ParameterTypeError(
+            f"{name} = {value!r}: must be {wanted}, not {type(value).__name__}"
+        )
+    names = (SI if value == "SI" else value).split()
+    if len(names) != 3 or any(one not in known for one, known in zip(names, KNOWN, strict=True)):
+        raise ParameterError(f"{name} = {value[:80]!r}: must be {wanted}")
+    return " ".join(names)
+
+
+def positive_each(value: Any, name: str) -> Any:
+    """One positive number, or an array of them."""
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
+        return positive(value, name)
+    wanted = f"finite numbers with {name} > 0"
+    array = checks.real_array(value, name, wanted)
+    good = (array > 0) & np.isfinite(array)
+    if not good.all():
+        bad = array[~good].ravel()[0].item()
+        raise ParameterError(f"{name} with {bad!r}: must be {wanted}")
+    return array
+
+
+def positive(value: Any, name: str, *, zero: bool = False) -> float:
+    """One positive number, or 0 where that is allowed."""
+    wanted = f"a finite number with {name} {'>=' if zero else '>'} 0"
+    item = checks.to_float(value, name, wanted)
+    if not (0 < item < math.inf or (zero and item == 0)):
+        raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+    return item

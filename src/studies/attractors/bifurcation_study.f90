@@ -1,0 +1,438 @@
+!> The study &bifurcation: the impacts after the transient along a parameter.
+module vi_bifurcation_study
+   use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
+   use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, &
+      load_key, max_events_key, most_numbers, most_state, parameter_of, parameter_place, &
+      parameter_takes, parameter_values, parameter_words, range_takes, resonance, spacing_key, &
+      state_keys, state_of, window_keys
+   use vi_kinds, only: wp
+   use vi_oscillator, only: at_resonance
+   use vi_status, only: stat, status_text
+   use vi_text, only: append, counted, exact, line_type, whole, whole_width
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
+      truths, wholes, words
+   implicit none (type, external)
+   private
+
+   public :: declare_bifurcation
+
+   character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
+      'sweep=states'
+   type(key_type), parameter :: bifurcation_keys(*) = [ &
+      key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
+      never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
+      meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each value'), &
+      key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
+      may_miss=.true., never='parameter=r', why='=: it is the parameter', option='r-list', &
+      meaning='frequency ratio at each value, if it changes with it'), &
+      key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
+      meaning='parameter that changes'), &
+      key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
+      &numbers in the range of the parameter', &
+      meaning='values of the parameter, if they are not evenly spaced'), &
+      key_type('low', never='list', takes=range_takes, option='values', &
+      meaning='first value of the parameter'), &
+      key_type('high', over='low', never='list', takes=range_takes, option='values', &
+      meaning='last value of the parameter'), &
+      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', option='values', &
+      meaning='number of values'), &
+      key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
+      takes=spacing_key%takes, never='list', meaning='spacing of the values'), &
+      key_type('sweep', a_word, default='''both''', words='up down both states', &
+      meaning='up, down, both: the state is carried from value to value; states: each value starts &
+      &anew from many states'), &
+      key_type('states', a_whole, default='12', low=1.0_wp, high=1.0e6_wp, only=states, &
+      meaning='initial states at each value, spread evenly'), &
+      key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e7_wp, &
+      meaning='load cycles simulated at each value before the motion is examined'), &
+      key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
+      meaning='load cycles then examined; periods of up to half of them are detected'), &
+      key_type('points', a_whole, default='100', low=1.0_wp, high=4096.0_wp, &
+      meaning='impacts kept of each run and value'), &
+      key_type('t', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, unit='1/omega', meaning=state_keys(1)%meaning), &
+      key_type('x', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='F0/K', meaning=state_keys(2)%meaning), &
+      key_type('x_dot', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='omega F0/K', meaning=state_keys(3)%meaning), &
+      key_type('z', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='F0/K', meaning=state_keys(4)%meaning), &
+      key_type('z_dot', may_miss=.true., low=-most_state, high=most_state, never=states, &
+      why=own, option='state', unit='omega F0/K', &
+      meaning=state_keys(5)%meaning), load_key, max_events_key]
+
+   type(column_type), parameter :: bifurcation_columns(*) = [ &
+      column_type('runs', 'run', words, &
+      meaning='direction of the sweep (up or down), or number of the initial state'), &
+      column_type('values', 'value', label='=', unit='mixed', meaning='value of the parameter'), &
+      column_type('values', 'r_along', listed=.false., &
+      meaning='frequency ratio at each value, unless it is the parameter'), &
+      column_type('values', 'clearance_along', unit='F0/K', listed=.false., &
+      meaning='clearance at each value, unless it is the parameter'), &
+      column_type('cells', 'label', words, &
+      meaning='impacts / load cycles of the period; empty if none is confirmed'), &
+      column_type('impacts', 'side', words, words='R,L', meaning='wall'), &
+      column_type('impacts', 'phase', unit='rad', meaning='load phase within a load cycle'), &
+      column_type('impacts', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
+      column_type('impacts', 'x_dot_before', unit='omega F0/K', &
+      meaning='velocity of the primary mass before the impact'), &
+      column_type('impacts', 'x_dot_after', unit='omega F0/K', &
+      meaning='velocity of the primary mass after the impact'), &
+      column_type('impacts', 'z_dot_before', unit='omega F0/K', &
+      meaning='velocity of the free mass before the impact'), &
+      column_type('impacts', 'z_dot_after', unit='omega F0/K', &
+      meaning='velocity of the free mass after the impact'), &
+      column_type('cells', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if none is confirmed'), &
+      column_type('cells', 'symbols', wholes, listed=.false., &
+      meaning='impacts of a period, each accumulation counted as one'), &
+      column_type('cells', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
+      column_type('cells', 'rests', wholes, listed=.false., meaning='rests of a period'), &
+      column_type('cells', 'x_min', unit='F0/K', listed=.false., &
+      meaning='least displacement of the primary mass'), &
+      column_type('cells', 'x_max', unit='F0/K', listed=.false., &
+      meaning='greatest displacement of the primary mass'), &
+      column_type('cells', 'status', wholes, listed=.false., &
+      meaning='code of what failed; 0: none'), &
+      column_type('windows', 'run', words, listed=.false., &
+      meaning='run in which one period persists'), &
+      column_type('windows', 'low', unit='mixed', listed=.false., &
+      meaning='first value of the parameter'), &
+      column_type('windows', 'high', unit='mixed', listed=.false., &
+      meaning='last value of the parameter'), &
+      column_type('windows', 'label', words, listed=.false., &
+      meaning='impacts / load cycles of the period'), &
+      column_type('windows', 'cut', truths, listed=.false., &
+      meaning='whether it is next to a value that was not reached')]
+
+contains
+
+   !> Declares the study.
+   subroutine declare_bifurcation(study)
+      !> The declaration of the study.
+      type(study_type), intent(out) :: study
+
+      study%name = 'bifurcation'
+      study%meaning = 'sweep a parameter up and down, or from many states'
+      study%list => list_bifurcation
+      study%row = 'impacts'
+      study%check => check_bifurcation
+      study%memory => bifurcation_memory
+      study%run => run_bifurcation
+   end subroutine declare_bifurcation
+
+   !> Lists the keys and columns.
+   pure subroutine list_bifurcation(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = bifurcation_keys
+      if (present(columns)) columns = bifurcation_columns
+   end subroutine list_bifurcation
+
+   !> Checks the rules that involve several keys.
+   subroutine check_bifurcation(case)
+      !> The case; a state that is given in part is completed with zeros.
+      type(case_type), intent(inout) :: case
+      real(wp), allocatable :: clearance(:)
+      integer :: runs, n, i
+
+      call check_parameter(case)
+      associate (study => case%study)
+         if (len(study%fault) > 0) return
+         n = size(parameter_values(case))
+         runs = merge(2, 1, study%is('sweep', 'both'))
+         if (study%has('states')) runs = study%whole_number('states')
+         call check_product(study, 'points', [n, runs, study%whole_number('points')], &
+            'values x runs x points must be at most '//whole(most_numbers))
+         call check_lists(case, n)
+         if (.not. any([(study%has(trim(state_keys(i)%name)), i=1, 5)])) return
+         do i = 1, 5
+            if (.not. study%has(trim(state_keys(i)%name))) call &
+               study%set(trim(state_keys(i)%name), &
+               [0.0_wp])
+         end do
+         allocate (clearance, source=clearance_values(case, n))
+         if (study%is('sweep', 'up')) clearance = clearance(1)
+         if (study%is('sweep', 'down')) clearance = clearance(n)
+         call check_start(study, min(clearance(1), clearance(n)))
+      end associate
+   end subroutine check_bifurcation
+
+   !> Checks the keys that may have one number for each value.
+   subroutine check_lists(case, n)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> Number of values of the parameter.
+      integer, intent(in) :: n
+      character(9), parameter :: names(2) = [character(9) :: 'clearance', 'r']
+      real(wp), allocatable :: values(:)
+      real(wp) :: xi
+      integer :: i
+
+      associate (study => case%study)
+         do i = 1, 2
+            if (.not. study%has(trim(names(i)))) cycle
+            if (all(size(study%numbers(trim(names(i)))) /= [1, n])) call &
+               study%refuse(trim(names(i)), 'one number, or '//whole(n)//', one for each value')
+         end do
+         if (.not. study%has('r')) return
+         xi = case%osc%xi
+         values = parameter_values(case)
+         if (parameter_of(case) == 'xi') xi = values(1)
+         if (any(at_resonance(xi, study%numbers('r')))) call study%refuse('r', resonance// &
+            'among the values')
+      end associate
+   end subroutine check_lists
+
+   !> The clearance at each value.
+   pure function clearance_values(case, n) result(clearance)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> Number of values of the parameter.
+      integer, intent(in) :: n
+      real(wp) :: clearance(n)
+
+      if (case%study%has('clearance')) then
+         associate (given => case%study%numbers('clearance'))
+            clearance = given(1)
+            if (size(given) == n) clearance = given
+         end associate
+      else
+         clearance = parameter_values(case)
+      end if
+   end function clearance_values
+
+   !> The state that sweeps start from: t, x, x', z, z'; empty if none was given.
+   pure function start_state(case) result(state)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: state(:)
+
+      allocate (state(0))
+      if (case%study%has('t')) state = state_of(case%study)
+   end function start_state
+
+   !> Bytes for all runs and values: three copies of the impacts kept, and about 60 numbers each.
+   pure real(wp) function bifurcation_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      integer :: runs
+
+      associate (s => case%study)
+         runs = size(directions_of(case))
+         bytes = (200.0_wp*s%whole_number('points') + 500)*size(parameter_values(case))*runs
+      end associate
+   end function bifurcation_memory
+
+   !> Sweeps, or starts from many states at each value, and keeps the impacts after the transient.
+   subroutine run_bifurcation(case, threads, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(path_type) :: path
+      type(diagram_type) :: found
+      type(line_type), allocatable :: names(:), labels(:)
+      integer, allocatable :: directions(:)
+      integer :: windows, reached, lost, m, n, i, j
+
+      path = path_of(case)
+      allocate (directions, source=directions_of(case))
+      associate (s => case%study)
+         call diagram(path, directions, start_state(case), s%whole_number('settling'), &
+            s%whole_number('keep'), s%whole_number('points'), s%whole_number('max_events'), &
+            threads, found, progress)
+      end associate
+      m = size(path%values)
+      n = size(directions)
+      allocate (names(n), labels(m*n))
+      do j = 1, n
+         names(j)%text = run_name(directions, j)
+         do i = 1, m
+            labels((j - 1)*m + i)%text = label(found%periods(:, i, j))
+         end do
+      end do
+      call result%open('runs', 'run', [n])
+      call result%put_text('runs', 'run', names)
+      call result%open('values', trim(parameter_of(case)), [m])
+      call result%put('values', 'value', path%values)
+      call result%put('values', 'r_along', path%r(min(size(path%r), [(i, i=1, m)])))
+      call result%put('values', 'clearance_along', path%clearance(min(size(path%clearance), &
+         [(i, i=1, m)])))
+      call result%open('cells', trim(parameter_of(case))//' run', [m, n])
+      call result%put_text('cells', 'label', labels)
+      call result%put('cells', 'cycles', [found%periods(1, :, :)])
+      call result%put('cells', 'symbols', [found%periods(2, :, :)])
+      call result%put('cells', 'impacts', [found%periods(3, :, :)])
+      call result%put('cells', 'rests', [found%periods(4, :, :)])
+      call result%put('cells', 'x_min', [found%extremes(1, :, :)])
+      call result%put('cells', 'x_max', [found%extremes(2, :, :)])
+      call result%put('cells', 'status', [found%status])
+      call put_impacts(found, result)
+      call put_windows(path%values, directions, found, result, windows)
+      reached = count(found%status /= stat%not_computed)
+      if (reached < m*n) result%cut = whole(reached)//' of '//whole(m*n)// &
+         ' simulations were reached'
+      lost = reached - count(found%status == stat%ok)
+      result%empty = lost == reached
+      if (.not. result%empty) call result%add_note(counted(n, &
+         'run')//' of '//whole(m)//' values, '// &
+         counted(sum(found%found), 'impact')//', '//counted(windows, 'periodic window'))
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'simulation')// &
+         ' failed: '//status_text(maxval(found%status, found%status /= stat%not_computed)))
+   end subroutine run_bifurcation
+
+   !> Puts the impacts of all runs and values into the result.
+   pure subroutine put_impacts(found, result)
+      !> The motions on which the runs settle.
+      type(diagram_type), intent(in) :: found
+      !> In: with the tables of runs and values. Out: with the impacts.
+      type(result_type), intent(inout) :: result
+      integer, allocatable :: owners(:), sides(:)
+      real(wp), allocatable :: impacts(:, :)
+      character(*), parameter :: names(6) = [character(12) :: 'phase', 'x', 'x_dot_before', &
+         'x_dot_after', 'z_dot_before', 'z_dot_after']
+      integer :: i, j, n, first
+
+      n = sum(found%found)
+      allocate (owners(n), sides(n), impacts(6, n))
+      first = 0
+      do j = 1, size(found%found, 2)
+         do i = 1, size(found%found, 1)
+            n = found%found(i, j)
+            owners(first + 1:first + n) = (j - 1)*size(found%found, 1) + i
+            sides(first + 1:first + n) = merge(1, 2, found%labels(2, :n, i, j) > 0)
+            impacts(:, first + 1:first + n) = found%impacts(2:, :n, i, j)
+            first = first + n
+         end do
+      end do
+      call result%open('impacts', 'impact', [first], 'cells', owners)
+      call result%put('impacts', 'side', sides)
+      do i = 1, size(names)
+         call result%put('impacts', trim(names(i)), impacts(i, :))
+      end do
+   end subroutine put_impacts
+
+   !> Puts the ranges of values over which each run has one period into the result, with remarks:
+   !! first the ranges whose ends are known, then those next to values that were not reached.
+   pure subroutine put_windows(values, directions, found, result, windows)
+      !> Values of the parameter.
+      real(wp), intent(in) :: values(:)
+      !> Direction of each run: 1 up, -1 down, 0 with new states at each value.
+      integer, intent(in) :: directions(:)
+      !> The motions on which the runs settle.
+      type(diagram_type), intent(in) :: found
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> Number of ranges with known ends.
+      integer, intent(out) :: windows
+      type(line_type), allocatable :: runs(:), labels(:)
+      integer, allocatable :: all_first(:), all_last(:), cut(:)
+      integer :: first(size(values)), last(size(values)), i, j, n
+
+      allocate (runs(0), labels(0), all_first(0), all_last(0), cut(0))
+      do j = 1, size(directions)
+         call find_windows(found%periods(:, :, j), first, last, n)
+         do i = 1, n
+            call append(runs, run_name(directions, j))
+            call append(labels, label(found%periods(:, first(i), j)))
+            cut = [cut, merge(1, 0, any(found%status(max(1, first(i) - 1):min(last(i) + 1, &
+               size(values)), j) == stat%not_computed))]
+         end do
+         all_first = [all_first, first(:n)]
+         all_last = [all_last, last(:n)]
+      end do
+      do i = 1, size(cut)
+         if (cut(i) == 0) call result%remark(runs(i)%text//': '//labels(i)%text//' from '// &
+            exact(values(all_first(i)))//' to '//exact(values(all_last(i))))
+      end do
+      do i = 1, size(cut)
+         if (cut(i) == 1) call result%remark(runs(i)%text//': '//labels(i)%text// &
+            ' at least from '//exact(values(all_first(i)))//' to '// &
+            exact(values(all_last(i)))//', beside what was not reached')
+      end do
+      windows = count(cut == 0)
+      call result%open('windows', 'window', [size(cut)])
+      call result%put_text('windows', 'run', runs)
+      call result%put('windows', 'low', values(all_first))
+      call result%put('windows', 'high', values(all_last))
+      call result%put_text('windows', 'label', labels)
+      call result%put('windows', 'cut', cut)
+   end subroutine put_windows
+
+   !> The system with its values of the parameter.
+   pure function path_of(case) result(path)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      type(path_type) :: path
+
+      path%osc = case%osc
+      path%load = case%study%number('load')
+      allocate (path%values, source=parameter_values(case))
+      allocate (path%r(1), source=case%r)
+      if (case%study%has('r')) path%r = case%study%numbers('r')
+      allocate (path%clearance, source=clearance_values(case, size(path%values)))
+      call parameter_place(trim(parameter_of(case)), path%place, path%tied)
+   end function path_of
+
+   !> The direction of each run: 1 up, -1 down, 0 with new states at each value.
+   pure function directions_of(case) result(directions)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      integer, allocatable :: directions(:)
+
+      select case (case%study%word('sweep'))
+      case ('up')
+         directions = [1]
+      case ('down')
+         directions = [-1]
+      case ('both')
+         directions = [1, -1]
+      case default
+         allocate (directions(case%study%whole_number('states')), source=0)
+      end select
+   end function directions_of
+
+   !> The name of a run.
+   pure function run_name(directions, j) result(text)
+      !> Directions of all runs, and number of the run.
+      integer, intent(in) :: directions(:), j
+      character(len_trim(padded_name(directions, j))) :: text
+
+      text = padded_name(directions, j)
+   end function run_name
+
+   !> The name of a run, padded with blanks.
+   pure function padded_name(directions, j) result(text)
+      !> Directions of all runs, and number of the run.
+      integer, intent(in) :: directions(:), j
+      character(20) :: text
+
+      select case (directions(j))
+      case (1)
+         text = 'up'
+      case (-1)
+         text = 'down'
+      case default
+         text = 'state '//whole(j)
+      end select
+   end function padded_name
+
+   !> Symbols and load cycles of a period as N/k; empty where no period is confirmed.
+   pure function label(period) result(text)
+      !> Load cycles, symbols, impacts, rests.
+      integer, intent(in) :: period(4)
+      character(merge(whole_width(period(1)) + whole_width(period(2)) + 1, 0, &
+         period(1) > 0)) :: text
+
+      if (period(1) > 0) text = whole(period(2))//'/'//whole(period(1))
+   end function label
+
+end module vi_bifurcation_study

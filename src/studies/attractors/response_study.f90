@@ -1,0 +1,202 @@
+!> The study &response: the greatest displacement of the primary mass along the frequency ratio.
+module vi_response_study
+   use vi_attractor_response, only: respond
+   use vi_common_keys, only: most_numbers, check_product, clearance_key, max_events_key, &
+      resonance, window_keys
+   use vi_kinds, only: wp
+   use vi_oscillator, only: at_resonance
+   use vi_spacing, only: even
+   use vi_status, only: stat, status_text
+   use vi_text, only: counted, shown, whole
+   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
+   implicit none (type, external)
+   private
+
+   public :: declare_response
+
+   type(key_type), parameter :: response_keys(*) = [ &
+      key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
+      may_miss=.true., option='r-list', &
+      meaning='frequency ratios, if they are not evenly spaced'), &
+      key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
+      option='r', meaning='first frequency ratio'), &
+      key_type('r_max', low=window_keys(1)%low, high=window_keys(1)%high, over='r_min', never='r', &
+      option='r', meaning='last frequency ratio'), &
+      key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, never='r', option='r', &
+      meaning='number of frequency ratios'), &
+      key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
+      or='inverse_clearance', unit='F0/K', &
+      meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each r'), &
+      key_type('inverse_clearance', most=1000000, low=1.0e-12_wp, high=1.0e12_wp, &
+      or='clearance', unit='K/F0', meaning='F0/(d K), one number or one for each r'), &
+      key_type('states', a_whole, default='24', low=1.0_wp, high=1.0e6_wp, &
+      meaning='initial states at each frequency ratio, spread evenly'), &
+      key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
+      meaning='load cycles simulated before the motion is examined'), &
+      key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
+      meaning='load cycles then examined'), &
+      key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
+      meaning='load amplitude'), max_events_key]
+
+   type(column_type), parameter :: response_columns(*) = [ &
+      column_type('points', 'r', meaning='frequency ratio'), &
+      column_type('points', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
+      column_type('points', 'lowest', &
+      meaning='least max|X|/A of the attractors; nan if all simulations failed'), &
+      column_type('points', 'highest', meaning='greatest max|X|/A of the attractors'), &
+      column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &
+      column_type('runs', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if none is confirmed'), &
+      column_type('runs', 'symbols', wholes, listed=.false., &
+      meaning='impacts of a period, each accumulation counted as one'), &
+      column_type('runs', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
+      column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
+      column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
+
+contains
+
+   !> Declares the study.
+   subroutine declare_response(study)
+      !> The declaration of the study.
+      type(study_type), intent(out) :: study
+
+      study%name = 'response'
+      study%meaning = 'follow max|X|/A along r over all attractors'
+      study%list => list_response
+      study%row = 'points'
+      study%check => check_response
+      study%memory => response_memory
+      study%run => run_response
+   end subroutine declare_response
+
+   !> Lists the keys and columns.
+   pure subroutine list_response(keys, columns)
+      !> The keys of the group.
+      type(key_type), allocatable, intent(out), optional :: keys(:)
+      !> The columns of the result.
+      type(column_type), allocatable, intent(out), optional :: columns(:)
+
+      if (present(keys)) keys = response_keys
+      if (present(columns)) columns = response_columns
+   end subroutine list_response
+
+   !> Checks the rules that involve several keys.
+   subroutine check_response(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      character(:), allocatable :: key
+      integer :: n
+
+      associate (study => case%study)
+         if (len(study%fault) > 0) return
+         n = size(r_values(case))
+         key = trim(merge('r    ', 'r_min', study%has('r')))
+         if (any(at_resonance(case%osc%xi, r_values(case)))) call study%refuse(key, resonance// &
+            'among the values')
+         key = trim(clearance_name(case))
+         if (all(size(study%numbers(key)) /= [1, n])) call study%refuse(key, 'one number, or '// &
+            whole(n)//', one for each r')
+         call check_product(study, 'states', [n, study%whole_number('states')], &
+            'r_points x states must be at most '//whole(most_numbers))
+      end associate
+   end subroutine check_response
+
+   !> The frequency ratios.
+   pure function r_values(case) result(r)
+      !> The case.
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: r(:)
+
+      if (case%study%has('r')) then
+         r = case%study%numbers('r')
+      else
+         r = even(case%study%number('r_min'), case%study%number('r_max'), &
+            case%study%whole_number('r_points'))
+      end if
+   end function r_values
+
+   !> The key that gives the clearance or its inverse, padded with blanks.
+   pure function clearance_name(case) result(name)
+      !> The case.
+      type(case_type), intent(in) :: case
+      character(17) :: name
+
+      name = merge('clearance        ', 'inverse_clearance', case%study%has('clearance'))
+   end function clearance_name
+
+   !> The clearance at each frequency ratio.
+   pure function clearance_values(case, n) result(clearance)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> Number of frequency ratios.
+      integer, intent(in) :: n
+      real(wp) :: clearance(n)
+
+      associate (given => case%study%numbers(trim(clearance_name(case))))
+         clearance = given(1)
+         if (size(given) == n) clearance = given
+      end associate
+      if (case%study%has('inverse_clearance')) clearance = 1/clearance
+   end function clearance_values
+
+   !> Bytes for all simulations: about 120 numbers each.
+   pure real(wp) function response_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+
+      bytes = 1000.0_wp*size(r_values(case))*case%study%whole_number('states')
+   end function response_memory
+
+   !> Finds max|X|/A of the attractors at each frequency ratio, and its least and greatest value.
+   subroutine run_response(case, threads, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      real(wp), allocatable :: r(:), clearance(:), attenuation(:, :), envelope(:, :)
+      integer, allocatable :: periods(:, :, :), status(:, :), done(:)
+      integer :: n, states, lost, i
+
+      allocate (r, source=r_values(case))
+      n = size(r)
+      states = case%study%whole_number('states')
+      allocate (clearance, source=clearance_values(case, n))
+      allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
+      call respond(case%osc, r, clearance, case%study%number('load'), &
+         case%study%whole_number('settling'), case%study%whole_number('keep'), &
+         case%study%whole_number('max_events'), threads, attenuation, envelope, periods, status, &
+         progress)
+      ! only the points that were completed before a stop
+      done = pack([(i, i=1, n)], all(status /= stat%not_computed, 1))
+      if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
+      call result%open('points', 'r', [size(done)])
+      call result%put('points', 'r', r(done))
+      call result%put('points', 'clearance', clearance(done))
+      call result%put('points', 'lowest', envelope(1, done))
+      call result%put('points', 'highest', envelope(2, done))
+      call result%open('runs', 'state r', [states, size(done)])
+      call result%put('runs', 'attenuation', [attenuation(:, done)])
+      call result%put('runs', 'cycles', [periods(1, :, done)])
+      call result%put('runs', 'symbols', [periods(2, :, done)])
+      call result%put('runs', 'impacts', [periods(3, :, done)])
+      call result%put('runs', 'rests', [periods(4, :, done)])
+      call result%put('runs', 'status', [status(:, done)])
+      lost = count(status(:, done) /= stat%ok)
+      n = size(done)
+      result%empty = lost == n*states
+      if (.not. result%empty) then
+         associate (values => attenuation(:, done), good => status(:, done) == stat%ok)
+            call result%add_note('max|X|/A from '//shown(minval(values, good), 'f12.4')//' to '// &
+               shown(maxval(values, good), 'f12.4')//' at '//counted(n, 'point'))
+         end associate
+      end if
+      if (lost > 0) call result%fail(whole(lost)//' of '//counted(n*states, 'simulation')// &
+         ' failed: '//status_text(maxval(status(:, done))))
+   end subroutine run_response
+
+end module vi_response_study
