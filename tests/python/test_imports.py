@@ -10,8 +10,8 @@ import vibroimpact as vi
 PACKAGE = Path(vi.__file__).parent
 #: The rooms of the package, and the modules at its top: each may import those before it, also for type checkers.
 ROOMS = (
-    "base", "systems", "results", "formats", "motions", "derivatives", "studies", "cases", "designs",
-    "identification", "campaigns", "plot", "physical", "jax", "__init__", "reproduce", "explorer", "commands",
+    "base", "systems", "results", "motions", "derivatives", "studies", "cases", "designs", "identification",
+    "campaigns", "formats", "plot", "physical", "jax", "__init__", "reproduce", "explorer", "commands",
 )  # fmt: skip
 
 

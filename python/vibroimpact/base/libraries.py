@@ -34,3 +34,20 @@ def zarr() -> Any:
             "a campaign's store needs zarr: pip install 'vibroimpact[campaign]' (Python 3.11 or newer)"
         ) from None
     return module
+
+
+def need_netcdf() -> None:
+    """An error that says how to get them, if netCDF files cannot be written."""
+    xarray("netCDF files")
+    for name in ("h5py", "h5netcdf"):
+        need(name)
+
+
+def need(name: str) -> Any:
+    """A library of the extra for data, or an error that says how to get it."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise MissingExtraError(
+            f"netCDF files need {name}: pip install 'vibroimpact[data]'"
+        ) from None

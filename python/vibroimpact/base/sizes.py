@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from .errors import OutOfMemoryError, ParameterError, VibroimpactError
 
@@ -97,3 +99,9 @@ def memory_for(what: str) -> Iterator[None]:
         raise
     except MemoryError as error:
         raise OutOfMemoryError(f"{what}: takes more memory than there is; {error}") from None
+
+
+def unpacked(data: Any) -> int:
+    """Bytes that are needed to read a dataset of h5py: of its values, and of a chunk, which can be larger."""
+    chunk = math.prod(data.chunks or (0,))
+    return int((data.size + chunk) * data.dtype.itemsize)

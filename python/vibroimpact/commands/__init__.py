@@ -227,11 +227,11 @@ def need_extras(options: argparse.Namespace) -> None:
     """An error before anything is computed, if a library is missing by which the result is to be written."""
     form = getattr(options, "format", None)
     if form == "netcdf":
-        from ..formats.netcdf import need_netcdf
+        from ..base.libraries import need_netcdf
 
         need_netcdf()
     if form == "matlab":
-        from ..formats.matlab import scipy_io
+        from ..base.matlab import scipy_io
 
         scipy_io()
     if getattr(options, "plot", None):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
@@ -10,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import MissingExtraError, ParameterError
+from ..base.errors import ParameterError
 from ..base.files import write_bytes
-from ..base.libraries import xarray
-from ..base.sizes import TEXT, check_size
+from ..base.libraries import need, need_netcdf
+from ..base.sizes import TEXT, check_size, unpacked
 
 #: Largest number of bytes to which one byte of deflated data can expand.
 DEFLATED = 1032
@@ -25,23 +24,6 @@ def write_netcdf(noun: Any, path: Path) -> None:
     record = np.frombuffer(noun.to_json().encode(), dtype=np.uint8)
     data["record"] = ("byte", record, {"long_name": "the result as JSON, for vibroimpact.load"})
     save_dataset(data, path)
-
-
-def need_netcdf() -> None:
-    """An error that says how to get them, if netCDF files cannot be written."""
-    xarray("netCDF files")
-    for name in ("h5py", "h5netcdf"):
-        need(name)
-
-
-def need(name: str) -> Any:
-    """A library of the extra for data, or an error that says how to get it."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise MissingExtraError(
-            f"netCDF files need {name}: pip install 'vibroimpact[data]'"
-        ) from None
 
 
 def save_dataset(data: Any, path: Path) -> None:
@@ -60,12 +42,6 @@ def save_dataset(data: Any, path: Path) -> None:
     data.dump_to_store(store, encoding=packed)
     store.close()
     write_bytes(path, content.getvalue())
-
-
-def unpacked(data: Any) -> int:
-    """Bytes that are needed to read a dataset of h5py: of its values, and of a chunk, which can be larger."""
-    chunk = math.prod(data.chunks or (0,))
-    return int((data.size + chunk) * data.dtype.itemsize)
 
 
 def read_netcdf(path: Path) -> str:

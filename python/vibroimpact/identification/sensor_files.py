@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from ..base import checks, libraries
 from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
-from ..base.sizes import NUMBERS, check_file, check_size
-from ..formats.matlab import read_variables
+from ..base.libraries import need, need_netcdf
+from ..base.matlab import read_variables
+from ..base.sizes import NUMBERS, check_file, check_size, unpacked
 from ..systems.units import positive
 from .measured import SI, UNITS, SensorRecord
 
@@ -464,8 +465,6 @@ def of_variables(found: Mapping[str, Any]) -> Content:
 
 def read_netcdf(path: Path) -> Content:
     """Variables along one dimension, with the attribute `units`."""
-    from ..formats.netcdf import need, need_netcdf, unpacked
-
     need_netcdf()
     h5py = need("h5py")
     if h5py.is_hdf5(path):  # the older format is not packed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,8 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError
 from ..systems.record import Record
-from ..systems.structure import Load
+from ..systems.structure import Load, Structure
 from .quantities import Signal
-
-if TYPE_CHECKING:
-    from ..systems.structure import Structure
-    from .structure_trajectory import StructureTrajectory
 
 __all__ = ["StructureQuantities"]
 
@@ -31,6 +27,25 @@ MOST_TURNED = 2 * 10**7
 IMPACT_TYPE = np.dtype(
     [("time", "f8"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"), ("loss", "f8")]
 )
+
+
+class Run(Protocol):
+    """What is needed of a trajectory."""
+
+    @property
+    def structure(self) -> Structure: ...
+    @property
+    def load(self) -> Load | Record | None: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def end(self) -> float: ...
+    @property
+    def events(self) -> NDArray[Any]: ...
+    @property
+    def states(self) -> _Array: ...
+    def sample(self, t: Any) -> tuple[_Array, _Array]: ...
+    def _resting(self) -> tuple[int, ...]: ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,7 +109,7 @@ def force_at(load: Load | Record | None, t: _Array, n: int) -> _Array:
     return np.asarray(force + load.weights.T @ parts)
 
 
-def accelerations(run: StructureTrajectory, t: _Array, q: _Array, rate: _Array) -> _Array:
+def accelerations(run: Run, t: _Array, q: _Array, rate: _Array) -> _Array:
     """Accelerations (n, m) between impacts; those of gaps that rest keep them closed."""
     s: Structure = run.structure
     force = force_at(run.load, t, s.coordinates) - s.damping @ rate - s.stiffness @ q
@@ -117,9 +132,7 @@ def accelerations(run: StructureTrajectory, t: _Array, q: _Array, rate: _Array) 
     return np.asarray(found)
 
 
-def velocities_beside(
-    run: StructureTrajectory, numbers: NDArray[np.int64]
-) -> tuple[_Array, _Array]:
+def velocities_beside(run: Run, numbers: NDArray[np.int64]) -> tuple[_Array, _Array]:
     """The velocities (n, m) just before and just after some events, of which several may be at one instant."""
     s, events = run.structure, run.events[numbers]
     directions = np.reshape([gap.direction for gap in s.gaps], (-1, s.coordinates))
@@ -137,7 +150,7 @@ def velocities_beside(
     return before, after
 
 
-def panels(run: StructureTrajectory, first: float, last: float) -> tuple[_Array, _Array]:
+def panels(run: Run, first: float, last: float) -> tuple[_Array, _Array]:
     """Times and weights (panels, 12) of the quadrature: panels end at events and at the samples of a record."""
     s, load = run.structure, run.load
     fastest = math.sqrt(
@@ -165,7 +178,7 @@ def panels(run: StructureTrajectory, first: float, last: float) -> tuple[_Array,
     return start[:, None] + 0.5 * size[:, None] * (1 + NODES), 0.5 * size[:, None] * WEIGHTS
 
 
-def window_of(run: StructureTrajectory, window: Any) -> tuple[float, float]:
+def window_of(run: Run, window: Any) -> tuple[float, float]:
     """A window within a trajectory."""
     if window is None:
         return run.start, run.end
@@ -177,7 +190,7 @@ def window_of(run: StructureTrajectory, window: Any) -> tuple[float, float]:
 
 
 def structure_quantities(
-    run: StructureTrajectory, window: Any, harmonics: Any, closed: bool = False
+    run: Run, window: Any, harmonics: Any, closed: bool = False
 ) -> StructureQuantities:
     """The quantities of a trajectory over a window; of a `closed` one, the period of a motion, with the impact
     at its end."""
