@@ -7,22 +7,22 @@ import vibroimpact.plot
 
 #: Modules by subject; public names of modules not listed here come last.
 SUBJECTS = {
-    "System, pattern, units": ("model", "units", "physical", "excitations"),
-    "Motions": ("solve", "newton", "studies.find", "motion", "events", "flags", "gradient",
-                "status"),
-    "Simulation": ("trajectory", "period", "bundle"),
-    "Response quantities": ("quantities", "structure_quantities"),
-    "Structures": ("structure", "structure_trajectory", "structure_motion", "structure_find", "restitution",
-                   "record"),
+    "System, pattern, units": ("systems.oscillator", "systems.units", "physical", "systems.excitations"),
+    "Motions": ("motions.periodic", "motions.exact", "studies.find", "motions.motion", "results.events",
+                "motions.flags", "results.gradient", "base.status"),
+    "Simulation": ("motions.trajectory", "motions.bundle"),
+    "Response quantities": ("motions.quantities", "motions.structure_quantities"),
+    "Structures": ("systems.structure", "motions.structure_trajectory", "motions.structure_motion",
+                   "studies.structure_find", "systems.restitution", "systems.record"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
-    "Attractors": ("studies.basins", "studies.basin_attractors", "studies.bifurcation", "studies.lyapunov",
-                   "studies.response", "spacing"),
-    "Records of a rig": ("studies.identify", "measured", "formats.measured"),
+    "Attractors": ("studies.basins", "studies.bifurcation", "studies.lyapunov", "studies.response",
+                   "base.spacing"),
+    "Records of a rig": ("identification.identify", "identification.measured", "identification.sensor_files"),
     "Uncertain parameters": ("studies.uncertainty", "studies.boundary_band"),
     "Campaigns": ("campaigns.run", "campaigns.sweep", "campaigns.campaign"),
-    "Other studies": ("studies.*",),
-    "Namelists": ("run",),
+    "Other studies": ("studies.*", "designs.*"),
+    "Namelists": ("cases.run", "cases.case"),
     "Results in files": ("formats.load",),
 }  # fmt: skip
 #: Functions of modules that need an extra, which are documented without it.
@@ -31,7 +31,7 @@ OF_EXTRAS = {
     "The interactive page (extra `explorer`)": ("explorer.server.explore",),
 }
 EXTRA = {
-    "What all results can do": ("noun.Savable",),
+    "What all results can do": ("results.noun.Savable",),
     "Pictures": ("plot.draw", "plot.draw_chart", "plot.draw_system"),
     "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
 }

@@ -56,7 +56,6 @@ from .studies.response import Response, response
 from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
 from .studies.structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
 from .studies.structure_find import StructureMotions, find_structure, same_structure_motion
-from .studies.structure_lyapunov import StructureLyapunov, lyapunov_structure
 from .studies.structure_sweep import (
     StructureBifurcation,
     StructureResponse,
@@ -67,7 +66,7 @@ from .studies.structure_zone import StructurePiece, StructureZone, zone_structur
 from .studies.uncertainty import LimitProbability, Uncertainty, limit_probability, uncertainty
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .systems.excitations import half_sine, swept_sine
-from .systems.oscillator import Oscillator, Pattern
+from .systems.oscillator import Oscillator, Pattern, Point
 from .systems.record import Record, base_motion, base_record
 from .systems.restitution import PowerLaw, TabulatedRestitution
 from .systems.structure import Gap, Load, Structure
@@ -112,6 +111,7 @@ __all__ = [
     "PeriodicWindow",
     "Physical",
     "Piece",
+    "Point",
     "PowerLaw",
     "Quantities",
     "Record",
@@ -129,7 +129,6 @@ __all__ = [
     "StructureBasins",
     "StructureBifurcation",
     "StructureBranch",
-    "StructureLyapunov",
     "StructureMotion",
     "StructureMotions",
     "StructurePiece",
@@ -176,7 +175,6 @@ __all__ = [
     "linear_system",
     "load",
     "lyapunov",
-    "lyapunov_structure",
     "motion_images",
     "periodic",
     "periodic_batch",

@@ -132,7 +132,7 @@ def others(vi, osc, motion):
         "shares": vi.basins_structure(walls, load, states=2, settling=20),
         "cells": vi.bifurcation_structure(walls, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
         "rows": vi.response_structure(walls, load, [0.93, 0.94], settling=2, keep=3),
-        "exponents": vi.lyapunov_structure(walls, load, cycles=4, discard=1, batches=2),
+        "exponents": vi.lyapunov(walls, load, cycles=4, discard=1, batches=2),
         "basins": vi.basins(osc, 0.94, 37.0, states=2, cycles=5, probes=1),
         "diagram": vi.bifurcation_diagram(osc, "clearance", [36.0, 38.0], r=0.94, settling=2, keep=3, points=3),
         "curve": vi.response(osc, [0.93, 0.94], 37.0, states=1, settling=2, keep=3),

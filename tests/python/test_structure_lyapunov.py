@@ -195,7 +195,7 @@ def test_picture():
     ax = found.plot()
     assert ax.get_ylabel() == "exponent per load cycle"
     assert "-\\infty" in ax.texts[0].get_text()
-    assert "StructureLyapunov" in found._repr_html_()
+    assert "Lyapunov" in found._repr_html_()
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,7 @@ def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) 
     if language()["results"][study]["in_python"]:
         result: Result = RESULTS[study].computed(case_of(text), None)._result
         return result
-    noun = door.run_text(RESULTS[study], text, threads, counters=counters)
+    noun = door.run_text(RESULTS[study], text, threads, counters=counters, study=study)
     result = noun._result
     return result
 

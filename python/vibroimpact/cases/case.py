@@ -93,7 +93,7 @@ class Case(NamedTuple):
         noun = RESULTS[self.study]
         if self.in_python:
             return noun.computed(self, progress)
-        return door.run_text(noun, self.text, progress=progress)
+        return door.run_text(noun, self.text, progress=progress, study=self.study)
 
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.

@@ -7,7 +7,6 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from ..results.tables import language
-from ..studies.structure_lyapunov import StructureLyapunov
 from .cases import run_kind
 from .options import Option, options_of, shown
 from .request import Request, request_of
@@ -68,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
 
 def details(result: Any) -> list[str]:
     """The exponents of each point, or of a structure."""
-    if isinstance(result, StructureLyapunov):
+    if result.of_structure:
         values = zip(result.per_cycle, result.error_per_cycle, strict=True)
         unit = f"per {result.cycle}"
         return [

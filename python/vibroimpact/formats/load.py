@@ -10,7 +10,7 @@ from typing import Any
 from ..base import checks
 from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..base.sizes import check_file
-from ..results.noun import NOUNS
+from ..results.noun import FORMER, NOUNS
 from ..systems.units import Units
 from .matlab import read_matlab
 from .netcdf import read_netcdf
@@ -70,9 +70,10 @@ def load(path: str | Path) -> Any:
         read = READERS.get(place.suffix.lower(), READERS[".json"])
         data = json.loads(read(place))
         kind = mapping(data, "record").get("type")
-        if kind not in [*NOUNS]:
+        noun = FORMER[kind][0] if kind in [*FORMER] else NOUNS[kind] if kind in [*NOUNS] else None
+        if noun is None:
             raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")
-        found = NOUNS[kind].from_dict(data)
+        found = noun.from_dict(data)
         if "physical" not in data:
             return found
         units: dict[str, Any] = mapping(data["physical"], "physical")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, VibroimpactError
+from ..results.noun import FORMER
 from ..results.tables import STORED, Column, Found, Result, Table, column_from, language
 from .rows import places_of
 
@@ -39,8 +40,8 @@ def to_dict(noun: Any) -> dict[str, Any]:
         if table.owners is not None:
             tables[name] |= {"parent": table.parent, "owners": table.owners.tolist()}
     return {
-        "type": type(noun).__name__, "vibroimpact": version("vibroimpact"), "case": result.case,
-        "cut": result.cut, "empty": result.empty, "remarks": list(result.remarks),
+        "type": type(noun).__name__, "study": result.study, "vibroimpact": version("vibroimpact"),
+        "case": result.case, "cut": result.cut, "empty": result.empty, "remarks": list(result.remarks),
         "notes": [list(note) for note in result.notes], "tables": tables,
     }  # fmt: skip
 
@@ -86,13 +87,16 @@ def from_json(kind: Any, text: str) -> Any:
 def from_dict(kind: Any, data: Any) -> Any:
     """The inverse of `to_dict`."""
     name = mapping(data, "record").get("type", kind.__name__)
-    if name != kind.__name__:
+    now, named = FORMER.get(name, (kind, data.get("study", kind.study)))
+    if now is not kind or (name != kind.__name__ and name not in FORMER):
         raise ParameterError(f"type = {name!r}: must be {kind.__name__!r}")
+    if named not in kind.studies:
+        raise ParameterError(f"study = {named!r}: must be one of {', '.join(kind.studies)}")
     for key, wanted in HEAD.items():
         if not isinstance(data.get(key), wanted):
             raise ParameterError(f"{key} = {data.get(key)!r}: must be of type {wanted.__name__}")
     declared: dict[str, dict[str, Any]] = {}
-    study = language()["results"][kind.study]
+    study = language()["results"][named]
     for item in study["columns"]:
         declared.setdefault(item["table"], {})[item["name"]] = item
     for key in ("case", "cut", "remarks", "notes"):
@@ -110,7 +114,7 @@ def from_dict(kind: Any, data: Any) -> Any:
         )
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
     result = Result(
-        kind.study, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])), notes,
+        named, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])), notes,
         study["row"], Found(tables, "tables"),
     )  # fmt: skip
     if not result.empty:

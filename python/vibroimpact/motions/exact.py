@@ -14,7 +14,7 @@ from ..base.interrupt import with_stack
 from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
 from ..results.events import event_table
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .motion import Motion
 from .periodic import frozen, impact_restitution, periodic
 from .structure_motion import exact_structure
@@ -40,7 +40,7 @@ def _guess_by_gaps(given: dict[str, Any]) -> None:
         given["guess"] = (guess.phases + guess.load_phase, gaps, guess.pattern.cycles)
 
 
-@or_structure(exact_structure, of_law=_guess_by_gaps)
+@every_system(exact_structure, of_law=_guess_by_gaps)
 def exact(
     osc: Oscillator,
     r: float,

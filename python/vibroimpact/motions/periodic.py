@@ -12,7 +12,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.status import NO_MOTION, VERDICT, raise_status
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .motion import Motion, Motions
 from .structure_motion import periodic_structure
 
@@ -21,7 +21,7 @@ __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "perio
 PRECISIONS = ("double", "single")
 
 
-@or_structure(periodic_structure)
+@every_system(periodic_structure)
 def periodic(
     osc: Oscillator,
     r: float,

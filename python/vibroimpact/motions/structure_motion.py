@@ -19,6 +19,7 @@ from ..results import namelist
 from ..results.gradient import Gradient
 from ..results.noun import ACTIONS, Savable
 from ..results.parameters import Wanted
+from ..results.structure_groups import check_gap_numbers
 from ..results.tables import Result, made
 from ..systems.restitution import PowerLaw, TabulatedRestitution
 from ..systems.structure import Load, Structure
@@ -26,7 +27,6 @@ from .structure_quantities import StructureQuantities, structure_quantities
 from .structure_trajectory import (
     OfStructure,
     StructureTrajectory,
-    check_gap_numbers,
     core_arrays,
     new_events,
     request_of,

@@ -12,53 +12,33 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..results import door, namelist
 from ..results.noun import Noun
-from ..results.structure_groups import system_of
-from ..results.tables import Found, language
+from ..results.tables import language
 from ..systems.structure import Load, Structure
-from .structure_trajectory import _state, check_gap_numbers
+from .structure_trajectory import _state
 
 _Found = TypeVar("_Found")
 
 
 class StructureNoun(Noun):
-    """A result of a study of a structure.
-
-    Attributes
-    ----------
-    structure : Structure
-    load : Load or None
-    """
+    """A result of a study of structures alone."""
 
     __slots__ = ()
 
     @property
-    def structure(self) -> Structure:
-        """The structure."""
-        return system_of(self.case)[0]
-
-    @property
-    def load(self) -> Load | None:
-        """The load."""
-        load = system_of(self.case)[1]
-        return load if isinstance(load, Load) else None  # none of these studies takes a record
-
-    @property
-    def keys(self) -> dict[str, Any]:
-        """The keys of the study and their values; one that the case of a file lacks is an error that names it."""
-        groups = namelist.parts_of(self.case) or [("", {})]
-        return Found(groups[-1][1], "case")
-
-    def _check_read(self) -> None:
-        if not self._result.empty:
-            check_gap_numbers(self._result, self.structure)
+    def of_structure(self) -> bool:
+        return True
 
     def _table(self, table: str, name: str) -> NDArray[Any]:
         """A column of a table."""
         return self._result.column(table, name).decoded()
 
     def _facts(self) -> dict[str, str]:
-        s = self.structure
-        return {"coordinates": str(s.coordinates), "gaps": str(len(s.gaps))}
+        return facts_of(self.structure)
+
+
+def facts_of(structure: Structure) -> dict[str, str]:
+    """Names and values of a structure, for Jupyter."""
+    return {"coordinates": str(structure.coordinates), "gaps": str(len(structure.gaps))}
 
 
 def run_structure(
@@ -71,7 +51,7 @@ def run_structure(
     Parameters
     ----------
     noun : class
-        Class of the result; its `study` names the study.
+        Class of the result; the last of its `studies` is that of structures.
     keys : mapping
         Keys of the group; None for a key that is left out.
     threads, progress, parameters
@@ -79,7 +59,7 @@ def run_structure(
     needs_frequency : bool
         Whether the load must have a frequency.
     """
-    study: str = noun.study  # type: ignore[attr-defined]
+    study: str = noun.studies[-1]  # type: ignore[attr-defined]
     check_load(structure, load, needs_frequency)
     names = parameters or {}
     values = {
@@ -90,7 +70,7 @@ def run_structure(
     forces = [] if load is None else load._groups()
     text = namelist.text([*structure._groups(), *forces, (group, values)])
     try:
-        return door.run_text(noun, text, threads, progress)
+        return door.run_text(noun, text, threads, progress, study=study)
     except ParameterError as error:
         message = str(error)
         for name in (group, "structure", "load"):

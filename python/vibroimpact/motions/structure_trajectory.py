@@ -20,7 +20,7 @@ from ..results.gradient import Gradient
 from ..results.noun import ACTIONS, Noun, Savable
 from ..results.parameters import Wanted
 from ..results.states import MOST, SPAN
-from ..results.structure_groups import system_of
+from ..results.structure_groups import check_gap_numbers, system_of
 from ..results.tables import Result, made
 from ..systems.record import Record
 from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution
@@ -457,25 +457,6 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     sine, cosine = values("harmonics", "sine", "cosine")
     own = {"sine": sine, "cosine": cosine} if len(sine) else {}
     return structure, Load(frequency or None, **own, constant=constant)
-
-
-def check_gap_numbers(result: Result, structure: Structure) -> None:
-    """An error if a column of gaps has a number that is none of the structure's, with which the core would read
-    beyond its arrays."""
-    many = len(structure.gaps)
-    for name, table in result.tables.items():
-        for key in {"gap", "gaps"} & set(table.columns):
-            numbers = table.columns[key].values
-            wrong = numbers[~((numbers >= 0) & (numbers < many))]
-            if wrong.size:
-                raise ParameterError(
-                    f"{name}.{key} = {wrong[0]}: must be the number of one of {many} gaps, from 0"
-                )
-        for key, column in table.columns.items():
-            if column.each == "coordinate" and column.values.shape[-1] != structure.coordinates:
-                raise ParameterError(
-                    f"{name}.{key} of shape {column.values.shape}: must be for {structure.coordinates} coordinates"
-                )
 
 
 def check_times(times: _Array, start: float, end: float) -> None:

@@ -43,7 +43,7 @@ from ..results.states import (
 )
 from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .motion import osc_of, units_of
 from .quantities import Quantities, quantities_of
 from .structure_trajectory import simulate_structure
@@ -416,7 +416,7 @@ class Simulation(Noun, study="simulate"):
         return f"<Simulation: {', '.join(map(repr, self.parts())) or 'none'}>"
 
 
-@or_structure(simulate_structure, of_law=state_by_coordinates)
+@every_system(simulate_structure, of_law=state_by_coordinates)
 @memory_for("events of a simulation, by max_events")
 def simulate(
     osc: Oscillator,

@@ -27,14 +27,14 @@ from .structure_curves import draw_structure_branch, draw_structure_zone
 from .uncertainty import draw_uncertainty
 from .zone import draw_atlas, draw_zone
 
-#: The function that draws a result, by class; its options are those of the `plot` of the class, in order.
+#: The function that draws a result, by class, and of a structure; its options are those of `plot`, in order.
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "Findings": draw_found,
     "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
     "Response": draw_response, "StructureBasins": draw_structure_basins,
     "StructureBifurcation": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
-    "StructureLyapunov": draw_exponents, "StructureMotions": draw_multipliers,
+    "Lyapunov of structures": draw_exponents, "StructureMotions": draw_multipliers,
     "StructureResponse": draw_structure_response, "StructureTrajectory": draw_structure,
     "StructureZone": draw_structure_zone, "Trajectory": draw, "Uncertainty": draw_uncertainty,
     "Zone": draw_zone,
@@ -47,7 +47,10 @@ ANIMATIONS: dict[str, Callable[..., Any]] = {
 
 def draw_result(result: Any, *options: Any) -> Any:
     """Draw a result, with the options of its function in order."""
-    return PICTURES[type(result).__name__](result, *options)
+    name = type(result).__name__
+    return PICTURES.get(
+        f"{name} of structures" if result.of_structure else name, PICTURES.get(name)
+    )(result, *options)
 
 
 def animate_result(result: Any, *options: Any) -> Any:

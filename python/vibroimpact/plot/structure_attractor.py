@@ -23,9 +23,9 @@ COLORS = (
 )  # fmt: skip
 
 if TYPE_CHECKING:
+    from ..studies.lyapunov import Lyapunov
     from ..studies.structure_basins import StructureBasins
     from ..studies.structure_find import StructureMotions
-    from ..studies.structure_lyapunov import StructureLyapunov
     from ..studies.structure_sweep import StructureBifurcation, StructureResponse
 
 
@@ -49,7 +49,7 @@ def axes(
     return ax
 
 
-def draw_exponents(result: StructureLyapunov, ax: Any = None) -> Any:
+def draw_exponents(result: Lyapunov, ax: Any = None) -> Any:
     """The exponents per load cycle, or per unit of time, by their number, with three standard errors."""
     ax = axes(ax, result)
     numbers = np.arange(1, result.per_cycle.size + 1)

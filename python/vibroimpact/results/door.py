@@ -83,12 +83,14 @@ def translated(message: str, names: Mapping[str, str]) -> str:
 def run_text(
     noun: Callable[[Result], Found], text: str, threads: int | None = None,
     progress: Progress | None = None, little: bool = False, counters: NDArray[np.int32] | None = None,
+    study: str = "",
 ) -> Found:  # fmt: skip
     """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist.
 
-    With `counters` the call is made in this thread, and another one stops it by their flag.
+    `study` is that of the class by default. With `counters` the call is made in this thread, and another one stops
+    it by their flag.
     """
-    study: str = noun.study  # type: ignore[attr-defined]
+    study = study or noun.study  # type: ignore[attr-defined]
     checks.progress(progress)
     workers = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
 from ..systems.oscillator import Oscillator
-from .namelist import keys_of
+from ..systems.structure import Load, Structure
+from .namelist import keys_of, parts_of
+from .structure_groups import check_gap_numbers, system_of
 from .tables import Found, Result
 
 if TYPE_CHECKING:
@@ -22,21 +24,32 @@ Self = TypeVar("Self", bound="Savable")
 NOUNS: dict[str, type[Savable]] = {}
 #: The classes by the studies whose whole result they are.
 RESULTS: dict[str, type[Noun]] = {}
+#: The class and the study of results in files by the names that their classes had before.
+FORMER: dict[str, tuple[type[Savable], str]] = {}
 #: What is done with results elsewhere: files, pictures, physical units, derivatives. The package registers these
 #: functions when it is imported, so that results depend on none of them.
 ACTIONS: dict[str, Callable[..., Any]] = {}
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)
-    """A column of a table as an attribute, read-only; its own dimension comes last, or `first`."""
+    """A column of a table as an attribute, read-only; its own dimension comes last, or `first`.
 
-    def __init__(self, table: str, name: str = "", first: bool = False) -> None:
+    of_structure: the table and the column of results of structures, where they differ. A table that a result of a
+    structure lacks is an AttributeError.
+    """
+
+    def __init__(
+        self, table: str, name: str = "", first: bool = False, of_structure: tuple[str, str] | None = None
+    ) -> None:  # fmt: skip
         self.table = table
         self.name = name
         self.first = first
+        self.of_structure = of_structure
+        self.attribute = name
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = self.name or name
+        self.attribute = name
 
     @overload
     def __get__(self, noun: None, owner: type) -> column: ...
@@ -45,7 +58,13 @@ class column:  # noqa: N801 (a descriptor, written as property is)
     def __get__(self, noun: Noun | None, owner: type) -> Any:
         if noun is None:
             return self
-        values = noun._result.column(self.table, self.name).decoded()
+        result = noun._result
+        if noun.of_structure and self.of_structure:
+            return result.column(*self.of_structure).decoded()
+        if noun.of_structure and self.table not in result.tables:
+            known = (key for table in result.tables.values() for key in table.columns)
+            raise AttributeError(noun._lack(self.attribute, ", ".join(known)))
+        values = result.column(self.table, self.name).decoded()
         return np.moveaxis(values, -1, 0) if self.first else values
 
 
@@ -66,7 +85,10 @@ class Savable:
     """
 
     __slots__ = ()
+    #: The study that computes it: of oscillators, if there is one for each system.
     study: ClassVar[str] = ""
+    #: The studies that compute it.
+    studies: ClassVar[tuple[str, ...]] = ()
     #: Whether there is something to draw.
     drawable: bool = True
     #: The message if there is nothing to draw.
@@ -75,12 +97,21 @@ class Savable:
     _log_clearance: ClassVar[bool] = False
     plot: Callable[..., Any]
 
-    def __init_subclass__(cls, study: str = "") -> None:
+    def __init_subclass__(cls, study: str = "", of_structure: str = "", formerly: str = "") -> None:
+        """`of_structure`: the study for structures; `formerly`: the class of its results in older files."""
         super().__init_subclass__()
         if study:  # a dataclass with slots is created a second time, without these arguments
             cls.study = study
+            cls.studies = (study, of_structure) if of_structure else (study,)
         if cls.study:
             NOUNS[cls.__name__] = cls
+        if formerly:
+            FORMER[formerly] = (cls, of_structure)
+
+    @property
+    def of_structure(self) -> bool:
+        """Whether its system is a `Structure` with its load, and not an `Oscillator`."""
+        return False
 
     @property
     def _result(self) -> Result:
@@ -201,12 +232,15 @@ class Noun(Savable):
     printable: ClassVar[bool] = False
     _result: Result
 
-    def __init_subclass__(cls, study: str = "", part: bool = False, example: str = "") -> None:
+    def __init_subclass__(
+        cls, study: str = "", part: bool = False, example: str = "", of_structure: str = "",
+        formerly: str = "",
+    ) -> None:  # fmt: skip
         """`part`: whether the result of a case contains several objects of this class, rather than being one."""
-        super().__init_subclass__(study)
+        super().__init_subclass__(study, of_structure, formerly)
         cls.example = example
         if not part:
-            RESULTS[study] = cls
+            RESULTS.update(dict.fromkeys(cls.studies, cls))
 
     def __init__(self, result: Result) -> None:
         object.__setattr__(self, "_result", result)
@@ -236,6 +270,10 @@ class Noun(Savable):
     def __reduce__(self) -> Any:
         return type(self), (self._result,)
 
+    def _check_read(self) -> None:
+        if self.of_structure and not self._result.empty:
+            check_gap_numbers(self._result, self.structure)
+
     @property
     def case(self) -> str:
         return self._result.case
@@ -249,17 +287,47 @@ class Noun(Savable):
         return not self._result.cut
 
     @property
+    def of_structure(self) -> bool:
+        return self._result.study in self.studies[1:]
+
+    @property
     def keys(self) -> dict[str, Any]:
-        """The keys of the case and their values; one that the case of a file lacks is an error that names it."""
+        """The keys of the study and their values, with those of &system; one that the case of a file lacks is an
+        error that names it."""
+        if self.of_structure:
+            groups = parts_of(self.case) or [("", {})]
+            return Found(groups[-1][1], "case")
         return Found(keys_of(self.case), "case")
 
     @property
     def osc(self) -> Oscillator:
-        """The system."""
+        """The oscillator."""
+        if self.of_structure:
+            raise AttributeError(self._lack("osc", "structure and load"))
         keys = self.keys
         if "xi" not in keys:
             raise AttributeError(f"{self!r}: is a result of a Structure, which has no Oscillator")
         return Oscillator._of_keys(keys)
+
+    @property
+    def structure(self) -> Structure:
+        """The structure."""
+        if not self.of_structure:
+            raise AttributeError(self._lack("structure", "osc"))
+        return system_of(self.case)[0]
+
+    @property
+    def load(self) -> Any:
+        """The load of a structure, or the amplitude of that of an oscillator."""
+        if not self.of_structure:
+            return self.keys["load"]
+        load = system_of(self.case)[1]
+        return load if isinstance(load, Load) else None  # no study takes a record
+
+    def _lack(self, name: str, instead: str) -> str:
+        """The message for an attribute that results of its system do not have, with what they have instead."""
+        system = "a Structure" if self.of_structure else "an Oscillator"
+        return f"{name}: a {type(self).__name__} of {system} does not have it; it has {instead}"
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""

@@ -12,8 +12,9 @@ from ..systems.record import Record
 from ..systems.restitution import law_of_keys
 from ..systems.structure import Gap, Load, Structure
 from . import namelist
+from .tables import Result
 
-__all__ = ["from_groups", "system_of"]
+__all__ = ["check_gap_numbers", "from_groups", "system_of"]
 
 
 def system_of(case: str) -> tuple[Structure, Load | Record | None]:
@@ -69,6 +70,25 @@ def from_groups(
         }
         load = Load(part.get("frequency"), **harmonics, constant=constant)
     return structure, load
+
+
+def check_gap_numbers(result: Result, structure: Structure) -> None:
+    """An error if a column of gaps has a number that is none of the structure's, with which the core would read
+    beyond its arrays."""
+    many = len(structure.gaps)
+    for name, table in result.tables.items():
+        for key in {"gap", "gaps"} & set(table.columns):
+            numbers = table.columns[key].values
+            wrong = numbers[~((numbers >= 0) & (numbers < many))]
+            if wrong.size:
+                raise ParameterError(
+                    f"{name}.{key} = {wrong[0]}: must be the number of one of {many} gaps, from 0"
+                )
+        for key, column in table.columns.items():
+            if column.each == "coordinate" and column.values.shape[-1] != structure.coordinates:
+                raise ParameterError(
+                    f"{name}.{key} of shape {column.values.shape}: must be for {structure.coordinates} coordinates"
+                )
 
 
 def _square(numbers: Any, n: int) -> Any:

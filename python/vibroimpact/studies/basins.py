@@ -21,7 +21,7 @@ from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.states import state_by_coordinates
 from ..systems.oscillator import Oscillator, of_numbers
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .lyapunov import Lyapunov, lyapunov
 from .structure_basins import basins_structure
 
@@ -215,7 +215,7 @@ class Basins(Noun, study="basins"):
         return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
 
 
-@or_structure(basins_structure, of_law=state_by_coordinates)
+@every_system(basins_structure, of_law=state_by_coordinates)
 def basins(
     osc: Oscillator,
     r: float,

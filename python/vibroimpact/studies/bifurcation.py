@@ -15,7 +15,7 @@ from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.states import NEEDED, checked_state
 from ..systems.oscillator import Oscillator
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .structure_sweep import bifurcation_structure
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
@@ -195,7 +195,7 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         )
 
 
-@or_structure(bifurcation_structure)
+@every_system(bifurcation_structure)
 def bifurcation_diagram(
     osc: Oscillator,
     parameter: str,

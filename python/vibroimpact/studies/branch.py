@@ -19,7 +19,7 @@ from ..motions.structure_motion import StructureMotion
 from ..results import door, namelist
 from ..results.noun import Noun, column, key
 from ..systems.oscillator import Pattern, plain_pattern
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .structure_branch import branch_structure
 from .switching import KINDS, switched
 
@@ -303,7 +303,7 @@ def guess_of(
     }  # fmt: skip
 
 
-@or_structure(branch_structure, StructureMotion)
+@every_system(branch_structure, StructureMotion)
 def branch(
     motion: Motion,
     parameter: str = "clearance",

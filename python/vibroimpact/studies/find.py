@@ -18,7 +18,7 @@ from ..results import door
 from ..results.noun import Noun, key
 from ..results.states import state_by_coordinates
 from ..systems.oscillator import Oscillator, of_numbers
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .structure_find import find_structure
 
 __all__ = ["Findings", "FoundMotions", "Search", "find"]
@@ -210,7 +210,7 @@ class FoundMotions(list[Motion]):
         )
 
 
-@or_structure(find_structure, of_law=state_by_coordinates)
+@every_system(find_structure, of_law=state_by_coordinates)
 def find(
     osc: Oscillator,
     r: float,

@@ -1,63 +1,68 @@
-"""Lyapunov exponents through impacts, accumulations and rests."""
+"""Lyapunov exponents through impacts, accumulations and rests, of every system."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
+from ..motions.structure_noun import facts_of, run_structure, start_keys
 from ..results import door
-from ..results.noun import Noun, column, key
+from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
-from ..systems.oscillator import Oscillator
-from ..systems.structure import or_structure
-from .structure_lyapunov import lyapunov_structure
+from ..systems.oscillator import Oscillator, Point
+from ..systems.structure import Load, Structure
+from ..systems.verbs import every_system
 
 __all__ = ["Lyapunov", "lyapunov"]
 
 _Array = NDArray[np.float64]
 
 
-class Lyapunov(Noun, study="lyapunov"):
-    """The four Lyapunov exponents of a trajectory, or of many on a grid of points.
+class Lyapunov(
+    Noun, study="lyapunov", of_structure="lyapunov_structure", formerly="StructureLyapunov"
+):
+    """The Lyapunov exponents of a trajectory, or of many trajectories of an oscillator on a grid of points.
 
-    They are those of the map from impact to impact in (x, x', z', alpha), over the time: how fast small
-    changes of the state grow along the trajectory, in four independent directions. That section has no
-    direction along the flow, so the additional exponent 0 of a flow is not among them. They are also
-    the four exponents of the map over one load cycle. Of a periodic motion they are the logarithms of
-    the moduli of its multipliers over the period. Impacts that accumulate and end in rest reduce two directions
-    to zero: their exponents are -inf.
+    They are those of the map of the state over a load cycle: how fast small changes of the state grow, in
+    independent directions. An oscillator has four (those of the map from impact to impact in (x, x', z', alpha),
+    over the time), a structure with n coordinates has 2n. Of a periodic motion they are the logarithms of the moduli
+    of its multipliers over the period. A rest reduces two directions to zero: their exponents are -inf. A structure
+    whose load has no frequency has an exponent 0 along its motion, and its cycle is a unit of time.
 
     Attributes
     ----------
-    osc : Oscillator
-    r, clearance : ndarray (...)
-        The points; 0-d for one.
-    load : float
-    exponents : ndarray (4, ...)
-        Per unit of time 1/omega, largest first; NaN where there were no impacts.
-    standard_error : ndarray (4, ...)
-        Of `exponents`, per unit of time 1/omega, from the scatter of the batches.
-    per_cycle : ndarray (4, ...)
-        The exponents per load cycle: logarithms of the mean factors over a cycle.
-    error_per_cycle : ndarray (4, ...)
-        Standard errors of `per_cycle`, per load cycle.
+    osc, r, clearance : Oscillator, ndarray (...), ndarray (...)
+        Of an oscillator; 0-d for one point.
+    structure : Structure
+        Of a structure.
+    load : float, or Load or None
+        Amplitude of the load of an oscillator, or the load of a structure.
+    exponents : ndarray (k, ...)
+        Per unit of time (1/omega of an oscillator), largest first; NaN where there were no impacts.
+    standard_error : ndarray (k, ...)
+        Of `exponents`, from the scatter of the batches.
+    per_cycle, error_per_cycle : ndarray (k, ...)
+        The same per `cycle`: logarithms of the mean factors over a cycle.
+    cycle : str
+        "load cycle", or "unit of time" if the load has no frequency.
     dimension : ndarray (...)
-        Kaplan-Yorke dimension of the attractor in the section, 0 to 4.
+        Kaplan-Yorke dimension of the attractor of the map; NaN unless all exponents were asked for.
     identity_error : ndarray (...)
-        Difference of the sum of all logarithms from -2 xi t + 2 sum log R + log(u_first/u_last), per unit
-        of time, over all flights from impact to impact: a check of the whole computation. u is the speed
-        at which the masses part.
+        Difference of the sum of the exponents from what damping and impacts give, per unit of time: a check of the
+        whole computation. -2 xi t + 2 sum log R + log(u_first/u_last) over the flights of an oscillator, with the
+        speed u at which the masses part; -tr(M^-1 C) + sum log R (R + R' v) of a structure, NaN with rests or
+        unless all exponents were asked for.
     impacts, rests : ndarray (...) of int
         Impacts and rests that were averaged over.
     cycles : int
         Load cycles that were averaged over.
     status : ndarray (...) of int
-        0 done; see `status_text`.
+        Of an oscillator: 0 done; see `status_text`.
     case : str
         The case as a namelist.
     complete : bool
@@ -67,16 +72,15 @@ class Lyapunov(Noun, study="lyapunov"):
     __slots__ = ()
     r = column("points")
     clearance = column("points")
-    exponents = column("points", first=True)
-    standard_error = column("points", first=True)
-    per_cycle = column("points", first=True)
-    error_per_cycle = column("points", first=True)
-    dimension = column("points")
-    identity_error = column("points")
-    impacts = column("points")
-    rests = column("points")
+    exponents = column("points", first=True, of_structure=("exponents", "exponent"))
+    standard_error = column("points", first=True, of_structure=("exponents", "standard_error"))
+    per_cycle = column("points", first=True, of_structure=("exponents", "per_cycle"))
+    error_per_cycle = column("points", first=True, of_structure=("exponents", "error_per_cycle"))
+    dimension = column("points", of_structure=("run", "dimension"))
+    identity_error = column("points", of_structure=("run", "identity_error"))
+    impacts = column("points", of_structure=("run", "impacts"))
+    rests = column("points", of_structure=("run", "rests"))
     status = column("points")
-    load: float = key("load")
 
     @property
     def cycles(self) -> int:
@@ -85,34 +89,87 @@ class Lyapunov(Noun, study="lyapunov"):
         return cycles
 
     @property
+    def cycle(self) -> str:
+        free = self.of_structure and (self.load is None or not self.load.frequency)
+        return "unit of time" if free else "load cycle"
+
+    @property
     def largest(self) -> _Array:
         """The largest exponent per unit of time (...): positive in chaos."""
         return np.asarray(self.exponents[0])
 
     def require(self) -> None:
         """SingularError if it is a single point without exponents."""
-        if not self.r.ndim and self.status:
+        single = self._result.empty if self.of_structure else not self.r.ndim and self.status
+        if single:
             raise SingularError(self._result.notes[0][1])
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the exponents against r or clearance, whichever varies (extra `plot`); returns the Axes."""
+        """Draw the exponents (extra `plot`); returns the Axes.
+
+        Of an oscillator against r or clearance, whichever varies; of a structure by their number.
+        """
         return self._draw(ax)
 
+    def _facts(self) -> dict[str, str]:
+        return facts_of(self.structure) if self.of_structure else {}
+
     def __repr__(self) -> str:
-        if self.r.ndim:
+        if self.per_cycle.ndim > 1:
             chaotic = int((self.per_cycle[0] > 3 * self.error_per_cycle[0]).sum())
             cut = "" if self.complete else f"; cut short, {self.cut}"
             return (
                 f"<Lyapunov exponents at {self.r.size} points, {chaotic} with a positive one{cut}>"
             )
-        shown = ", ".join(f"{item:.4g}" for item in self.per_cycle.tolist())
-        return (
-            f"<Lyapunov exponents per load cycle at r = {float(self.r):.6g}, d K/F0 = "
-            f"{float(self.clearance):.6g}: {shown}>"
-        )
+        where = ""
+        if not self.of_structure:
+            where = f" at r = {float(self.r):.6g}, d K/F0 = {float(self.clearance):.6g}"
+        shown = ", ".join(f"{item:.4g}" for item in self.per_cycle[:6].tolist())
+        more = ", ..." if self.per_cycle.size > 6 else ""
+        return f"<Lyapunov exponents per {self.cycle}{where}: {shown}{more}>"
 
 
-@or_structure(lyapunov_structure, of_law=state_by_coordinates)
+def lyapunov_structure(
+    structure: Structure,
+    load: Load | None = None,
+    cycles: int = 2000,
+    state: tuple[ArrayLike, ArrayLike] | None = None,
+    start: float = 0.0,
+    discard: int = 300,
+    batches: int = 20,
+    directions: int | None = None,
+    max_events: int = 10_000_000,
+    progress: Callable[[float, str], None] | None = None,
+) -> Lyapunov:
+    """As `lyapunov`, of a structure."""
+    keys = {
+        **start_keys(structure, state, start), "cycles": cycles, "discard": discard, "batches": batches,
+        "directions": directions, "max_events": max_events,
+    }  # fmt: skip
+    found = run_structure(Lyapunov, structure, load, keys, None, progress, needs_frequency=False)
+    found.require()
+    return found
+
+
+@overload
+def lyapunov(
+    osc: Oscillator, r: ArrayLike, clearance: ArrayLike, cycles: int = 10_000,
+    state: Mapping[str, float] | None = None, load: float = 1.0, discard: int = 1000, batches: int = 20,
+    max_events: int = 10_000_000, threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Lyapunov: ...  # fmt: skip
+@overload
+def lyapunov(
+    structure: Structure, load: Load | None = None, cycles: int = 2000,
+    state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0, discard: int = 300, batches: int = 20,
+    directions: int | None = None, max_events: int = 10_000_000,
+    progress: Callable[[float, str], None] | None = None,
+) -> Lyapunov: ...  # fmt: skip
+@overload
+def lyapunov(point: Point, /, cycles: int = 10_000, **options: Any) -> Lyapunov: ...
+
+
+@every_system(lyapunov_structure, of_law=state_by_coordinates)
 def lyapunov(
     osc: Oscillator,
     r: ArrayLike,
@@ -126,34 +183,41 @@ def lyapunov(
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov:
-    """All four Lyapunov exponents, through impacts, accumulations and rests.
+    """Lyapunov exponents of a simulated motion, through impacts, accumulations and rests.
 
-    Four directions are carried from event to event by the exact derivatives ([P_i] from impact to impact)
-    and made orthonormal after each. The averages have a weight that rises from 0 and falls to 0 smoothly, so
-    that averages over periodic and quasi-periodic motions converge faster than any power of the time. Batches
-    of the load
-    cycles, averaged in the same way, give the standard error. One more batch, before the others, lets the
-    directions settle.
+    Directions are carried from event to event by the exact derivatives of flights, impacts, accumulations and
+    releases ([P_i] from impact to impact of an oscillator), and made orthonormal after each. The averages have a
+    weight that rises from 0 and falls to 0 smoothly, so that averages over periodic and quasi-periodic motions
+    converge faster than any power of the time. Batches of the load cycles, averaged in the same way, give the
+    standard error. One more batch, before the others, lets the directions settle.
+
+    The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
     Parameters
     ----------
-    osc : Oscillator
-    r, clearance : float or array_like
+    osc, r, clearance : Oscillator, float or array_like, float or array_like
         One point, or arrays of one shape.
+    structure, load : Structure, Load or None
+        In place of them; None: free motion. Without a frequency, cycles are units of time.
     cycles : int
-        Load cycles averaged over, at least 2 a batch.
-    state : mapping, optional
-        As in `simulate`; the default is rest in the middle.
+        Load cycles averaged over, at least 2 a batch; of a structure 2000 by default.
+    state : mapping, or (array_like, array_like), optional
+        As in `simulate`; at rest by default, the free mass in the middle.
     load : float
+        Amplitude of the load of an oscillator.
+    start : float
+        Of a structure: time at the start.
     discard : int
-        Load cycles of the transient.
+        Load cycles of the transient; of a structure 300 by default.
     batches : int
         2 to 1000.
+    directions : int, optional
+        Of a structure: number of exponents, the greatest first; by default all, two a coordinate.
     max_events : int
         Events (impacts, rests, releases) after which one simulation is given up, one at each point; its status
         says so. Long averages need more than the default.
     threads : int, optional
-        Default: one for each processor. The result does not depend on it.
+        Of an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
         Called a few times a second with the share done and the present task.
 
@@ -166,7 +230,7 @@ def lyapunov(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If a single point has no impacts.
+        If a single point has no impacts, or the simulation of a structure fails or reaches `max_events`.
     StudyInterrupted
         After Ctrl-C, if points were finished: its attribute `result` holds them, as a list.
 
@@ -184,6 +248,12 @@ def lyapunov(
     True
     >>> result
     <Lyapunov exponents per load cycle at r = 0.94, d K/F0 = 37: -0.0674, -0.0674, -0.5414, -0.5414>
+
+    A mass that hits one wall:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> vi.lyapunov(wall, vi.Load(1.0, cosine=[1]))
+    <Lyapunov exponents per load cycle: -0.5373, -0.5373>
     """
     rs, clearances = (
         checks.real_array(value, name, "numbers")

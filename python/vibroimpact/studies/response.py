@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..results import door
 from ..results.noun import Noun, column, key
 from ..systems.oscillator import Oscillator
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .structure_sweep import response_structure
 
 __all__ = ["Response", "response"]
@@ -66,7 +66,7 @@ class Response(Noun, study="response"):
         )
 
 
-@or_structure(response_structure)
+@every_system(response_structure)
 def response(
     osc: Oscillator,
     r: ArrayLike,

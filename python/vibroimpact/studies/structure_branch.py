@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
 from ..motions.structure_motion import StructureMotion, motion_from_phases
-from ..motions.structure_trajectory import check_gap_numbers, structure_of
+from ..motions.structure_trajectory import structure_of
 from ..results import door, namelist
 from ..results.noun import Noun, column
 from ..results.parameters import Parameter, Path, keys_of_parameter
+from ..results.structure_groups import check_gap_numbers
 from ..systems.structure import Load, Structure
 
 __all__ = ["StructureBranch", "StructureSpecialPoint", "branch_structure"]

@@ -22,7 +22,7 @@ from ..results.namelist import symmetric_word
 from ..results.noun import Noun, key
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
-from ..systems.structure import or_structure
+from ..systems.verbs import every_system
 from .geometry import signed_area, winding
 from .structure_zone import zone_structure
 
@@ -392,7 +392,7 @@ NAMES = {
 WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 
-@or_structure(zone_structure, StructureMotion)
+@every_system(zone_structure, StructureMotion)
 def zone(
     osc: Oscillator,
     pattern: Pattern | str,

@@ -367,18 +367,45 @@ class Oscillator:
             self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
         )
 
+    def at(self, r: float, clearance: float, load: float = 1.0) -> Point:
+        """The oscillator at a point, which every verb takes in place of the oscillator, r and clearance.
+
+        Parameters
+        ----------
+        r : float
+            Frequency ratio Omega/omega.
+        clearance : float
+            d K/F0 > 0.
+        load : float
+            Amplitude of the load over F0.
+
+        Returns
+        -------
+        Point
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> point = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75).at(0.94, 37.0)
+        >>> point
+        <Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.75)) at r = 0.94, d K/F0 = 37>
+        >>> motion = vi.equispaced(point.osc, point.r, point.clearance)[0]
+        >>> vi.exact(point, motion).pattern
+        Pattern('RL/1')
+        """
+        return Point(
+            self, checks.frequency_ratio(r, self.xi), positive(clearance, "clearance"), checks.number(load, "load")
+        )  # fmt: skip
+
     @property
     def _has_law(self) -> bool:
         """Whether a coefficient of restitution depends on the speed."""
         return not all(isinstance(each, float) for each in self.restitution)
-
-    def _as_structure(
-        self, r: float, clearance: float, load: float = 1.0
-    ) -> tuple[Structure, Load]:
-        """The same system as a structure with its load."""
-        structure = self.structure(clearance)
-        r = checks.frequency_ratio(r, self.xi)
-        return structure, Load(r, sine=[checks.number(load, "load"), 0])
 
     def _keys(self, r: float | None = None) -> dict[str, Any]:
         """The keys of a &system; None where they are not known."""
@@ -395,6 +422,57 @@ class Oscillator:
             xi=keys["xi"], mu=keys["mu"], restitution=tuple(np.atleast_1d(keys["restitution"]).tolist()),
             M=keys.get("mass"), K=keys.get("stiffness"), F0=keys.get("force"), unit_names=keys.get("unit_names"),
         )  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class Point:
+    """An oscillator at a point: the same system as a structure with its load, and the scales of both.
+
+    It comes from `Oscillator.at`; every verb takes it.
+
+    Attributes
+    ----------
+    osc : Oscillator
+    r, clearance : float
+        Frequency ratio, and d K/F0.
+    amplitude : float
+        Amplitude of the load over F0.
+    """
+
+    osc: Oscillator
+    r: float
+    clearance: float
+    amplitude: float = 1.0
+
+    @property
+    def structure(self) -> Structure:
+        """The two masses and their walls, in the unit of length F0/K and the unit of time 1/omega."""
+        return self.osc.structure(self.clearance)
+
+    @property
+    def load(self) -> Load:
+        """The load on the structure."""
+        return Load(self.r, sine=[self.amplitude, 0])
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """Length F0/K, time 1/omega, force F0 and mass M in the units of the oscillator's M, K and F0.
+
+        Raises
+        ------
+        ParameterError
+            If the oscillator does not know them.
+        """
+        if self.osc.M is None or self.osc.K is None or self.osc.F0 is None:
+            raise ParameterError(f"{self.osc!r}: must know M, K and F0 to have scales")
+        return {
+            "length": self.osc.F0 / self.osc.K, "time": math.sqrt(self.osc.M / self.osc.K),
+            "force": self.osc.F0, "mass": self.osc.M,
+        }  # fmt: skip
+
+    def __repr__(self) -> str:
+        load = f", load {self.amplitude:.6g}" if self.amplitude != 1 else ""
+        return f"<{self.osc!r} at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}{load}>"
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -438,56 +436,3 @@ class Load(ByValue):
             return f"<Load, constant, on {self.coordinates} coordinates>"
         kinds = f"{n} harmonic{'s' if n != 1 else ''}"
         return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
-
-
-_Arguments = ParamSpec("_Arguments")
-_Result = TypeVar("_Result")
-
-
-def or_structure(
-    of_structure: Callable[..., Any], kind: type | None = None,
-    of_law: Callable[[dict[str, Any]], None] | None = None,
-) -> Callable[[Callable[_Arguments, _Result]], Callable[_Arguments, _Result]]:  # fmt: skip
-    """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
-
-    With `of_law` it also hands oscillators over whose restitution depends on the speed; `of_law` turns further
-    arguments, by name, into those for structures.
-    """
-
-    def decorate(of_oscillator: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
-        @functools.wraps(of_oscillator)
-        def either(*args: Any, **kwargs: Any) -> Any:
-            given = (*args[:1], *kwargs.values())
-            if any(isinstance(x, kind or Structure) for x in given):
-                return of_structure(*args, **kwargs)
-            if kind and any(isinstance(x, Structure) for x in given):
-                raise ParameterTypeError(
-                    f"motion = {given[0]!r}: must be a vibroimpact.{kind.__name__}, not Structure"
-                )
-            if of_law and getattr(args[0] if args else kwargs.get("osc"), "_has_law", False):
-                names = inspect.signature(of_oscillator).bind_partial(*args).arguments
-                return handed_over(names | kwargs)
-            return of_oscillator(*args, **kwargs)
-
-        def handed_over(given: dict[str, Any]) -> Any:
-            osc = given.pop("osc")
-            system = {name: given.pop(name) for name in ("r", "clearance", "load") if name in given}
-            structure, load = osc._as_structure(**system)
-            assert of_law
-            of_law(given)
-            (_, _, *known) = inspect.signature(of_structure).parameters
-            for name, value in given.items():
-                if name not in known:
-                    raise ParameterTypeError(
-                        f"{name} = {value!r}: must be left out where restitution depends on the speed; further "
-                        f"arguments are {', '.join(known)}"
-                    )
-            return of_structure(structure, load, **given)
-
-        summary, blank, rest = inspect.cleandoc(of_oscillator.__doc__ or "").partition("\n\n")
-        first = (kind or Structure).__name__
-        other = f"`{of_structure.__name__}` describes the arguments if the first is a `{first}`."
-        either.__doc__ = f"{summary}{blank}{other}\n\n{rest}"
-        return either
-
-    return decorate
