@@ -197,7 +197,7 @@ def write(path, text):
 
 #: Makes a bar appear at once, and be drawn at every update.
 EAGER = (
-    "import vibroimpact.progress as p, vibroimpact.interrupt as r\n"
+    "import vibroimpact.base.progress as p, vibroimpact.base.interrupt as r\n"
     "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
 )
 

@@ -20,7 +20,7 @@ def test_cases_of_a_grid():
         assert point == {
             "system.r": [0.9, 1.0, 1.1][row], "motion.clearance": [5.0, 20.0, 80.0, 500.0][column],
         }  # fmt: skip
-        (case,) = [vi.case.case_of(sweep.text(i))]
+        (case,) = [vi.cases.case.case_of(sweep.text(i))]
         assert (case.r, case.keys["clearance"]) == (point["system.r"], point["motion.clearance"])
 
 

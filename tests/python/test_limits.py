@@ -460,7 +460,7 @@ def test_calls_in_threads_with_small_stacks():
 #: Threads of a small stack start workers at the same time; then a child is forked while a worker is started.
 STARTS = """
 import os, threading, vibroimpact as vi
-from vibroimpact.interrupt import _Worker
+from vibroimpact.base.interrupt import _Worker
 
 even = vi.Oscillator(xi=.005, mu=.042, restitution=.75)
 def call():
