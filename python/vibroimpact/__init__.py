@@ -35,9 +35,9 @@ from .motions.likeness import is_symmetric, motion_images, same_motion, standard
 from .motions.motion import Motion, Motions
 from .motions.periodic import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
 from .motions.quantities import Quantities, Signal
-from .motions.structure_motion import StructureMotion, exact_structure, periodic_structure
+from .motions.structure_motion import StructureMotion
 from .motions.structure_quantities import StructureQuantities
-from .motions.structure_trajectory import StructureTrajectory, simulate_structure
+from .motions.structure_trajectory import StructureTrajectory
 from .motions.trajectory import Period, Trajectory, simulate
 from .physical import Physical, physical
 from .results.events import Sample
@@ -165,7 +165,6 @@ __all__ = [
     "equispaced_batch",
     "errors",
     "exact",
-    "exact_structure",
     "find",
     "find_structure",
     "half_sine",
@@ -178,7 +177,6 @@ __all__ = [
     "motion_images",
     "periodic",
     "periodic_batch",
-    "periodic_structure",
     "physical",
     "read_namelist",
     "read_record",
@@ -189,7 +187,6 @@ __all__ = [
     "same_structure_motion",
     "simulate",
     "simulate_bundle",
-    "simulate_structure",
     "spaced",
     "stability_flags",
     "standard_motion",

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from .base import checks
 from .base.errors import MissingExtraError, ParameterError, ParameterTypeError, SingularError
-from .derivatives.gradient import PARAMETERS, Gradient
+from .derivatives.gradient import PARAMETERS
 from .motions.exact import exact
 from .motions.motion import Motion
 from .motions.trajectory import simulate
+from .results.gradient import Gradient
 from .results.states import NEEDED
 from .systems.oscillator import Oscillator, of_numbers
 

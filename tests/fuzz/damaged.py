@@ -57,7 +57,7 @@ def sound_files(folder):
         37.5)),
         "zone": vi.zone(osc, "RL", (0.93, 0.95), (36.0, 38.0), lines=5, guesses=1),
         "physical": motion.physical(vi.Units(2.0, 3.0, 4.0)),
-        "structure": vi.simulate_structure(wall, vi.Load(1.0, cosine=[1.0]), cycles=3),
+        "structure": vi.simulate(wall, vi.Load(1.0, cosine=[1.0]), cycles=3),
     }  # fmt: skip
     found = []
     for name, result in others(vi, osc, motion).items():
@@ -107,7 +107,7 @@ def others(vi, osc, motion):
         [1, 0.042], [0.01, 0], [1, 0], [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
     )
     load = vi.Load(0.94, sine=[1.0, 0.0])
-    moving = vi.exact_structure(walls, load, ([1.6250583, 5.9668230], [0, 1]))
+    moving = vi.exact(walls, load, ([1.6250583, 5.9668230], [0, 1]))
     table_top = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 0.2, 0.3)])
     shaken = vi.Load(1.0, cosine=[1.0])
     pulse = vi.Record(0.1, np.sin(np.arange(60) / 9)[:, None], constant=[0.1])

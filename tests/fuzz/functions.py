@@ -79,7 +79,7 @@ def samples(vi):
     )
     load = vi.Load(0.94, sine=[1.0, 0.0])
     motion = vi.equispaced(osc, 0.94, 37.0)[0]
-    moving = vi.exact_structure(structure, load, ([1.6250583, 5.9668230], [0, 1]))
+    moving = vi.exact(structure, load, ([1.6250583, 5.9668230], [0, 1]))
     values = {
         "osc": osc, "structure": structure, "motion": motion, "one": motion, "other": motion, "r": 0.94,
         "clearance": 37.0,
@@ -119,7 +119,7 @@ def samples(vi):
         osc, motion, moving, annotated["Trajectory"], zone, structure, vi.Pattern("RL"), vi.Units(2.0, 3.0, 4.0),
         vi.PowerLaw(0.8, 1.0, 0.2), vi.TabulatedRestitution([0, 1], [0.9, 0.5]), vi.branch(motion, bounds=(36.5,
         37.5)),
-        vi.simulate_structure(structure, load, cycles=3), vi.response(osc, [0.93, 0.94], 37.0, states=1,
+        vi.simulate(structure, load, cycles=3), vi.response(osc, [0.93, 0.94], 37.0, states=1,
         settling=2, keep=3),
         vi.basins(osc, 0.94, 37.0, states=2, cycles=5, probes=1), vi.physical(motion),
         vi.bifurcation_diagram(osc, "clearance", [36.0, 38.0], r=0.94, settling=2, keep=3, points=3),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,13 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import with_stack
 from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
 from ..results.events import event_table
-from ..systems.oscillator import Oscillator, Pattern, of_numbers
+from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
 from .motion import Motion
 from .periodic import frozen, impact_restitution, periodic
-from .structure_motion import exact_structure
+from .structure_motion import StructureMotion, exact_structure
+from .structure_trajectory import StructureTrajectory
 from .trajectory import Trajectory, end_of, letters_of, not_periodic
 
 __all__ = ["exact"]
@@ -40,6 +42,19 @@ def _guess_by_gaps(given: dict[str, Any]) -> None:
         given["guess"] = (guess.phases + guess.load_phase, gaps, guess.pattern.cycles)
 
 
+@overload
+def exact(
+    osc: Oscillator, r: float, clearance: float, guess: Motion | Trajectory | tuple[Any, Pattern | str],
+    load: float = 1.0,
+) -> Motion: ...  # fmt: skip
+@overload
+def exact(
+    structure: Structure, load: Load, guess: StructureMotion | StructureTrajectory | tuple[Any, ...]
+) -> StructureMotion: ...
+@overload
+def exact(point: Point, /, guess: Motion | Trajectory | tuple[Any, Pattern | str]) -> Motion: ...
+
+
 @every_system(exact_structure, of_law=_guess_by_gaps)
 def exact(
     osc: Oscillator,
@@ -52,6 +67,10 @@ def exact(
 
     Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and rest they are
     the phase and velocity at a release, a fixed point of the return map there.
+
+    The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`. Of a structure the
+    unknowns are the phases and approach speeds of the impacts, and a guess by numbers is (phases, gaps) or
+    (phases, gaps, cycles), with the load phases of the impacts and the gap of each.
 
     Parameters
     ----------

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,13 +13,30 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.status import NO_MOTION, VERDICT, raise_status
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
 from .motion import Motion, Motions
-from .structure_motion import periodic_structure
+from .structure_motion import StructureMotion, periodic_structure
 
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
+
+
+@overload
+def periodic(
+    osc: Oscillator, r: float, phases: ArrayLike, pattern: Pattern | str, restitution: ArrayLike | None = None,
+    precision: str = "double", acceptance: float = 0.03,
+) -> Motion: ...  # fmt: skip
+@overload
+def periodic(
+    structure: Structure,
+    load: Load,
+    phases: ArrayLike,
+    gaps: Sequence[int],
+    cycles: int = 1,
+    full: bool = False,
+) -> StructureMotion: ...
 
 
 @every_system(periodic_structure)
@@ -35,6 +53,10 @@ def periodic(
 
     For N = 2 impacts the equations are a square linear system (LAPACK DGESV). For N > 2 they are overdetermined
     (DGELS), and the motion is consistent only if its `residual` is small.
+
+    Of a structure the arguments are `structure, load, phases, gaps`, with load phases of the impacts and their gaps,
+    then `cycles`, and `full` to solve for the state after the first impact as well (DGELS), with periodicity among
+    the equations, instead of eliminating it by the periodic response of each mode.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,11 +42,13 @@ from ..results.states import (
     state_of,
 )
 from ..results.tables import Result, made
-from ..systems.oscillator import Oscillator, Pattern, of_numbers
+from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
+from ..systems.record import Record
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
 from .motion import osc_of, units_of
 from .quantities import Quantities, quantities_of
-from .structure_trajectory import simulate_structure
+from .structure_trajectory import StructureTrajectory, simulate_structure
 
 __all__ = ["Period", "State", "Trajectory", "simulate"]
 
@@ -416,6 +418,22 @@ class Simulation(Noun, study="simulate"):
         return f"<Simulation: {', '.join(map(repr, self.parts())) or 'none'}>"
 
 
+@overload
+def simulate(
+    osc: Oscillator, r: float, clearance: float, cycles: float, state: Mapping[str, float] | None = None,
+    load: float = 1.0, discard: float = 0, max_events: int = 10_000_000,
+    progress: Callable[[float, str], None] | None = None,
+) -> Trajectory: ...  # fmt: skip
+@overload
+def simulate(
+    structure: Structure, load: Load | Record | None = None, *, cycles: float | None = None,
+    duration: float | None = None, state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0,
+    max_events: int = 1_000_000, discard: float = 0.0,
+) -> StructureTrajectory: ...  # fmt: skip
+@overload
+def simulate(point: Point, /, cycles: float, **options: Any) -> Trajectory: ...
+
+
 @every_system(simulate_structure, of_law=state_by_coordinates)
 @memory_for("events of a simulation, by max_events")
 def simulate(
@@ -435,6 +453,12 @@ def simulate(
     derivatives proves to be free of contact. Accumulating impacts are summed to their limit (the error of
     the time of the limit is at most 1e-16); the free mass then rests on the wall until the contact force
     vanishes.
+
+    The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`: a structure with gaps
+    under a `Load`, a `Record` (after its last sample the force is 0) or none. At an impact on one of its gaps the
+    velocities jump by the impulse (1 + R) m v along M^-1 G, with v the approach speed and 1/m = G.M^-1 G. Of a
+    structure `cycles` or `duration`, in time, is given by name, and neither for a whole record; `state` is
+    (coordinates, velocities) at the time `start`; `max_events` is a million by default, without `progress`.
 
     Parameters
     ----------

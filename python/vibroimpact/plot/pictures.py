@@ -48,9 +48,9 @@ ANIMATIONS: dict[str, Callable[..., Any]] = {
 def draw_result(result: Any, *options: Any) -> Any:
     """Draw a result, with the options of its function in order."""
     name = type(result).__name__
-    return PICTURES.get(
-        f"{name} of structures" if result.of_structure else name, PICTURES.get(name)
-    )(result, *options)
+    of_structures = f"{name} of structures"
+    known = result.of_structure and of_structures in PICTURES
+    return PICTURES[of_structures if known else name](result, *options)
 
 
 def animate_result(result: Any, *options: Any) -> Any:

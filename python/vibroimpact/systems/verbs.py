@@ -5,32 +5,31 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 from ..base.errors import ParameterTypeError
 from .oscillator import Point
 from .structure import Structure
 
-_Result = TypeVar("_Result")
 #: The attributes of a point, by the names of arguments.
 OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude"}
 
 
 def every_system(
-    of_structure: Callable[..., _Result], kind: type | None = None,
+    of_structure: Callable[..., Any], kind: type | None = None,
     of_law: Callable[[dict[str, Any]], None] | None = None,
-) -> Callable[[Callable[..., _Result]], Callable[..., _Result]]:  # fmt: skip
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
     """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
 
     A point stands for the oscillator and the arguments that it has. With `of_law` oscillators whose restitution
     depends on the speed are handed over, too: it turns further arguments, by name, into those for structures.
     """
 
-    def decorate(of_oscillator: Callable[..., _Result]) -> Callable[..., _Result]:
+    def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
         parameters = list(inspect.signature(of_oscillator).parameters)
 
         @functools.wraps(of_oscillator)
-        def either(*args: Any, **kwargs: Any) -> _Result:
+        def either(*args: Any, **kwargs: Any) -> Any:
             given = (*args[:1], *kwargs.values())
             if any(isinstance(x, kind or Structure) for x in given):
                 return of_structure(*args, **kwargs)
@@ -56,17 +55,16 @@ def every_system(
             of_point = {
                 name: getattr(point, key) for name, key in OF_POINT.items() if name in parameters
             }
-            varied = kwargs.get("parameter")
             free = [name for name in parameters if name not in of_point]
             named = dict(zip(free, args[1:], strict=False))
-            varied = named.get("parameter", varied)
-            of_point.pop(varied, None)
+            varied = named.get("parameter", kwargs.get("parameter"))
+            of_point.pop(str(varied), None)
             for name in kwargs:
                 if name in of_point or name in named:
                     raise ParameterTypeError(f"{name} = {kwargs[name]!r}: is given by {point!r}")
             return of_point | named | kwargs
 
-        def handed_over(given: dict[str, Any]) -> _Result:
+        def handed_over(given: dict[str, Any]) -> Any:
             osc = given.pop("osc")
             point = osc.at(**{name: given.pop(name) for name in OF_POINT if name in given})
             assert of_law
