@@ -54,7 +54,7 @@ def periodic(
     For N = 2 impacts the equations are a square linear system (LAPACK DGESV). For N > 2 they are overdetermined
     (DGELS), and the motion is consistent only if its `residual` is small.
 
-    Of a structure the arguments are `structure, load, phases, gaps`, with load phases of the impacts and their gaps,
+    Of a structure the arguments are `structure, load, phases, gaps`, with load phases of impacts and their gaps,
     then `cycles`, and `full` to solve for the state after the first impact as well (DGELS), with periodicity among
     the equations, instead of eliminating it by the periodic response of each mode.
 
