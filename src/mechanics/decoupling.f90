@@ -362,7 +362,7 @@ contains
       real(wp), allocatable, dimension(:, :) :: a, matrix, sizes, vectors, back
       real(wp), allocatable :: re(:), im(:), work(:), speeds(:), omega2(:), sigma(:), plane(:, :)
       !> Least share of a drag's eigenvector that is used as a combination of modes of frequency 0.
-      real(wp), parameter :: least_share = 0.1_wp
+      real(wp), parameter :: least_share = 0.1_wp, least_part = 0.01_wp
       real(wp), allocatable :: known(:, :), part(:)
       real(wp) :: unused(1, 1), to_pairs(size(at), size(at))
       integer, allocatable :: rigid(:), others(:), reals(:), list(:), free(:)
@@ -378,10 +378,13 @@ contains
       n = size(others)
       allocate (a(2*n, 2*n), vectors(2*n, 2*n), back(2*n, 2*n), re(2*n), im(2*n), work(16*n), &
          omega2(n), sigma(n))
+      ! positions times a frequency are comparable with velocities, in any unit of time
+      speeds = sqrt(omega_squared(others))
+      where (.not. speeds > 0) speeds = [(coupling(others(i), others(i)), i=1, n)]
       a = 0
       do i = 1, n
-         a(i, n + i) = 1
-         a(n + i, i) = -omega_squared(others(i))
+         a(i, n + i) = speeds(i)
+         a(n + i, i) = -omega_squared(others(i))/speeds(i)
          a(n + i, n + 1:) = -coupling(others(i), others)
       end do
       allocate (matrix, source=a)
@@ -394,10 +397,6 @@ contains
       decoupled%damping(at(rigid)) = 0
       decoupled%qx(at, at(rigid)) = shapes(:, rigid)
       decoupled%dv(at, at(rigid)) = shapes(:, rigid)
-      ! positions times a frequency are comparable with velocities
-      speeds = sqrt(omega_squared(others))
-      where (.not. speeds > 0) speeds = maxval(sqrt(omega_squared))
-      where (.not. speeds > 0) speeds = 1
       a = 0
       k = 1
       ! the columns of the modes of frequency 0 are 0, and so are as many eigenvalues, exactly
@@ -411,8 +410,8 @@ contains
          plane = vectors(:, [i, min(i + 1, 2*n)])
          coincide = .false.
          if (im(i) > 0) then
-            if (2*im(i) <= close*abs(re(i))) call coinciding_pair(matrix, speeds, re(i), &
-               2*im(i), plane, omega2(k), sigma(k), coincide)
+            if (2*im(i) <= close*abs(re(i))) call coinciding_pair(matrix, re(i), 2*im(i), plane, &
+               omega2(k), sigma(k), coincide)
             if (.not. coincide) then
                ! the columns are Re and Im of an eigenvector c: q = Re(c e^(lambda t))
                omega2(k) = re(i)**2 + im(i)**2
@@ -425,11 +424,13 @@ contains
                j = list(m)
                if (im(j) > 0 .or. abs(re(j) - re(i)) > close*abs(re(i))) cycle
                plane = vectors(:, [i, j])
-               call coinciding_pair(matrix, speeds, 0.5_wp*(re(j) + re(i)), abs(re(j) - re(i)), &
-                  plane, omega2(k), sigma(k), coincide)
+               call coinciding_pair(matrix, 0.5_wp*(re(j) + re(i)), abs(re(j) - re(i)), plane, &
+                  omega2(k), sigma(k), coincide)
                if (coincide) exit
             end do
             if (.not. coincide) then
+               ! pairs of lengths of 1 in positions are as well conditioned in any unit of time
+               vectors(:, i) = vectors(:, i)/norm2(vectors(:n, i))
                reals = [reals, i]
                cycle
             end if
@@ -442,15 +443,15 @@ contains
       ! rest: best the one which a drag slows down, unless it is lost in rounding or not a new one
       allocate (known(size(free), size(free)))
       do m = 1, min(count(zero), size(reals))
-         j = reals(maxloc(norm2(vectors(free, reals), 1)/norm2(vectors(:n, reals), 1), 1))
+         j = reals(maxloc(norm2(vectors(free, reals), 1), 1))
          reals = pack(reals, reals /= j)
          part = vectors(free, j)
          known(:, m) = without(part, known(:, :m - 1))
-         if (norm2(known(:, m)) < least_share*norm2(vectors(:n, j))) then
+         if (norm2(known(:, m)) < least_share*max(least_part, norm2(part))) then
             part = 0
             part(minloc(sum(known(:, :m - 1)**2, 2))) = 1
             known(:, m) = without(part, known(:, :m - 1))
-            part = known(:, m)*(norm2(vectors(:n, j))/norm2(known(:, m)))
+            part = known(:, m)*(least_part/norm2(known(:, m)))
          end if
          known(:, m) = known(:, m)/norm2(known(:, m))
          omega2(k) = 0
@@ -472,7 +473,7 @@ contains
          omega2(k) = re(i)*re(j)
          sigma(k) = -0.5_wp*(re(i) + re(j))
          ! their difference is small only if they nearly coincide
-         if (dot_product(vectors(:, i), vectors(:, j)) < 0) vectors(:, j) = -vectors(:, j)
+         if (dot_product(vectors(:n, i), vectors(:n, j)) < 0) vectors(:, j) = -vectors(:, j)
          a(:, k) = (re(i)*vectors(:, j) - re(j)*vectors(:, i))/(re(i) - re(j))
          a(:, n + k) = (vectors(:, i) - vectors(:, j))/(re(i) - re(j))
          k = k + 1
@@ -484,8 +485,7 @@ contains
          back(i, i) = 1
       end do
       call solve_columns(a, back, status)
-      if (status /= stat%ok .or. .not. condition(a, back, [speeds, spread(1.0_wp, 1, n)]) <= &
-         largest_condition) then
+      if (status /= stat%ok .or. .not. condition(a, back) <= largest_condition) then
          status = stat%defective
       else
          allocate (sizes, source=abs(matrix))
@@ -493,6 +493,8 @@ contains
          if (.not. are_separate(matrix, sizes, a, back, omega2, sigma)) status = stat%too_stiff
       end if
       if (status /= stat%ok) return
+      a(:n, :) = a(:n, :)/spread(speeds, 2, 2*n)
+      back(:, :n) = back(:, :n)*spread(speeds, 1, 2*n)
       decoupled%qx(at, at(others)) = matmul(shapes(:, others), a(:n, :n))
       decoupled%qv(at, at(others)) = matmul(shapes(:, others), a(:n, n + 1:))
       decoupled%dx(at, at(others)) = matmul(shapes(:, others), a(n + 1:, :n))
@@ -556,9 +558,9 @@ contains
    !! The span of two vectors tends to the plane if they are multiplied again and again by the
    !! inverse of A less a number near the eigenvalues. A in this plane is a 2 x 2 matrix T. With
    !! columns a and b of the change of coordinates, A b = a - 2 sigma b and A a = -omega^2 b.
-   pure subroutine coinciding_pair(matrix, speeds, mean, apart, plane, omega2, sigma, good)
-      !> (2n, 2n) A, and (n) the frequencies that make positions comparable with velocities.
-      real(wp), intent(in) :: matrix(:, :), speeds(:)
+   pure subroutine coinciding_pair(matrix, mean, apart, plane, omega2, sigma, good)
+      !> (2n, 2n) A.
+      real(wp), intent(in) :: matrix(:, :)
       !> Mean real part of the eigenvalues, and the distance between them.
       real(wp), intent(in) :: mean, apart
       !> (2n, 2) In: two vectors near the plane. Out: a and b, if the eigenvectors nearly coincide.
@@ -570,26 +572,23 @@ contains
       integer, parameter :: turns = 20
       !> The shift is not too near the eigenvalues, so that one vector does not outgrow the other.
       real(wp), parameter :: offset = 0.02_wp, accuracy = 1.0e-14_wp
-      real(wp), dimension(size(matrix, 1), size(matrix, 1)) :: scaled, factor
-      real(wp) :: q(size(matrix, 1), 2), scale(size(matrix, 1)), t(2, 2), part(2, 2), y(2)
-      integer :: i, n, status
+      real(wp) :: factor(size(matrix, 1), size(matrix, 1)), q(size(matrix, 1), 2), t(2, 2), &
+         part(2, 2), y(2)
+      integer :: i, status
 
-      n = size(matrix, 1)
-      scale = [speeds, spread(1.0_wp, 1, size(speeds))]
-      scaled = matrix*spread(scale, 2, n)/spread(scale, 1, n)
-      q = plane*spread(scale, 2, 2)
+      q = plane
       do i = 1, turns
          ! a product with the inverse would lose digits: only a solution is that of a matrix which
          ! differs by rounding
-         factor = scaled
+         factor = matrix
          call add_to_diagonal(factor, -(1 + offset)*mean)
          call solve_columns(factor, q, status)
          if (status /= stat%ok) exit
          call make_orthonormal(q)
       end do
-      t = matmul(transpose(q), matmul(scaled, q))
-      good = status == stat%ok .and. norm2(matmul(scaled, q) - matmul(q, t)) &
-         <= accuracy*norm2(scaled)
+      t = matmul(transpose(q), matmul(matrix, q))
+      good = status == stat%ok .and. norm2(matmul(matrix, q) - matmul(q, t)) &
+         <= accuracy*norm2(matrix)
       sigma = -0.5_wp*(t(1, 1) + t(2, 2))
       part = t
       call add_to_diagonal(part, sigma)
@@ -597,8 +596,8 @@ contains
       omega2 = t(1, 1)*t(2, 2) - t(1, 2)*t(2, 1)
       if (.not. good) return
       y = merge([1, 0], [0, 1], norm2(part(:, 1)) > norm2(part(:, 2)))
-      plane(:, 2) = matmul(q, y)/scale
-      plane(:, 1) = matmul(q, matmul(part, y) + sigma*y)/scale
+      plane(:, 2) = matmul(q, y)
+      plane(:, 1) = matmul(q, matmul(part, y) + sigma*y)
    end subroutine coinciding_pair
 
    !> Adds a number to the diagonal of a matrix.
@@ -628,16 +627,24 @@ contains
       q(:, 2) = q(:, 2)/norm2(q(:, 2))
    end subroutine make_orthonormal
 
-   !> The condition number, in the Frobenius norm, of a matrix with its rows scaled as given and its
-   !! columns to length 1; the inverse is given.
-   pure real(wp) function condition(a, inverse, scale)
-      !> (n, n) The matrix and its inverse; (n) the factors of the rows.
-      real(wp), intent(in) :: a(:, :), inverse(:, :), scale(:)
-      integer :: i, n
+   !> A bound on the least condition number of a matrix in any units of its rows and columns, times
+   !! their number; the inverse is given.
+   !!
+   !! The least one in the maximum norm is the spectral radius of |A| |A^-1| (Bauer). The quotients
+   !! of products with a positive vector bound it from above (Collatz).
+   pure real(wp) function condition(a, inverse)
+      !> (n, n) The matrix and its inverse.
+      real(wp), intent(in) :: a(:, :), inverse(:, :)
+      integer, parameter :: turns = 20
+      real(wp), dimension(size(a, 1)) :: x, y
+      integer :: i
 
-      n = size(scale)
-      condition = sqrt(real(n, wp))*norm2([(norm2(scale*a(:, i))*norm2(inverse(i, :)/scale), &
-         i=1, n)])
+      x = 1
+      do i = 1, turns
+         y = matmul(abs(a), matmul(abs(inverse), x))
+         condition = size(a, 1)*maxval(y/x)
+         x = max(y/maxval(y), sqrt(tiny(1.0_wp)))
+      end do
    end function condition
 
 end module vi_decoupling

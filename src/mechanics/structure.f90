@@ -496,20 +496,19 @@ contains
       !> Least independent part of a direction of length 1 for which products of directions may be
       !! formed: they lose twice the digits. A light body between heavy ones has less.
       real(wp), parameter :: well_apart = 0.1_wp
-      real(wp), allocatable :: directions(:, :), q(:, :), work(:), gram(:, :), needed(:, :), &
-         factor(:, :)
-      real(wp) :: tau(size(resting)), lengths(size(resting)), unit(size(structure%mass, 1))
-      integer :: i, n, s, info
+      real(wp), allocatable :: directions(:, :), q(:, :), gram(:, :), needed(:, :), factor(:, :)
+      real(wp) :: lengths(size(resting)), unit(size(structure%mass, 1))
+      integer :: part(size(structure%mass, 1)), columns, i, j, n, s
 
       n = size(structure%mass, 1)
       s = size(resting)
       status = stat%ok
-      allocate (q(n, n), offset(n), source=0.0_wp)
+      allocate (offset(n), source=0.0_wp)
       if (s == 0) then
+         allocate (basis(n, n), source=0.0_wp)
          do i = 1, n
-            q(i, i) = 1
+            basis(i, i) = 1
          end do
-         basis = q
          return
       end if
       unit = [(1/sqrt(structure%mass(i, i)), i=1, n)]
@@ -517,27 +516,27 @@ contains
          status = stat%singular
          return
       end if
-      allocate (directions(n, s))
+      allocate (directions(n, s), q(n, s), factor(s, s), basis(n, n - s), source=0.0_wp)
       do i = 1, s
          directions(:, i) = unit*structure%directions(:, resting(i))
          lengths(i) = norm2(directions(:, i))
          directions(:, i) = directions(:, i)/lengths(i)
       end do
-      q(:, :s) = directions
-      allocate (work(64*n))
-      call dgeqrf(n, s, q, n, tau, work, size(work), info)
-      do i = 1, s
-         ! the part of this direction that is independent of those before it
-         if (abs(q(i, i)) <= 1.0e-10_wp) status = stat%singular
+      ! part by part, so that what a closed gap does not hold stays apart from what it holds
+      part = [(i, i=1, n)]
+      do j = 1, s
+         columns = minval(part, abs(directions(:, j)) > 0)
+         do i = 1, n
+            if (abs(directions(i, j)) > 0) where (part == part(i)) part = columns
+         end do
       end do
-      if (status /= stat%ok) return
-      allocate (factor(s, s), source=0.0_wp)
-      do i = 1, s
-         factor(:i, i) = q(:i, i)
+      columns = 0
+      do i = 1, n
+         if (part(i) /= i) cycle
+         call split_part(pack([(j, j=1, n)], part == i), directions, q, factor, basis, columns, &
+            status)
+         if (status /= stat%ok) return
       end do
-      call dorgqr(n, n, s, q, n, tau, work, size(work), info)
-      allocate (basis, source=q(:, s + 1:))
-      where (abs(basis) <= 4*epsilon(1.0_wp)) basis = 0
       allocate (inverse, source=transpose(basis))
       do i = 1, n
          basis(i, :) = unit(i)*basis(i, :)
@@ -553,18 +552,57 @@ contains
       end if
       call solve_columns(transpose(factor), needed, status)
       if (status /= stat%ok) return
-      offset = unit*matmul(q(:, :s), needed(:, 1))
+      offset = unit*matmul(q, needed(:, 1))
       ! with W = L^-1 G = Q F, where L is diagonal and M = L N L, the forces of the gaps are
       ! F^-1 (Q^T N^-1 Q)^-1 Q^T N^-1 L^-1 f
-      needed = q(:, :s)
+      needed = q
       call solve_columns(structure%mass*spread(unit, 1, n)*spread(unit, 2, n), needed, status)
       if (status /= stat%ok) return
-      gram = matmul(transpose(q(:, :s)), needed)
+      gram = matmul(transpose(q), needed)
       pushes = transpose(needed*spread(unit, 2, s))
       call solve_columns(gram, pushes, status)
       if (status == stat%ok) call solve_columns(factor, pushes, status)
       pushes = pushes/spread(lengths, 2, n)
    end subroutine constraint
+
+   !> The directions of closed gaps between some coordinates, and the vectors normal to them.
+   pure subroutine split_part(at, directions, q, factor, basis, columns, status)
+      !> The coordinates, which no direction links with others.
+      integer, intent(in) :: at(:)
+      !> (n, gaps) The directions of all closed gaps.
+      real(wp), intent(in) :: directions(:, :)
+      !> In and out: filled in where it concerns these coordinates. (n, gaps) and (gaps, gaps)
+      !! directions = q factor with orthonormal columns of q; (n, n - gaps) normal vectors.
+      real(wp), intent(inout) :: q(:, :), factor(:, :), basis(:, :)
+      !> In and out: the number of columns of the basis so far.
+      integer, intent(inout) :: columns
+      !> `stat%ok`, or `stat%singular` where directions depend on each other.
+      integer, intent(out) :: status
+      real(wp) :: local(size(at), size(at)), tau(size(at)), work(64*size(at))
+      integer, allocatable :: gaps(:)
+      integer :: i, m, s, info
+
+      m = size(at)
+      gaps = pack([(i, i=1, size(directions, 2))], sum(abs(directions(at, :)), 1) > 0)
+      s = size(gaps)
+      status = stat%singular
+      if (s > m) return
+      local = 0
+      local(:, :s) = directions(at, gaps)
+      if (s == 0) local = 1                         ! a coordinate that no gap holds
+      if (s > 0) call dgeqrf(m, s, local, m, tau, work, size(work), info)
+      do i = 1, s
+         ! the part of this direction that is independent of those before it
+         if (abs(local(i, i)) <= 1.0e-10_wp) return
+         factor(gaps(:i), gaps(i)) = local(:i, i)
+      end do
+      status = stat%ok
+      if (s > 0) call dorgqr(m, m, s, local, m, tau, work, size(work), info)
+      q(at, gaps) = local(:, :s)
+      where (abs(local) <= 4*epsilon(1.0_wp)) local = 0
+      basis(at, columns + 1:columns + m - s) = local(:, s + 1:)
+      columns = columns + m - s
+   end subroutine split_part
 
    !> The steady motion under one harmonic of the load.
    pure subroutine steady_motion(regime, h, status)
