@@ -23,7 +23,8 @@ module vi_channels
    implicit none (type, external)
    private
 
-   public :: bound_fourth, bound_second, first_event, leading_term, row_derivatives
+   public :: bound_fourth, bound_second, first_event, leading_term, row_derivatives, &
+      size_of_rate
 
    !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
    !! wall (row 0).
@@ -520,7 +521,9 @@ contains
    !> The lowest derivative of a row at the start of a flight that is not 0 to rounding.
    !!
    !! All terms of a derivative are also added up without regard to their signs, from those of the
-   !! state on: rounding is in proportion to these sums.
+   !! state on: rounding is in proportion to these sums. A row at 0 with a rate that the next
+   !! derivative reverses before the row has left 0 by more than rounding only touches 0: its rate
+   !! counts as 0.
    pure subroutine leading_term(regime, x0, v0, phase, row, first, last, sense)
       !> The regime.
       type(regime_type), intent(in) :: regime
@@ -540,9 +543,11 @@ contains
       real(wp), dimension(regime%rows%begins(row + 1) - regime%rows%begins(row)) :: x, v, x_size, &
          v_size, before
       complex(wp) :: here(size(regime%ripple, 2))
-      real(wp) :: total, sizes
+      real(wp) :: total, sizes, near, rate
       integer :: h
 
+      near = 0
+      rate = 0
       associate (rows => regime%rows, modes => regime%modes)
          associate (begin => rows%begins(row), end => rows%begins(row + 1) - 1)
             associate (k => rows%touched(begin:end), of_x => rows%of_x(begin:end), of_v => &
@@ -574,7 +579,16 @@ contains
                   end do
                   sense = 0
                   if (abs(total) > share*sizes) sense = merge(1, -1, total > 0)
-                  if (last >= first .and. sense /= 0) return
+                  if (last == 0) near = share*sizes
+                  if (last == 2 .and. abs(rate) > 0) then
+                     if (sense*rate < 0 .and. rate**2 <= 2*near*abs(total)) return
+                     exit
+                  end if
+                  if (last == 1 .and. first <= 1 .and. sense /= 0) then
+                     rate = total
+                  else if (last >= first .and. sense /= 0) then
+                     return
+                  end if
                   before = x
                   x = v
                   v = -stiffness*before - drag*v
@@ -593,12 +607,43 @@ contains
                      v_size = v_size + abs(modes%force_rate(k))
                   end if
                end do
-               last = never
                sense = 0
+               if (last < never) sense = merge(1, -1, rate > 0)
+               last = merge(1, never, last < never)
             end associate
          end associate
       end associate
    end subroutine leading_term
+
+   !> The sum of the moduli of the terms of a row's rate, at any time of an oscillation about now:
+   !! its rounding errors are in proportion.
+   pure real(wp) function size_of_rate(regime, x0, v0, row, time) result(total)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs.
+      real(wp), intent(in) :: x0(:), v0(:)
+      !> Number of the row.
+      integer, intent(in) :: row
+      !> Time since the forces of the regime were set.
+      real(wp), intent(in) :: time
+      real(wp) :: of_x, of_v
+      integer :: h, j, k
+
+      associate (rows => regime%rows, modes => regime%modes)
+         total = abs(rows%offset_rate(row))
+         do j = rows%begins(row), rows%begins(row + 1) - 1
+            k = rows%touched(j)
+            of_x = abs(v0(k)) + modes%omega(k)*abs(x0(k)) + abs(modes%drift(k))
+            of_v = rows%drag(j)*abs(v0(k)) + abs(modes%force(k)) + time*abs(modes%force_rate(k))
+            if (rows%fastest(row) > 0) of_x = of_x + of_v/rows%fastest(row)
+            of_v = of_v + modes%omega(k)*of_x
+            total = total + abs(rows%of_x(j))*of_x + abs(rows%of_v(j))*of_v
+         end do
+         do h = 1, size(regime%ripple, 2)
+            total = total + rows%ripple_size(row, h)*(h*regime%frequency)
+         end do
+      end associate
+   end function size_of_rate
 
    !> A bound on the absolute second derivative of a row at the start of a flight, at any phase of
    !! the load.

@@ -627,11 +627,11 @@ contains
       q(:, 2) = q(:, 2)/norm2(q(:, 2))
    end subroutine make_orthonormal
 
-   !> A bound on the least condition number of a matrix in any units of its rows and columns, times
-   !! their number; the inverse is given.
+   !> A bound on the least condition number of a matrix in any units of its rows and columns, in the
+   !! maximum norm; the inverse is given.
    !!
-   !! The least one in the maximum norm is the spectral radius of |A| |A^-1| (Bauer). The quotients
-   !! of products with a positive vector bound it from above (Collatz).
+   !! It is the spectral radius of |A| |A^-1| (Bauer). The quotients of products with a positive
+   !! vector bound it from above (Collatz).
    pure real(wp) function condition(a, inverse)
       !> (n, n) The matrix and its inverse.
       real(wp), intent(in) :: a(:, :), inverse(:, :)
@@ -642,7 +642,7 @@ contains
       x = 1
       do i = 1, turns
          y = matmul(abs(a), matmul(abs(inverse), x))
-         condition = size(a, 1)*maxval(y/x)
+         condition = maxval(y/x)
          x = max(y/maxval(y), sqrt(tiny(1.0_wp)))
       end do
    end function condition

@@ -2,7 +2,7 @@
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_channels, only: bound_second, first_event, leading_term, leaving_type, pace_type, &
-      reached_type, row_derivatives, space_type
+      reached_type, row_derivatives, size_of_rate, space_type
    use vi_forced_system, only: state_type
    use vi_kinds, only: wp
    use vi_modes, only: advance_in_place
@@ -581,6 +581,8 @@ contains
          end if
          if (reached%row == 0) exit
          if (reached%row > run%structure%channels) then
+            call touch_zero(run, state, reached, changed)
+            if (changed) cycle
             call release(run, state, reached, events(n + 1), status)
          else
             call collide(run, state, reached, events(n + 1), status)
@@ -685,6 +687,9 @@ contains
    end subroutine move
 
    !> Advances to an impact and through it.
+   !!
+   !! With a speed that is nothing but rounding the gap only touches, whatever its coefficient of
+   !! restitution is: no impulse is exchanged, and contacts are judged anew.
    pure subroutine collide(run, state, reached, event, status)
       !> The run.
       type(run_type), intent(in) :: run
@@ -703,6 +708,16 @@ contains
       associate (regime => run%regimes(state%regime), structure => run%structure, q => state%q, &
          rate => state%rate)
          gap = gap_of(regime, reached%row, reached%wall)
+         if (only_touches(run, state, reached)) then
+            call move(run, state, reached%time)
+            call state_now(run, state, q, rate)
+            if (reached%time > 0) call leave_instant(state)
+            state%leaving = leaving_type()
+            state%released = 0
+            call touch(state, gap)
+            call note(state, impact_event, gap, reached%speed, 0.0_wp, q, rate, event)
+            return
+         end if
          do j = 1, size(regime%resting)
             if (are_coupled(structure, gap, regime%resting(j))) status = stat%coupled_impacts
          end do
@@ -738,6 +753,30 @@ contains
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event)
       end associate
    end subroutine collide
+
+   !> Whether the speed of an impact is nothing but rounding.
+   pure logical function only_touches(run, state, reached)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state at the start of the flight, and the impact.
+      type(run_state_type), intent(in) :: state
+      type(reached_type), intent(in) :: reached
+      real(wp), parameter :: share = 8*epsilon(1.0_wp)
+      real(wp), dimension(size(state%x)) :: x, v
+
+      associate (regime => run%regimes(state%regime), row => reached%row)
+         ! most speeds are far above what the rounding error of the distance amounts to
+         associate (fastest => regime%rows%fastest(row))
+            only_touches = .not. (fastest > 0 .and. reached%speed > &
+               fastest*state%space%values(row, 6))
+         end associate
+         if (.not. only_touches) return
+         x = state%x
+         v = state%v
+         call advance_in_place(regime%modes, reached%time, x, v)
+         only_touches = reached%speed <= share*size_of_rate(regime, x, v, row, reached%time)
+      end associate
+   end function only_touches
 
    !> The gap at a wall of a row.
    pure integer function gap_of(regime, row, wall) result(gap)
@@ -897,6 +936,34 @@ contains
 
       larger = [pack(set, set < one), one, pack(set, set > one)]
    end function merged
+
+   !> Advances to the time at which a contact force falls to 0, if it only touches 0.
+   pure subroutine touch_zero(run, state, reached, touches)
+      !> In and out: the run, with the forces of a record.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The limit that is reached.
+      type(reached_type), intent(in) :: reached
+      !> Whether it only touches; otherwise the state is not changed.
+      logical, intent(out) :: touches
+      real(wp), dimension(size(state%x)) :: x, v
+      integer :: order, sense
+
+      associate (regime => run%regimes(state%regime), elapsed => state%elapsed + reached%time)
+         x = state%x
+         v = state%v
+         call advance_in_place(regime%modes, reached%time, x, v)
+         if (run%load%step > 0) call set_forces(regime, run%load, state%cycle, elapsed)
+         call leading_term(regime, x, v, run%load%frequency*elapsed, reached%row, 1, order, sense)
+         if (run%load%step > 0) call set_forces(regime, run%load, state%cycle, state%elapsed)
+         touches = sense >= 0 .and. elapsed > state%elapsed
+      end associate
+      if (.not. touches) return
+      call move(run, state, reached%time)
+      call leave_instant(state)
+      state%unsettled = .true.
+   end subroutine touch_zero
 
    !> Advances to a release and through it.
    pure subroutine release(run, state, reached, event, status)
