@@ -19,6 +19,7 @@ contains
       call test_pairs()
       call test_free_masses()
       call test_pairs_of_two()
+      call test_units_of_time()
       call test_refusals()
       call test_too_stiff()
       call test_columns()
@@ -170,6 +171,40 @@ contains
          if (status == stat%ok) call check_pairs(mass, damping, stiffness, parts)
       end do
    end subroutine test_pairs_of_two
+
+   !> Free bodies with springs and dampers of all sizes: pairs in another unit of time have omega^2,
+   !! sigma and velocities in that unit, digit by digit if it is a power of 2, and none is refused.
+   subroutine test_units_of_time()
+      integer, parameter :: powers(4) = [-40, -10, 10, 40]
+      type(decoupled_type) :: parts, scaled
+      real(wp), allocatable :: mass(:, :), damping(:, :), stiffness(:, :)
+      real(wp) :: unit
+      integer :: i, k, n, status
+
+      do i = 1, 300
+         n = draw_integer(random, 2, 8)
+         allocate (mass(n, n), damping(n, n), stiffness(n, n), source=0.0_wp)
+         do k = 1, n
+            mass(k, k) = draw_log(random, 0.01_wp, 100.0_wp)
+         end do
+         call add_links(draw_integer(random, 0, 3*n), 0.01_wp, 100.0_wp, .false., stiffness)
+         call add_links(draw_integer(random, 1, 3*n), 0.01_wp, 100.0_wp, .false., damping)
+         call decouple(mass, damping, stiffness, parts, status)
+         call check(status == stat%ok, 'units of time: not refused')
+         do k = 1, size(powers)
+            unit = 2.0_wp**powers(k)
+            call decouple(mass, damping*unit, stiffness*unit**2, scaled, status)
+            call check(status == stat%ok, 'units of time: not refused in another unit')
+            if (status /= stat%ok) cycle
+            call check(all(abs(scaled%stiffness - unit**2*parts%stiffness) <= 0) .and. &
+               all(abs(scaled%damping - unit*parts%damping) <= 0), 'units of time: rates')
+            call check(all(abs(scaled%qx - parts%qx) <= 0) .and. all(abs(scaled%dx &
+               - unit*parts%dx) <= 0) .and. all(abs(scaled%dv - parts%dv) <= 0), &
+               'units of time: shapes')
+         end do
+         deallocate (mass, damping, stiffness)
+      end do
+   end subroutine test_units_of_time
 
    !> What is refused, in a body of its own before one in order or after it, and what is not quite.
    subroutine test_refusals()

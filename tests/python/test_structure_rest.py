@@ -288,6 +288,34 @@ def test_a_force_that_only_touches_zero_at_a_sample_ends_no_rest(restitution, st
         assert run.final_state[0] == pytest.approx([0], abs=1e-16)
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("frequency", [0.9608379963332302, 1.3, 2.0])
+def test_a_force_that_only_touches_zero_ends_no_rest(restitution, frequency):
+    """A load 1 + cos that presses a mass against a wall is 0 once a period: the mass rests, in any units."""
+    for mass, length, time in [(1, 1, 1), (3, 1, 1), (1, 2.0**-20, 1), (1, 1 / 3, 1), (1, 1, 3)]:
+        force = mass * length / time**2
+        structure = vi.Structure(
+            [2.3 * mass], [0.08 * mass / time], [mass / time**2], [vi.Gap([1], 0.0, restitution)]
+        )
+        load = vi.Load(frequency / time, cosine=[[force]], constant=[force])
+        run = vi.simulate(structure, load, duration=60 * time, state=([0], [0]), max_events=100)
+        assert not run.events.size
+        assert run.final_state[0] == pytest.approx([0], abs=1e-15 * length)
+
+
+@pytest.mark.parametrize("dip", [1e-15, 1e-14, 1e-13, 1e-12])
+def test_a_gap_that_comes_back_with_a_speed_of_rounding_rests(dip):
+    """With R = 1 a gap that its load opens for a moment does not hop for ever at 1e-18 of the speeds."""
+    for scale in (1.0, 3.0, 2.0**-30):
+        structure = vi.Structure([2.3], [0.08], [1.0], [vi.Gap([1], 0.0, 1.0)])
+        load = vi.Load(1.0, cosine=[[scale]], constant=[scale * (1 - dip)])
+        run = vi.simulate(structure, load, duration=20, state=([0], [0]), max_events=100)
+        kinds = run.events["kind"].tolist()
+        assert len(kinds) <= 12
+        assert kinds.count("stick") == kinds.count("release")
+        assert abs(run.final_state[0][0]) < 1e-12 * scale
+
+
 def dashpot_between(restitution=1.0):
     """Two bodies and a dashpot between them; a wall touches the first, and one is 1 from the second."""
     gaps = [vi.Gap([1, 0], 0.0, 0.0), vi.Gap([0, 1], 1.0, restitution)]

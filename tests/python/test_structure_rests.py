@@ -187,6 +187,51 @@ def test_no_rest_of_a_free_chain_is_refused(seed):
     assert coupled < 150
 
 
+def linked(n, rng, share):
+    """Springs or dashpots between n bodies at random, from 0.01 to 100; nothing leads to the ground."""
+    matrix = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i):
+            link = np.eye(n)[i] - np.eye(n)[j]
+            matrix += (rng.random() < share) * 10 ** rng.uniform(-2, 2) * np.outer(link, link)
+    return matrix
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rest_does_not_depend_on_the_units_of_mass_and_time(seed):
+    """Free bodies, springs and dashpots at random, some of them pressed together: no unit is refused."""
+    rng = np.random.default_rng(seed + 20)
+    for _ in range(150):
+        n = int(rng.integers(4, 9))
+        mass = 10 ** rng.uniform(-2, 2, n)
+        damping, stiffness = linked(n, rng, 0.5), linked(n, rng, rng.choice([0.2, 0.5, 1.0]))
+        at = rng.choice(n, (3, 2))
+        gaps = [np.eye(n)[i] - np.eye(n)[j] if i != j else np.eye(n)[i] for i, j in at]
+        if np.linalg.matrix_rank(gaps) < len(gaps):
+            continue
+        # forces that push on the gaps, and one that moves the bodies
+        push = rng.uniform(0.5, 2, 3) @ gaps
+        wave = 0.1 * rng.normal(size=n)
+        found = []
+        for heavy, slow in [(1, 1), (3, 1), (1e-3, 1), (1 / 3, 1), (1, 1e3), (1, 1e-3), (1, 3)]:
+            force = heavy / slow**2
+            structure = vi.Structure(
+                heavy * mass,
+                heavy / slow * damping,
+                force * stiffness,
+                [vi.Gap(gap, 0.0, 0.0) for gap in gaps],
+            )
+            load = vi.Load(1.3 / slow, cosine=[force * wave], constant=force * push)
+            run = vi.simulate(
+                structure, load, duration=0.03 * slow, state=(np.zeros(n), np.zeros(n))
+            )
+            assert not run.events.size
+            found.append(run.final_state[0])
+        # what no gap holds moves by half of the acceleration times the time squared, and more terms
+        assert np.abs(found[0]).max() > 1e-9
+        assert np.abs(found - found[0]).max() < 1e-9 * np.abs(found[0]).max()
+
+
 def test_rest_leaves_soft_springs_of_other_bodies():
     """A rest between stiff bodies does not set another body free, whose spring is 1e-17 as stiff."""
     gaps = [vi.Gap([1, -1, 0], 0.0, 0.0)]
