@@ -14,7 +14,7 @@ module studies_atlas
    private
 
    public :: test_atlas, test_limits, test_outcomes, test_passing, test_rings, &
-      test_bent_sides, test_rings_on_edges, test_shared_simulations
+      test_bent_sides, test_shared_simulations
 
 contains
 
@@ -36,14 +36,14 @@ contains
             end associate
          end do
          ! the window has side 1
-         call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), points(:, 2), ring)
+         call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), way, ring)
          do i = 1, size(ring, 2)
             distance = [ring(1, i) - 1, log(ring(2, i)/10)]
             call check(abs(norm2(distance) - radius) < 1.0e-4_wp*radius, 'a ring follows its curve')
          end do
          call check(size(ring, 2) > 10*m, 'a ring is dense')
          call check(all(winding(ring, points) == [1, 1, 0, 0]), 'a zone is inside its ring')
-         call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), points(:, 3), ring)
+         call dense_ring(vertices, [0.5_wp, 1.5_wp], 10*exp([-0.5_wp, 0.5_wp]), -way, ring)
          call check(all(winding(ring, points) == [-1, -1, 0, 0]), 'a hole goes round the other way')
       end do
       call check(all(winding(ring(:, :0), points) == 0), 'a ring without vertices encloses nothing')
@@ -84,7 +84,7 @@ contains
                vertices(:4, k) = [low + scale*vertices(:2, k), scale*vertices(3:4, k)]
                vertices(2, k) = exp(vertices(2, k))
             end do
-            call dense_ring(vertices, r, clearance, [1.0_wp, 14.0_wp], ring)
+            call dense_ring(vertices, r, clearance, 0, ring)
             do k = 0, 70
                t = k/70.0_wp
                ! the deviation from the straight side, at its start or at its end
@@ -122,32 +122,6 @@ contains
       call check(.not. passes(ring, [1.1_wp + 1.0e-6_wp, 20*exp(1.0e-6_wp)], r, clearance), &
          'nor beyond a corner')
    end subroutine test_passing
-
-   !> A triangle with a side on an edge of the window: its zone is on the side of the window, even
-   !! where the point that is said to lie in it does not.
-   subroutine test_rings_on_edges()
-      real(wp), parameter :: r(2) = [0.8_wp, 1.3_wp], clearance(2) = [5.0_wp, 40.0_wp]
-      real(wp), parameter :: outside(2) = [0.85_wp, 6.0_wp], middle(2) = [1.05_wp, sqrt(200.0_wp)]
-      real(wp) :: vertices(5, 3)
-      real(wp), allocatable :: ring(:, :)
-      integer :: axis, edge, way
-
-      do axis = 1, 2
-         do edge = 1, 2
-            vertices = 0
-            vertices(:2, 1) = [0.9_wp, 10.0_wp]
-            vertices(:2, 2) = [1.2_wp, 20.0_wp]
-            vertices(axis, :2) = merge(r(edge), clearance(edge), axis == 1)
-            vertices(:2, 3) = middle
-            do way = 1, 2
-               vertices = vertices(:, 3:1:-1)
-               call dense_ring(vertices, r, clearance, outside, ring)
-               call check(all(winding(ring, reshape(matmul(vertices(:2, :), [1, 1, 1])/3, [2, 1])) &
-                  == 1), 'a zone at an edge is on the side of the window')
-            end do
-         end do
-      end do
-   end subroutine test_rings_on_edges
 
    !> What simulations settle on lies in the zones, whatever the number of threads.
    subroutine test_atlas()

@@ -148,8 +148,7 @@ contains
       type(zone_type), intent(out) :: zone
 
       zone%n = 2
-      allocate (zone%loops(4), zone%inside(2, 4))
-      zone%inside = 0
+      allocate (zone%loops(4))
       zone%surface%frame%resting = .true.
       allocate (zone%surface%frame%rest%symbols(0))
       zone%loops(1) = arc(0.5_wp*gaps(1), pi - 0.5_wp*gaps(2), fold)

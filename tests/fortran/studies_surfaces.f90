@@ -55,10 +55,11 @@ contains
    end subroutine test_surfaces
 
    !> Lines of constant r are nowhere farther apart than their density allows. Where they are not
-   !! evenly spaced, the integral of the density (Simpson's rule) is the same between any two.
+   !! evenly spaced, the integral of the density (Simpson's rule) is the same between any two. One
+   !! further line lies on each resonance r = 1/n.
    subroutine test_lattices()
       real(wp), parameter :: windows(2, 6) = reshape([0.1_wp, 0.6_wp, 0.3_wp, 0.9_wp, 0.5_wp, &
-         1.5_wp, 0.9_wp, 1.1_wp, 1.02_wp, 3.0_wp, 1.5_wp, 6.0_wp], [2, 6])
+         1.5_wp, 0.9137_wp, 1.1_wp, 1.02_wp, 3.0_wp, 1.5_wp, 6.0_wp], [2, 6])
       integer, parameter :: steps = 200
       type(random_type) :: own
       type(lattice_type) :: lattice
@@ -69,6 +70,12 @@ contains
          lines = draw_integer(own, 2, 33)
          lattice = new_lattice(lines, [windows(:, i), 0.0_wp, 1.0_wp], [1.0_wp, 1.0_wp])
          at = windows(1, i) + lattice%axes(1)%at
+         do j = ceiling(1/windows(2, i)), floor(1/windows(1, i))
+            call check(minval(abs(at - 1.0_wp/j)) < 1.0e-6_wp, 'a line lies on each resonance')
+         end do
+         associate (inner => at(2:size(at) - 1))
+            at = [at(1), pack(inner, abs(1/inner - nint(1/inner)) > 1.0e-9_wp), at(size(at))]
+         end associate
          allocate (parts(size(at) - 1))
          do j = 1, size(parts)
             associate (h => (at(j + 1) - at(j))/steps)

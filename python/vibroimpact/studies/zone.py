@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
 from ..motions.exact import newton
-from ..motions.likeness import is_symmetric
+from ..motions.likeness import is_symmetric, standard_motion
 from ..motions.motion import Motion
 from ..motions.structure_motion import StructureMotion
 from ..results import door
@@ -267,9 +267,11 @@ class Zone(Noun, study="zone"):
         return np.asarray(window & met & (turns <= 0))
 
     def motion(self, r: float, clearance: float) -> Motion | None:
-        """The motion at a point, followed from the nearest vertex of the boundary; it need not be stable.
+        """The motion at a point, followed from the nearest vertex of each piece of the boundary, then from others.
 
-        None if it cannot be followed so far, and for patterns with rest.
+        The first one that is stable and admissible; otherwise, or where no closed loop encloses the point, the
+        first admissible one of the nearest pieces. None if none can be followed so far, and for patterns with
+        rest.
 
         Examples
         --------
@@ -280,21 +282,35 @@ class Zone(Noun, study="zone"):
         <Motion RL/1 at r = 1.1, d K/F0 = 25: admissible, stable (max|lambda| = 0.9262)>
         """
         r, clearance = checks.number(r, "r"), checks.number(clearance, "clearance")
-        if self.pattern.has_rest or not self.boundary:
+        if self.pattern.has_rest:
             return None
         r_size, d_size = np.ptp(self.r), np.ptp(np.log(self.clearance))
-        distances = [
-            np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
-            for piece in self.boundary
-        ]
-        # next to a pitchfork Newton's method can leave for the other family: then from another piece
-        for i in sorted(range(len(distances)), key=lambda i: float(distances[i].min()))[:4]:
-            found = self._followed(self.boundary[i], int(np.argmin(distances[i])), r, clearance)
-            if found is None or not (found.admissible and found.consistent):
+        vertices = []
+        for piece in self.boundary:
+            apart = np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
+            nearest = int(np.argmin(apart))
+            for j in {nearest, *np.linspace(0, len(piece) - 1, 5).astype(int).tolist()}:
+                vertices.append((j != nearest, float(apart[j]), piece, j))
+        vertices.sort(key=lambda vertex: vertex[:2])
+        other = None
+        for _, _, piece, j in vertices if self._turns(r, clearance) > 0 else vertices[:4]:
+            found = self._followed(piece, j, r, clearance)
+            if found is None or not self._has(found, piece):
                 continue
-            if is_symmetric(found) == self.boundary[i].symmetric:
+            if found.stable:
                 return found
-        return None
+            other = other or found
+        return other
+
+    def _has(self, motion: Motion, piece: Piece) -> bool:
+        """Whether a motion followed from a piece is admissible and of the family of the piece.
+
+        Next to a pitchfork or a flip Newton's method can leave for motions that repeat themselves.
+        """
+        return bool(
+            motion.admissible and motion.consistent and is_symmetric(motion) == piece.symmetric
+            and len(standard_motion(motion).pattern) == len(self.pattern)
+        )  # fmt: skip
 
     def _followed(self, piece: Piece, j: int, r: float, clearance: float) -> Motion | None:
         """The motion at a point, followed from a vertex; None if it cannot be followed so far."""

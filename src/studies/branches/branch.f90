@@ -5,7 +5,7 @@
 !! that condition as a further equation. A branch ends at a motion that repeats itself within its
 !! period, or that is symmetric; such motions form a branch of their own.
 module vi_branch
-   use vi_crossing, only: find_dip, locate, may_dip
+   use vi_crossing, only: locate, look_between
    use vi_curve, only: curve_type, distance_from
    use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, &
       wrap_phases, zero_approach
@@ -129,7 +129,8 @@ contains
             now%step = 0.3_wp*next%came
             cycle
          end if
-         call look_between(curve, before, now, next, earlier, reach)
+         call look_between(curve, none, before, now, next, sought_between(now, next), &
+            at_end(now, next), least_step, earlier, reach)
          if (earlier) then
             ! the previous step is repeated
             branch%n = n(1)
@@ -174,43 +175,26 @@ contains
       if (can_shorten(next, shortest)) is_too_far = is_too_far .or. leaps_over(next)
    end function is_too_far
 
-   !> Looks for a place within the last two steps where a condition has another sign than at their
-   !! ends: two special points lie within one step there.
-   !!
-   !! The first step of a branch has none before it, and the last one none after it.
-   pure subroutine look_between(curve, before, now, next, earlier, reach)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> Start of the previous step, start and end of this step.
-      type(place_type), intent(in) :: before, now, next
-      !> Whether the place lies in the previous step.
-      logical, intent(out) :: earlier
-      !> Length of the step to that place; 0 if there is none.
-      real(wp), intent(out) :: reach
-      type(condition_type) :: none(0)
-      logical, dimension(size(now%values)) :: sought, first
-      integer :: j
-      logical :: found
+   !> (conditions) Whether two special points of each are sought within a step.
+   pure function sought_between(now, next) result(sought)
+      !> Start and end of the step.
+      type(place_type), intent(in) :: now, next
+      logical :: sought(size(now%values))
 
-      earlier = .false.
-      reach = 0
       sought = now%conditions%kind /= repetition .and. now%values*next%values > 0 .and. .not. &
          stays_on_circle(now, next)
-      first = sought .and. can_shorten(now, least_step) .and. may_dip(next%values, now%values, &
-         before%values, next%came, now%came)
-      sought = sought .and. can_shorten(next, least_step) .and. (may_dip(before%values, &
-         now%values, next%values, now%came, next%came) .or. (is_end(next) .and. &
-         abs(next%values) < abs(now%values)) .or. (.not. now%came > 0 .and. &
-         abs(now%values) < abs(next%values)))
-      do j = 1, size(sought)
-         found = .false.
-         if (first(j)) call find_dip(curve, none, before, now, j, reach, found)
-         earlier = found
-         if (sought(j) .and. .not. found) call find_dip(curve, none, now, next, j, reach, found)
-         if (found) return
-      end do
-      reach = 0
-   end subroutine look_between
+   end function sought_between
+
+   !> (conditions) Whether each approaches zero at an end of the branch: the first step has none
+   !! before it, and the last one none after it.
+   pure function at_end(now, next)
+      !> Start and end of the step.
+      type(place_type), intent(in) :: now, next
+      logical :: at_end(size(now%values))
+
+      at_end = (is_end(next) .and. abs(next%values) < abs(now%values)) .or. &
+         (.not. now%came > 0 .and. abs(now%values) < abs(next%values))
+   end function at_end
 
    !> Whether a branch ends within the step to a place.
    pure logical function is_end(place)

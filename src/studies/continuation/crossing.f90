@@ -4,11 +4,11 @@ module vi_crossing
    use vi_curve, only: correct, curve_type, parameters_of, unknowns_of
    use vi_frame, only: condition_type, grazing, is_inside, rest_splits, rest_vanishes
    use vi_kinds, only: wp
-   use vi_steps, only: has_other_symbols, place_type, survey
+   use vi_steps, only: can_shorten, has_other_symbols, place_type, survey
    implicit none (type, external)
    private
 
-   public :: find_dip, hidden_zero, innermost_zero, locate, may_dip
+   public :: hidden_zero, innermost_zero, locate, look_between, may_dip
 
 contains
 
@@ -54,6 +54,45 @@ contains
          abs(near) <= abs(far) .and. outer_step > 0 .and. step > 0
       if (may_dip) may_dip = 2*(abs(outer) - abs(near))*step >= abs(near)*outer_step
    end function may_dip
+
+   !> Looks for a place within the last two steps where a condition has another sign than at their
+   !! ends: it is zero twice within one step there.
+   pure subroutine look_between(curve, conditions, before, now, next, sought, anyway, shortest, &
+      earlier, reach)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> Conditions that are zero along the curve.
+      type(condition_type), intent(in) :: conditions(:)
+      !> Start of the previous step, start and end of this step.
+      type(place_type), intent(in) :: before, now, next
+      !> (conditions) Which ones are looked at, and which ones within this step even if the value at
+      !! the other place does not suggest it.
+      logical, intent(in) :: sought(:), anyway(:)
+      !> Length at which a step is not shortened any more.
+      real(wp), intent(in) :: shortest
+      !> Whether the place lies in the previous step.
+      logical, intent(out) :: earlier
+      !> Length of the step to that place; 0 if there is none.
+      real(wp), intent(out) :: reach
+      logical, dimension(size(sought)) :: first, second
+      logical :: found
+      integer :: j
+
+      first = sought .and. can_shorten(now, shortest) .and. may_dip(next%values, now%values, &
+         before%values, next%came, now%came)
+      second = sought .and. can_shorten(next, shortest) .and. (anyway .or. may_dip(before%values, &
+         now%values, next%values, now%came, next%came))
+      earlier = .false.
+      found = .false.
+      do j = 1, size(sought)
+         if (first(j)) call find_dip(curve, conditions, before, now, j, reach, found)
+         earlier = found
+         if (second(j) .and. .not. found) call find_dip(curve, conditions, now, next, j, reach, &
+            found)
+         if (found) return
+      end do
+      reach = 0
+   end subroutine look_between
 
    !> A place within a step where a condition has another sign than at both ends.
    !!

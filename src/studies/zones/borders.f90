@@ -6,13 +6,14 @@ module vi_borders
    use vi_kinds, only: wp
    use vi_loop, only: chained, loop_type, picked, reversed
    use vi_net, only: border_type
+   use vi_outline, only: zone_side
    use vi_steps, only: stride_type
    use vi_progress, only: is_stopped
    use vi_trace, only: trace_loop
    implicit none (type, external)
    private
 
-   public :: trace_border
+   public :: is_on_closed_loop, trace_border
 
    !> Largest number of loops, and number of points after which no further loop is begun.
    integer, parameter, public :: most_loops = 400
@@ -26,8 +27,6 @@ module vi_borders
       integer :: n = 0
       !> The surface of motions over the window.
       type(curve_type) :: surface
-      !> A point inside, close to each loop (2, n).
-      real(wp), allocatable :: inside(:, :)
       !> Motions found in the window, steps of the net, and borders that were not traced; one more
       !! if a limit of the net was reached.
       integer :: nodes = 0, steps = 0, untraced = 0
@@ -133,7 +132,7 @@ contains
       zone%n = zone%n + 1
       ! drop the unused room
       zone%loops(zone%n) = picked(loop, [(i, i=1, loop%n)])
-      zone%inside(:, zone%n) = border%inside
+      if (closed) zone%loops(zone%n)%side = zone_side(surface, loop)
    end subroutine trace_border
 
    !> Adds a curve that could not be closed to those that are known.
@@ -190,6 +189,19 @@ contains
       call correct(surface, [border%condition], border%point, iterations, tangent)
       good = iterations > 0
    end subroutine move_apart
+
+   !> Whether a place on the boundary lies on a closed loop that is known.
+   pure logical function is_on_closed_loop(border, zone) result(closed)
+      !> The place.
+      type(border_type), intent(in) :: border
+      !> The loops known so far.
+      type(zone_type), intent(in) :: zone
+      integer :: loop_at
+
+      call find_border(border, zone, loop_at)
+      closed = .false.
+      if (loop_at > 0) closed = zone%loops(loop_at)%closed
+   end function is_on_closed_loop
 
    !> The loop that a place lies on, whichever distance it was traced with.
    pure subroutine find_border(border, zone, found)

@@ -93,7 +93,6 @@ contains
       zone%loops(which(1)) = whole
       do k = which(2), zone%n - 1
          zone%loops(k) = zone%loops(k + 1)
-         zone%inside(:, k) = zone%inside(:, k + 1)
       end do
       zone%n = zone%n - 1
    end subroutine join

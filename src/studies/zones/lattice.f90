@@ -2,7 +2,8 @@
 !!
 !! In a window about r = 1 of the size of the charts of the 1983 paper they are evenly spaced. A
 !! larger window has more lines, and those of constant r are closest where zones are narrow: about
-!! the resonance r = 1, and at small r, where the values r = 1/n are about r**2 apart.
+!! the resonance r = 1, and at small r, where the values r = 1/n are about r**2 apart. A further line
+!! lies on each of these values.
 module vi_lattice
    use vi_kinds, only: wp
    implicit none (type, external)
@@ -38,7 +39,8 @@ contains
       real(wp), intent(in) :: window(4), scale(2)
       type(lattice_type) :: lattice
 
-      lattice%axes(1)%at = r_lines(lines, window(1), window(2))*((window(2) - window(1))/scale(1))
+      lattice%axes(1)%at = with_resonances(r_lines(lines, window(1), window(2)), window(1), &
+         window(2))*((window(2) - window(1))/scale(1))
       lattice%axes(2)%at = even(needed((window(4) - window(3))/by_ratio, lines))* &
          ((window(4) - window(3))/scale(2))
    end function new_lattice
@@ -86,6 +88,27 @@ contains
          at(i) = (a - low)/(high - low)
       end do
    end function r_lines
+
+   !> The lines, and one on each resonance r = 1/n: with little damping, zones are narrow there.
+   pure function with_resonances(at, low, high) result(all)
+      !> Places of the lines of constant r from 0 to 1.
+      real(wp), intent(in) :: at(:)
+      !> Lowest and highest r.
+      real(wp), intent(in) :: low, high
+      real(wp), allocatable :: all(:)
+      !> Lines nearer to each other than this are the same.
+      real(wp), parameter :: same = 1.0e-6_wp
+      real(wp) :: place
+      integer :: i, n
+
+      all = at
+      do n = floor(1/low), ceiling(1/high), -1
+         place = (1.0_wp/n - low)/(high - low)
+         if (minval(abs(all - place)) < same) cycle
+         i = count(all < place)
+         all = [all(:i), place, all(i + 1:)]
+      end do
+   end function with_resonances
 
    !> Number of spacings of 17 lines per unit of r.
    elemental real(wp) function density(r)

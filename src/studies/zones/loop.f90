@@ -21,6 +21,9 @@ module vi_loop
       integer :: n = 0
       !> False if the curve could not be followed to its start.
       logical :: closed = .false.
+      !> Of a closed curve: positive if the zone lies on its left in the plane (r, log D), negative
+      !! if on its right, 0 if that is not known.
+      integer :: side = 0
    end type loop_type
 
 contains

@@ -17,17 +17,15 @@ module vi_net
    implicit none (type, external)
    private
 
-   public :: new_net, add_seed, cover, cover_from, follow_line
+   public :: new_net, add_seed, cover, cover_from, follow_both, reach_border
 
    !> Room for crossings of one line with those of the lattice.
    integer, parameter :: crossing_capacity = 256
 
-   !> A point on the boundary of a zone: the condition that is zero there, and a point inside
-   !! nearby.
+   !> A point on the boundary of a zone, and the condition that is zero there.
    type, public :: border_type
       real(wp), allocatable :: point(:)
       type(condition_type) :: condition
-      real(wp) :: inside(2) = 0
    end type border_type
 
    !> The net over one window.
@@ -46,6 +44,8 @@ module vi_net
       !> Places where a line that does not belong to the lattice has crossed lines of the lattice.
       type(start_type) :: crossings(crossing_capacity)
       integer :: n_crossings = 0
+      !> Whether the lattice lines through these places have been followed.
+      logical :: crossed(crossing_capacity) = .false.
       !> Where lines pass a flip (a pitchfork of symmetric motions); noted if there is room.
       type(start_type), allocatable :: flips(:)
       integer :: n_flips = 0
@@ -115,23 +115,33 @@ contains
       integer, intent(in) :: i, j
       !> Unknowns of the motion.
       real(wp), intent(in) :: unknowns(:)
-      real(wp), dimension(size(unknowns)) :: image, offset
-      integer :: k
 
-      node = 0
-      do k = 0, size(net%surface%frame%images)
-         image = unknowns
-         if (k > 0) image = image_of(net%surface%frame%family, net%surface%frame%images(k), &
-            unknowns)
-         node = net%head(i, j)
-         do while (node > 0)
-            offset = net%unknowns(:, node) - image
-            call wrap_phases(net%surface%frame, offset)
-            if (maxval(abs(offset)) < 1.0e-6_wp) return
-            node = net%follower(node)
-         end do
+      node = net%head(i, j)
+      do while (node > 0)
+         if (is_image(net, net%unknowns(:, node), unknowns)) return
+         node = net%follower(node)
       end do
    end function node_at
+
+   !> Whether two motions are the same or images of each other.
+   pure logical function is_image(net, one, other)
+      !> The net.
+      type(net_type), intent(in) :: net
+      !> Unknowns of the motions.
+      real(wp), intent(in) :: one(:), other(:)
+      real(wp) :: offset(size(one))
+      integer :: k
+
+      is_image = .false.
+      do k = 0, size(net%surface%frame%images)
+         offset = other
+         if (k > 0) offset = image_of(net%surface%frame%family, net%surface%frame%images(k), other)
+         offset = one - offset
+         call wrap_phases(net%surface%frame, offset)
+         is_image = maxval(abs(offset)) < 1.0e-6_wp
+         if (is_image) return
+      end do
+   end function is_image
 
    !> Follows both lines through every node, also through the nodes found on the way.
    subroutine cover(net, first, progress)
@@ -141,16 +151,14 @@ contains
       integer, intent(in) :: first
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      integer :: node, direction, way
+      integer :: node, direction
 
       node = first
       do while (node <= net%n)
          do direction = 1, 2
             if (net%followed(direction, node)) cycle
             net%followed(direction, node) = .true.
-            do way = -1, 1, 2
-               call follow_line(net, start_of(net, node), direction, way, progress)
-            end do
+            call follow_both(net, start_of(net, node), direction, progress)
          end do
          node = node + 1
       end do
@@ -168,23 +176,47 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       type(start_type) :: begin
-      integer :: direction, first, i, way
+      integer :: direction, first, i
 
       begin = start_type(unknowns, at)
       first = net%n + 1
       do direction = 1, 2
          net%n_crossings = 0
-         do way = -1, 1, 2
-            call follow_line(net, begin, direction, way, progress)
-         end do
+         call follow_both(net, begin, direction, progress)
+         net%crossed = .false.
          do i = 1, net%n_crossings
-            do way = -1, 1, 2
-               call follow_line(net, net%crossings(i), 3 - direction, way, progress)
-            end do
+            if (net%crossed(i)) cycle
+            net%crossed(i) = .true.
+            call follow_both(net, net%crossings(i), 3 - direction, progress)
          end do
       end do
+      net%n_crossings = 0
       call cover(net, first, progress)
    end subroutine cover_from
+
+   !> Follows a line from a motion inside a zone until it leaves the zone; the place is added to the
+   !! borders. Along a closed curve it may not leave: then another line is followed.
+   subroutine reach_border(net, at, unknowns, progress)
+      !> In and out: the net.
+      type(net_type), intent(inout) :: net
+      !> Place of the motion in the window.
+      real(wp), intent(in) :: at(2)
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer :: direction, n, way
+
+      n = net%n_borders
+      do direction = 1, 2
+         net%n_crossings = 0
+         do way = -1, 1, 2
+            call follow_line(net, start_type(unknowns, at), direction, way, progress, &
+               to_border=.true.)
+            if (net%n_borders > n) return
+         end do
+      end do
+   end subroutine reach_border
 
    !> A node as the start of a line.
    pure function start_of(net, node) result(begin)
@@ -199,9 +231,22 @@ contains
          i=1, 2)], net%lattice(:, node))
    end function start_of
 
+   !> Follows a line from a motion in both directions; a closed curve in one.
+   subroutine follow_both(net, begin, direction, progress)
+      !> As in `follow_line`.
+      type(net_type), intent(inout) :: net
+      type(start_type), intent(in) :: begin
+      integer, intent(in) :: direction
+      integer, intent(inout), optional :: progress(3)
+      logical :: returned
+
+      call follow_line(net, begin, direction, -1, progress, returned=returned)
+      if (.not. returned) call follow_line(net, begin, direction, 1, progress)
+   end subroutine follow_both
+
    !> Follows a line from a motion in one direction, until it leaves the window or its motions are
    !! far from physical.
-   subroutine follow_line(net, begin, direction, way, progress)
+   subroutine follow_line(net, begin, direction, way, progress, to_border, returned)
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
       !> Start of the line.
@@ -211,15 +256,22 @@ contains
       integer, intent(in) :: direction, way
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> Whether it is followed only until it enters or leaves a zone; false by default.
+      logical, intent(in), optional :: to_border
+      !> Whether it is a closed curve.
+      logical, intent(out), optional :: returned
       type(curve_type) :: line
       type(place_type) :: before, now, next
       type(stride_type) :: stride
       type(condition_type) :: none(0)
       real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
       real(wp) :: share
-      integer :: taken
+      integer :: borders, taken
       logical :: good, known, leaving, left, passes, shorten
 
+      if (present(returned)) returned = .false.
+      borders = border_capacity
+      if (present(to_border)) borders = merge(net%n_borders, borders, to_border)
       call line_of(net%surface, begin, direction, line)
       along = 0
       along(size(along)) = way
@@ -250,6 +302,7 @@ contains
             cycle
          end if
          call note_border(net, line, direction, begin, now, next)
+         if (net%n_borders > borders) return
          if (size(net%flips) > 0) call note_flip(net, line, direction, begin, now, next)
          call note_nodes(net, line, direction, begin, now, next, known)
          ! a given motion can be too near to one that repeats itself: move away from there
@@ -260,7 +313,9 @@ contains
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
          call wrap_phases(net%surface%frame, point)
-         if (passes .and. maxval(abs(point)) < 1.0e-6_wp) return
+         passes = passes .and. maxval(abs(point)) < 1.0e-6_wp
+         if (passes .and. present(returned)) returned = .true.
+         if (passes) return
          taken = taken + 1
          if (iand(taken, taken - 1) == 0) mark = next%point
          before = now
@@ -301,6 +356,16 @@ contains
          if (found == 0) cycle
          if (net%followed(direction, found)) known = .true.
          net%followed(direction, found) = .true.
+      end do
+      if (begin%lattice(3 - direction) == 0 .or. net%n_crossings == 0) return
+      ! the line that the crossings lie on is not one of the lattice
+      call pass(line, net%crossings(1)%at(direction), now, next, point, passes)
+      if (.not. passes) return
+      do i = 1, net%n_crossings
+         if (net%crossings(i)%lattice(3 - direction) /= begin%lattice(3 - direction)) cycle
+         if (.not. is_image(net, net%crossings(i)%unknowns, point(:size(point) - 1))) cycle
+         if (net%crossed(i)) known = .true.
+         net%crossed(i) = .true.
       end do
    end subroutine note_nodes
 
@@ -370,8 +435,8 @@ contains
       !> Start and end of the step.
       type(place_type), intent(in) :: now, next
       type(place_type) :: best
-      real(wp) :: other, q(2)
-      integer :: j, which
+      real(wp) :: q(2)
+      integer :: which
       logical :: inside
 
       inside = is_inside(now%conditions, now%values, line%active(1))
@@ -380,24 +445,11 @@ contains
       if (net%n_borders == border_capacity) return
       call innermost_zero(line, now, next, inside, best, which)
       if (which == 0) return
-      other = begin%at(3 - direction)
+      q = begin%at
+      q(direction) = best%point(size(best%point))
       net%n_borders = net%n_borders + 1
-      associate (border => net%borders(net%n_borders), n => size(net%unknowns, 1))
-         allocate (border%point(n + 2))
-         q(direction) = best%point(n + 1)
-         q(3 - direction) = other
-         border%point(:n) = best%point(:n)
-         border%point(n + 1:) = q
-         border%condition = best%conditions(which)
-         border%inside(3 - direction) = other
-         border%inside(direction) = merge(now%point(n + 1), next%point(n + 1), inside)
-         ! on an edge of the window, this point would lie on the loop
-         do j = 1, 2
-            associate (far => net%lines%axes(j)%at(size(net%head, j)))
-               border%inside(j) = max(1.0e-6_wp, min(far - 1.0e-6_wp, border%inside(j)))
-            end associate
-         end do
-      end associate
+      net%borders(net%n_borders) = border_type([best%point(:size(best%point) - 1), q], &
+         best%conditions(which))
    end subroutine note_border
 
 end module vi_net

@@ -10,21 +10,20 @@ module vi_rings
 
    !> Largest distance of a polygon from its curve, with the window as the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
-   !> A vertex this near to an edge of the window, or beyond it, lies on it.
-   real(wp), parameter :: on_edge = 1.0e-10_wp
 
 contains
 
    !> A polygon along a loop, counter-clockwise around a zone and clockwise around a hole.
    !!
    !! Between two vertices the curve is the cubic that has their derivatives.
-   pure subroutine dense_ring(vertices, r, clearance, inside, ring)
+   pure subroutine dense_ring(vertices, r, clearance, side, ring)
       !> (5, m): r, D, derivatives of r and log D with respect to length, length to the next vertex.
       real(wp), intent(in) :: vertices(:, :)
       !> The window: lowest and highest r, lowest and highest D.
       real(wp), intent(in) :: r(2), clearance(2)
-      !> A point of the zone, close to the loop: r, D. A hole does not enclose it.
-      real(wp), intent(in) :: inside(2)
+      !> Positive if the zone lies on the left of the loop, negative if on its right; if 0, the loop
+      !! does not bound a hole.
+      integer, intent(in) :: side
       !> (2, n): r, D
       real(wp), allocatable, intent(out) :: ring(:, :)
       real(wp) :: low(2), scale(2), here(2), a(2), b(2), chord(2), t
@@ -50,7 +49,7 @@ contains
             ring(2, n) = exp(ring(2, n))
          end do
       end do
-      if (.not. zone_on_left(vertices, r, clearance, ring, inside)) ring = ring(:, n:1:-1)
+      if (side < 0 .or. (side == 0 .and. area(ring) < 0)) ring = ring(:, n:1:-1)
 
    contains
 
@@ -71,56 +70,6 @@ contains
       end subroutine cubic
 
    end subroutine dense_ring
-
-   !> Whether a zone lies on the left of the ring around it.
-   !!
-   !! A piece on an edge of the window decides this directly. Otherwise the point inside decides; it
-   !! can lie so close to a fold that an edge of the polygon cuts it off.
-   pure logical function zone_on_left(vertices, r, clearance, ring, inside) result(left)
-      !> As in `dense_ring`.
-      real(wp), intent(in) :: vertices(:, :), r(2), clearance(2), ring(:, :), inside(2)
-      real(wp) :: edges
-      logical :: around(1)
-
-      edges = left_of_edges(vertices, r, clearance)
-      left = edges > 0
-      if (abs(edges) > 0) return
-      ! a zone can be thinner than the accuracy of the polygon; a point this near to a hole is
-      ! unlikely
-      around = winding(ring, reshape(inside, [2, 1])) /= 0 .or. passes(ring, inside, r, clearance)
-      left = (area(ring) > 0) .eqv. around(1)
-   end function zone_on_left
-
-   !> The length of the pieces on edges of the window that have the window on their left, minus that
-   !! of those that have it on their right.
-   pure real(wp) function left_of_edges(vertices, r, clearance) result(left)
-      !> As in `dense_ring`.
-      real(wp), intent(in) :: vertices(:, :)
-      !> The window.
-      real(wp), intent(in) :: r(2), clearance(2)
-      real(wp) :: a(2), b(2)
-      integer :: i
-
-      left = 0
-      do i = 1, size(vertices, 2)
-         a = place(vertices(:2, i))
-         b = place(vertices(:2, merge(1, i + 1, i == size(vertices, 2))))
-         if (all([a(1), b(1)] < on_edge)) left = left + a(2) - b(2)
-         if (all([a(1), b(1)] > 1 - on_edge)) left = left + b(2) - a(2)
-         if (all([a(2), b(2)] < on_edge)) left = left + b(1) - a(1)
-         if (all([a(2), b(2)] > 1 - on_edge)) left = left + a(1) - b(1)
-      end do
-   contains
-      !> A vertex in the unit square.
-      pure function place(vertex) result(q)
-         !> r, D
-         real(wp), intent(in) :: vertex(2)
-         real(wp) :: q(2)
-
-         q = [(vertex(1) - r(1))/(r(2) - r(1)), log(vertex(2)/clearance(1))/log(clearance(2) &
-            /clearance(1))]
-      end function place
-   end function left_of_edges
 
    !> Area inside a polygon, positive if it goes counter-clockwise.
    pure real(wp) function area(ring)

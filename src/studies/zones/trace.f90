@@ -5,7 +5,7 @@
 !! another one becomes zero there is a corner, and the boundary is followed along that one.
 module vi_trace
    use vi_conditions, only: condition_value
-   use vi_crossing, only: find_dip, locate, may_dip
+   use vi_crossing, only: locate, look_between
    use vi_curve, only: condition_slope, correct, curve_type, distance_from, parameters_of, &
       tangent_at, unknowns_of
    use vi_frame, only: condition_type, grazing, rest_splits, wrap_phases
@@ -69,7 +69,8 @@ contains
             now%step = 0.3_wp*next%came
             cycle
          end if
-         call look_between(curve, active, before, now, next, earlier, reach)
+         call look_between(curve, [active], before, now, next, .not. same_condition(active, &
+            now%conditions), spread(.false., 1, size(now%values)), 1.0e-4_wp, earlier, reach)
          if (earlier) then
             ! the previous step is repeated
             loop%n = loop%n - 1
@@ -139,40 +140,6 @@ contains
       along = place%tangent
       call begin_walk(curve, [active], start, along, 1.0e-3_wp, place, good)
    end subroutine set_out
-
-   !> Looks for a place within the last two steps where a condition other than the active one is
-   !! violated, although it is met at their ends: the boundary has two corners there.
-   pure subroutine look_between(curve, active, before, now, next, earlier, reach)
-      !> The surface.
-      type(curve_type), intent(in) :: curve
-      !> The condition that is zero along the boundary.
-      type(condition_type), intent(in) :: active
-      !> Start of the previous step, start and end of this step.
-      type(place_type), intent(in) :: before, now, next
-      !> Whether the place lies in the previous step.
-      logical, intent(out) :: earlier
-      !> Length of the step to that place; 0 if there is none.
-      real(wp), intent(out) :: reach
-      real(wp), parameter :: shortest = 1.0e-4_wp
-      integer :: j
-      logical :: found
-
-      earlier = .false.
-      reach = 0
-      do j = 1, size(now%values)
-         if (same_condition(active, now%conditions(j))) cycle
-         found = can_shorten(now, shortest) .and. may_dip(next%values(j), now%values(j), &
-            before%values(j), next%came, now%came)
-         if (found) call find_dip(curve, [active], before, now, j, reach, found)
-         earlier = found
-         if (found) return
-         found = can_shorten(next, shortest) .and. may_dip(before%values(j), now%values(j), &
-            next%values(j), now%came, next%came)
-         if (found) call find_dip(curve, [active], now, next, j, reach, found)
-         if (found) return
-      end do
-      reach = 0
-   end subroutine look_between
 
    !> Closes a loop that has reached one of its earlier corners; the points before that corner are
    !! removed.

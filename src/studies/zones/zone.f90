@@ -4,7 +4,8 @@
 !! surface on which they lie. Where a line enters or leaves a zone the boundary is traced, unless it
 !! is known.
 module vi_zone
-   use vi_borders, only: distances, most_loops, open_curves_type, trace_border, zone_type
+   use vi_borders, only: distances, is_on_closed_loop, most_loops, open_curves_type, trace_border, &
+      zone_type
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: repetition_distance
@@ -12,11 +13,12 @@ module vi_zone
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
    use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
-   use vi_net, only: add_seed, cover, cover_from, follow_line, net_type, new_net
+   use vi_net, only: add_seed, border_type, cover, cover_from, follow_both, net_type, new_net, &
+      reach_border
    use vi_net_line, only: line_of, start_type
    use vi_orbit, only: by_clearance, by_left, by_r, by_right, n_parameters
-   use vi_outline, only: ring_of
-   use vi_rings, only: passes, winding
+   use vi_outline, only: ring_of, zone_side
+   use vi_rings, only: winding
    use vi_pattern, only: pattern_type
    use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases, &
       simulate_return
@@ -40,7 +42,9 @@ module vi_zone
       !> Whether it belongs to the family and lies in the window; whether it is also stable and
       !> admissible; whether it could be continued to a node of the lattice.
       logical :: there = .false., inside = .false., at_node = .false.
-      !> Whether there are closed loops around it.
+      !> Of a seed inside a zone: the place at which a line from it leaves the zone, and whether the
+      !! loop there is closed.
+      type(border_type) :: border
       logical :: enclosed = .false.
    end type seed_type
 
@@ -146,7 +150,7 @@ contains
       !> In and out: with room.
       type(zone_type), intent(inout) :: zone
 
-      allocate (zone%loops(most_loops), zone%inside(2, most_loops))
+      allocate (zone%loops(most_loops))
       allocate (zone%open_seeds(seeds), zone%used_seeds(seeds), source=.false.)
    end subroutine make_room
 
@@ -169,10 +173,18 @@ contains
       call trace_borders(request, net, items, zone, reported, progress)
       zone%nodes = net%n
       zone%steps = net%steps
-      do i = 1, zone%n
-         call move_to_repetition(zone%surface, zone%loops(i))
+      do i = 1, size(items)
+         if (items(i)%enclosed .or. .not. allocated(items(i)%border%point)) cycle
+         ! curves have been joined
+         items(i)%enclosed = is_on_closed_loop(items(i)%border, zone)
       end do
-      if (any(items%inside .and. .not. items%enclosed)) call enclose(request, zone, items)
+      do i = 1, zone%n
+         associate (loop => zone%loops(i))
+            ! a loop that was closed by a joint
+            if (loop%closed .and. loop%side == 0) loop%side = zone_side(zone%surface, loop)
+            call move_to_repetition(zone%surface, loop)
+         end associate
+      end do
       associate (open => items%inside .and. .not. items%enclosed, n => size(zone%open_seeds))
          zone%open_seeds = open(:n)
          zone%used_seeds = items(:n)%there .or. items(:n)%at_node
@@ -184,8 +196,9 @@ contains
       call report_share(1.0_wp, zone_work, reported, progress)
    end subroutine finish
 
-   !> Traces the boundary from all places found on it; then also from those found on lines through
-   !! the seeds that no closed loop encloses so far.
+   !> Traces the boundary from all places found on it; then also from where lines from the seeds
+   !! leave their zones. Where such a line meets a boundary that was not known, the lines through
+   !! that seed are followed as well.
    subroutine trace_borders(request, net, seeds, zone, reported, progress)
       !> The request.
       type(zone_request_type), intent(in) :: request
@@ -201,30 +214,28 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(open_curves_type) :: tried
       logical, allocatable :: is_open(:)
-      logical :: closed
+      logical :: closed, known
       integer :: i, first, pass
 
       allocate (is_open(0), tried%curves%loops(most_loops))
       tried%curves%surface = zone%surface
-      do pass = 1, 2
-         first = size(is_open) + 1
-         is_open = [is_open, [(.true., i=first, net%n_borders)]]
-         do i = first, net%n_borders
-            if (is_stopped(progress)) return
-            call trace_border(net%borders(i), net%surface%frame%apart, request%points, .false., &
-               zone, closed, progress, tried)
-            is_open(i) = .not. closed
-            if (pass == 1) call report_share(0.5_wp + 0.5_wp*i/net%n_borders, zone_work, reported, &
-               progress)
-         end do
-         if (pass == 2) exit
-         call enclose(request, zone, seeds)
-         do i = 1, size(seeds)
-            if (seeds(i)%enclosed) cycle
-            call examine(net, seeds(i), same)
-            if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
-            call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
-         end do
+      call trace_further()
+      do i = 1, size(seeds)
+         if (.not. seeds(i)%there) call examine(net, seeds(i), same)
+         if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
+         if (seeds(i)%inside) then
+            first = net%n_borders + 1
+            call reach_border(net, seeds(i)%at, seeds(i)%unknowns, progress)
+            if (net%n_borders >= first) then
+               seeds(i)%border = net%borders(first)
+               known = is_on_closed_loop(seeds(i)%border, zone)
+               call trace_further()
+               seeds(i)%enclosed = .not. is_open(first)
+               if (known) cycle
+            end if
+         end if
+         call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
+         call trace_further()
       end do
       if (size(net%surface%frame%repetitions) > 0) then
          do pass = 2, size(distances)
@@ -245,44 +256,25 @@ contains
             closed, progress)
       end do
       call join_loose_ends(zone)
-   end subroutine trace_borders
 
-   !> Finds which seeds are enclosed by loops; a seed inside a zone may also lie on a loop.
-   pure subroutine enclose(request, zone, seeds)
-      !> The request; its window is used.
-      type(zone_request_type), intent(in) :: request
-      !> The loops.
-      type(zone_type), intent(in) :: zone
-      !> In and out: `enclosed` is set.
-      type(seed_type), intent(inout) :: seeds(:)
-      real(wp), allocatable :: ring(:, :)
-      real(wp) :: points(2, size(seeds))
-      integer :: turns(size(seeds)), i, j
+   contains
 
-      if (size(seeds) == 0) return
-      do i = 1, size(seeds)
-         points(:, i) = zone%surface%origin + zone%surface%scale*seeds(i)%at
-         points(2, i) = exp(points(2, i))
-      end do
-      turns = 0
-      do i = 1, zone%n
-         if (.not. zone%loops(i)%closed) cycle
-         call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), request%r, &
-            request%clearance, ring)
-         turns = turns + winding(ring, points)
-      end do
-      seeds%enclosed = turns > 0
-      if (all(seeds%enclosed .or. .not. seeds%inside)) return
-      do i = 1, zone%n
-         if (.not. zone%loops(i)%closed) cycle
-         call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), request%r, &
-            request%clearance, ring)
-         do j = 1, size(seeds)
-            if (seeds(j)%inside .and. .not. seeds(j)%enclosed) seeds(j)%enclosed = passes(ring, &
-               points(:, j), request%r, request%clearance)
+      !> Traces the boundary from the places that have been added.
+      subroutine trace_further()
+         integer :: j, n
+
+         n = size(is_open)
+         is_open = [is_open, [(.true., j=n + 1, net%n_borders)]]
+         do j = n + 1, net%n_borders
+            if (is_stopped(progress)) return
+            call trace_border(net%borders(j), net%surface%frame%apart, request%points, .false., &
+               zone, closed, progress, tried)
+            is_open(j) = .not. closed
+            if (n == 0) call report_share(0.5_wp + 0.5_wp*j/net%n_borders, zone_work, reported, &
+               progress)
          end do
-      end do
-   end subroutine enclose
+      end subroutine trace_further
+   end subroutine trace_borders
 
    !> Searches for motions at the nodes of the lattice and follows the surface on which they lie.
    !!
@@ -488,7 +480,7 @@ contains
       type(start_type) :: begin
       type(curve_type) :: line
       real(wp) :: point(size(net%unknowns, 1) + 1)
-      integer :: direction, first, i, way
+      integer :: direction, first, i
       logical :: good
 
       first = net%n + 1
@@ -501,9 +493,7 @@ contains
          if (.not. good) cycle
          begin%unknowns = point(:size(point) - 1)
          begin%at(direction) = point(size(point))
-         do way = -1, 1, 2
-            call follow_line(net, begin, direction, way, progress)
-         end do
+         call follow_both(net, begin, direction, progress)
       end do
       call cover(net, first, progress)
    end subroutine cover_from_flips
@@ -655,7 +645,7 @@ contains
       counts = 0
       do i = 1, zone%n
          if (.not. zone%loops(i)%closed) cycle
-         call ring_of(zone%surface, zone%loops(i), zone%inside(:, i), r, clearance, ring)
+         call ring_of(zone%surface, zone%loops(i), r, clearance, ring)
          counts = counts + winding(ring, points)
       end do
    end function count_zone

@@ -178,8 +178,7 @@ contains
       n = size(found%rings)
       allocate (longer(n + 1))
       longer(:n) = found%rings
-      call ring_of(zone%surface, zone%loops(j), zone%inside(:, j), request%r, request%clearance, &
-         longer(n + 1)%points)
+      call ring_of(zone%surface, zone%loops(j), request%r, request%clearance, longer(n + 1)%points)
       call move_alloc(longer, found%rings)
    end subroutine add_ring
 
