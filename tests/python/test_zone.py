@@ -351,6 +351,90 @@ def test_a_thin_zone_between_a_flip_and_a_neimark_sacker_point():
     assert vi.zone(osc, "RLL", *window).contains(2.306148503, 0.2888079132)
 
 
+def test_a_boundary_that_folds_along_its_whole_length():
+    """Inside a fold with two cusps two stable motions coexist, the zone of which lies all around it."""
+    osc = vi.Oscillator(
+        xi=0.0016522891629765835,
+        mu=0.018259241210753042,
+        restitution=(0.7670850567906443, 0.4474414017026341),
+    )
+    zone = vi.zone(osc, vi.Pattern("RLRL", 2), (0.68, 0.78), (12, 17))
+    r, clearance = 0.7162756352311942, 15.123462167343908
+    found = []
+    for piece in zone.boundary:
+        for x, theta in zip(piece.x.T, piece.theta.T, strict=True):
+            try:
+                motion = vi.exact(osc, r, clearance, (theta - theta[0], zone.pattern))
+            except vi.errors.SingularError:
+                continue
+            own = np.sort(motion.X)
+            if motion.stable and motion.admissible and np.ptp(own[::2] - own[1::2]) > 1e-6:
+                found += [own] if not any(np.allclose(own, other) for other in found) else []
+    assert len(found) == 2
+    assert zone.count(r, clearance) == 2
+
+
+def test_no_boundary_has_its_zone_on_the_wrong_side():
+    """Where boundaries cross themselves in the plane, counts are never below zero."""
+    osc = vi.Oscillator(
+        xi=0.027265061489798084, mu=0.021176221177298987, restitution=0.7459907616623795
+    )
+    zone = vi.zone(osc, vi.Pattern("RLRLRL", 3), (0.177, 0.189), (1.95, 2.75))
+    r, clearance = np.meshgrid(np.linspace(0.177, 0.189, 300), np.geomspace(1.95, 2.75, 300))
+    assert zone.count(r, clearance).min() == 0
+    # between the flip and the fold on both sides of a crossing
+    assert zone.contains(0.1825439919, 2.622)
+    assert zone.contains(0.1829190016, [2.535, 2.616]).all()
+
+
+def test_the_motion_of_a_zone_is_stable_where_there_is_a_stable_one():
+    """Next to a fold the unstable motion may be nearer to the boundary."""
+    osc = vi.Oscillator(
+        xi=0.03657899861721822, mu=0.0044577341927940035, restitution=0.5153245490335636
+    )
+    window = (0.47124024723865143, 0.5717818700510147), (6.090043158348211, 21.202865616356327)
+    zone = vi.zone(osc, "RL", *window)
+    rng = np.random.default_rng(5)
+    r = rng.uniform(*window[0], 120)
+    clearance = np.exp(rng.uniform(*np.log(window[1]), 120))
+    inside = zone.contains(r, clearance)
+    assert inside.sum() > 20
+    for place in zip(r[inside].tolist(), clearance[inside].tolist(), strict=True):
+        motion = zone.motion(*place)
+        assert motion.stable
+        assert motion.admissible
+
+
+def test_a_cascade_is_searched_once():
+    """Simulations show motions of many narrow zones of one sheet: its lines are followed once only."""
+    osc = vi.Oscillator(
+        xi=0.03237542623298211, mu=0.08068603519992577, restitution=0.4615499467330675
+    )
+    zone = vi.zone(
+        osc,
+        vi.Pattern("RLRLRL", 3),
+        (0.09023610433330607, 0.12536332064082698),
+        (3.796325892057212, 8.245444543656742),
+    )
+    assert zone.closed
+    assert len(zone.loops) > 40
+    assert zone.search.steps < 400_000
+
+
+def test_zones_at_resonances_of_higher_order():
+    """With little damping zones are narrow near r = 1/n: one lattice line lies there."""
+    osc = vi.Oscillator(
+        xi=0.0007955433930108345,
+        mu=0.002113611800647377,
+        restitution=(0.5941015168197833, 0.24197750080170805),
+    )
+    zone = vi.zone(osc, "RLLL", (0.103, 0.1446), (0.522, 2.237))
+    assert zone.search.lines == (20, 17)
+    for place in [(0.1428466, 1.192865), (0.1429977, 1.185485), (0.1251348, 0.832701)]:
+        assert zone.contains(*place)
+        assert zone.motion(*place).stable
+
+
 @pytest.mark.parametrize(
     ("system", "sides", "cycles", "point", "r", "clearance"),
     [

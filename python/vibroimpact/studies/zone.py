@@ -289,7 +289,7 @@ class Zone(Noun, study="zone"):
         for piece in self.boundary:
             apart = np.hypot((piece.r - r) / r_size, np.log(piece.clearance / clearance) / d_size)
             nearest = int(np.argmin(apart))
-            for j in {nearest, *np.linspace(0, len(piece) - 1, 5).astype(int).tolist()}:
+            for j in {nearest, *np.linspace(0, len(piece) - 1, 20).astype(int).tolist()}:
                 vertices.append((j != nearest, float(apart[j]), piece, j))
         vertices.sort(key=lambda vertex: vertex[:2])
         other = None
