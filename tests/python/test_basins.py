@@ -180,12 +180,11 @@ def test_motion_with_rest_and_chaos_are_told():
     assert wild.labels.max() == 0
 
 
-def test_a_chaotic_attractor_with_slow_phases_is_one():
-    """The number of attractors does not grow with the number of states, some without impacts for many cycles."""
-    few, many = (vi.basins(TABLE, 0.8432, 52.211, states=n) for n in (60, 600))
-    for result in (few, many):
-        assert [item.kind for item in result.attractors] == ["chaotic", "periodic"]
-    np.testing.assert_allclose(few.fractions, many.fractions, atol=4 * few.standard_error[0])
+def test_a_long_chaotic_transient_with_slow_phases_is_no_attractor():
+    """It ends at random after about 70,000 load cycles; an independent simulation of 14 states saw all of them end."""
+    result = vi.basins(TABLE, 0.8432, 52.211, states=20)
+    assert [item.kind for item in result.attractors] == ["periodic"]
+    assert (result.labels == 0).all()
 
 
 def test_chaotic_attractors_that_are_mirror_images_are_two():
@@ -206,6 +205,22 @@ def test_what_never_settles_is_not_decided():
     assert (result.labels == -1).all()
     assert result.attractors == []
     assert "20 not decided" in repr(result)
+
+
+@pytest.mark.parametrize(
+    ("xi", "walls", "r", "clearance"),
+    [
+        (0.0202443167605986, (0.6974883085198703, 0.701778734695422), 0.9286407087615169, 15.779277974773596),
+        (0.10741807170297947, (0.8764470105060991, 0.7296261710310169), 1.6984197629262416, 0.0331078408349547),
+    ],
+)  # fmt: skip
+def test_free_vibration_that_decays_for_a_million_cycles_is_no_attractor(xi, walls, r, clearance):
+    """With a heavy free mass both masses swing together for 1/xi million cycles, which looks quasi-periodic."""
+    osc = vi.Oscillator(xi=xi, mu=1e6, restitution=walls)
+    result = vi.basins(osc, r, clearance, states=2)
+    assert (result.labels == -1).all()
+    light = vi.Oscillator(xi=xi, mu=1.0, restitution=walls)
+    assert (vi.basins(light, r, clearance, states=2).labels >= 0).all()
 
 
 def test_basins_do_not_depend_on_threads():
@@ -371,6 +386,26 @@ def test_what_settles_slowly_is_neither_chaotic_nor_quasi_periodic(
     assert exponents.per_cycle[0] == pytest.approx(
         np.log(abs(item.motion.multipliers[0])) / item.motion.pattern.cycles, rel=1e-2
     )
+
+
+def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
+    """It ends at random after about 35,000 load cycles on one of two motions, mirror images of each other."""
+    osc = vi.Oscillator(xi=5.393016929676998e-4, mu=2.0323541470510546e-3, restitution=0.9877129484339674)
+    result = vi.basins(osc, 0.21978205375145463, 1.2037570985830306, states=8)
+    assert sorted(item.name for item in result.attractors) == ["RLLL/1", "RRRL/1"]
+    assert (result.labels >= 0).all()
+
+
+def test_a_period_that_is_not_considered_is_not_decided_soon():
+    """The motion has a period of 19 load cycles, of which up to 16 are considered."""
+    osc = vi.Oscillator(
+        xi=0.003268685691789558, mu=0.012192598631411566, restitution=(0.5538257197742631, 0.04892169533845492)
+    )
+    point = (0.2799831591147713, 0.7565223971839834)
+    result = vi.basins(osc, *point, states=2)
+    assert (result.labels == -1).all()
+    longer = vi.basins(osc, *point, states=2, max_cycles=19)
+    assert [(item.kind, item.name.split("/")[1]) for item in longer.attractors] == [("rest", "19")]
 
 
 def test_kinds_agree_with_the_exponents_of_long_averages():

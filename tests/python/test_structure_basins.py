@@ -228,6 +228,15 @@ def test_what_settles_slowly_is_not_chaotic():
     assert names[0] == names[1]
 
 
+def test_vibration_that_decays_for_a_million_cycles_is_no_attractor():
+    """With a heavy free mass both masses swing together long after volumes have contracted."""
+    walls = (0.6974883085198703, 0.701778734695422)
+    gaps = [vi.Gap([s, -s], 7.889638987386798, R) for s, R in zip((-1, 1), walls, strict=True)]
+    load = vi.Load(0.9286407087615169, sine=[1, 0])
+    heavy = vi.Structure([1, 1e6], [0.0404886335211972, 0], [1, 0], gaps)
+    assert (vi.basins(heavy, load, states=2).labels == -1).all()
+
+
 def test_a_chaotic_attractor_has_a_positive_exponent():
     structure, load = pair(0.0114, 0.028, 0.75, 72.0), vi.Load(1.04, sine=[1, 0])
     found = vi.basins(structure, load, states=6)

@@ -2,8 +2,8 @@
 module vi_attractor_list
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_basin, only: decide, event_limited, not_reached
-   use vi_attractor_known, only: alike, identify, is_free, known_type, no_impacts, repeating, &
-      shortest_period, within
+   use vi_attractor_known, only: alike, chaotic, identify, is_free, known_type, no_impacts, &
+      periodic, quasi_periodic, repeating, shortest_period, within
    use vi_attractor_neighbourhood, only: find_neighbourhoods
    use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_state, target_type
@@ -35,6 +35,9 @@ module vi_attractor_list
    !! next, and those after which it is left undecided; decay of a disturbance, as a logarithm, by
    !! which a motion that is approached must have been reached.
    integer, parameter :: first_average = 4000, most_followed = 200000
+   !> Events for which a motion that seems chaotic or quasi-periodic must go on, within
+   !! `most_followed` load cycles: a chaotic transient ends at random.
+   real(wp), parameter :: watched = 1.0e6_wp
    real(wp), parameter :: decay = 40
    !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts
    !! as
@@ -423,12 +426,13 @@ contains
       type(state_type) :: state
       real(wp) :: end(5)
       integer(int64) :: first
-      integer :: average, kind, left, repeats, status, settling
+      integer :: average, kind, left, lost, repeats, status, settled, settling
       logical :: good
 
       label = 0
       spent = 0
       left = list%max_events
+      settled = 0
       average = first_average
       end = within(start, list%system%clearance)
       do while (spent + average <= most_followed)
@@ -445,6 +449,7 @@ contains
             progress)
          if (label == 0 .and. status == stat%ok) then
             state = initial_state(list%system, end)
+            lost = left
             call measure_kind(list%system, state, average, before + spent, left, kind, &
                new%largest, settling, status, progress)
             spent = spent + average
@@ -455,7 +460,10 @@ contains
          if (status == stat%event_limit .or. left <= 0) label = event_limited
          if (is_stopped(progress)) return
          if (status /= stat%ok .or. label /= 0) return
-         if (kind > 0) then
+         if (any(kind == [chaotic, quasi_periodic])) then
+            call wait_for(list, end, int(min(real(most_followed, wp), min(watched, 1.0_wp*left)* &
+               average/max(1, lost - left))), left, spent, label, progress)
+            if (label /= 0 .or. is_stopped(progress)) return
             spent = settling
             new%kind = kind
             new%state = end
@@ -466,6 +474,9 @@ contains
             call add_repeating(list, state, repeats, left, label, progress)
             return
          end if
+         ! it settles on what is not looked for, such as a longer period
+         if (kind == periodic) settled = settled + 1
+         if (settled == 2) return
          average = 2*average
       end do
    end subroutine follow_on
@@ -484,9 +495,7 @@ contains
       integer, intent(out) :: label
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(ends_type) :: found
-      real(wp) :: ends(5, 1)
-      integer :: i, labels(1), counts(1), wait
+      integer :: i
 
       label = 0
       do i = 1, list%n
@@ -503,11 +512,32 @@ contains
          end associate
          call add(list, motion)
       end if
-      wait = min(most_followed, ceiling(min(1.0e9_wp, decay*motion%cycles/max(tiny(decay), &
-         -log(motion%largest)))))
-      call decide_known(list, reshape(end, [5, 1]), wait, labels, counts, ends, progress)
+      call wait_for(list, end, min(most_followed, ceiling(min(1.0e9_wp, decay*motion%cycles/ &
+         max(tiny(decay), -log(motion%largest))))), left, spent, label, progress)
+   end subroutine approach
+
+   !> Simulates a state until it has reached a known motion, and sees at last whether it is on
+   !! another one.
+   subroutine wait_for(list, end, cycles, left, spent, label, progress)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> In: t, x, x', z, z'. Out: at the end.
+      real(wp), intent(inout) :: end(5)
+      !> Largest number of load cycles.
+      integer, intent(in) :: cycles
+      !> In and out: events that the simulation may still have, and load cycles simulated.
+      integer, intent(inout) :: left, spent
+      !> The number of the attractor that was reached, `event_limited`, or 0.
+      integer, intent(out) :: label
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(ends_type) :: found
+      real(wp) :: ends(5, 1)
+      integer :: labels(1), counts(1)
+
+      call decide_known(list, reshape(end, [5, 1]), cycles, labels, counts, ends, progress)
       left = left - counts(1)
-      spent = spent + wait
+      spent = spent + cycles
       label = labels(1)
       if (label == not_reached) label = 0
       if (label /= 0) return
@@ -516,7 +546,7 @@ contains
       if (found%status(1, 1) == stat%ok .and. found%periods(1, 1, 1) > 0) call place_settled(list, &
          found%ends(:, 1, 1), found%periods(:, 1, 1), label, progress)
       end = within(ends(:, 1), list%system%clearance)
-   end subroutine approach
+   end subroutine wait_for
 
    !> Adds an attractor that is not periodic, unless its impacts are those of a known one.
    subroutine add_group(list, new, left, label, progress)

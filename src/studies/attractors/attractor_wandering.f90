@@ -3,7 +3,7 @@ module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_lyapunov, only: exponents_on
    use vi_attractor_settled, only: advance
-   use vi_attractor_known, only: chaotic, known_type, quasi_periodic, shortest_period
+   use vi_attractor_known, only: chaotic, known_type, periodic, quasi_periodic, shortest_period
    use vi_exponents, only: positive, sign_by_error, zero
    use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type, two_pi
    use vi_kinds, only: wp
@@ -17,8 +17,9 @@ module vi_attractor_wandering
    !> Load cycles whose impacts mark the cells of an attractor; number of batches of an average.
    integer, parameter :: cell_cycles = 4000, batches = 20
    !> A motion counts as settled after this many of the times in which volumes contract by a factor
-   !! e in each direction, and no sooner than after some load cycles.
-   real(wp), parameter :: contractions = 40
+   !! e in each direction, and of those in which the slowest free vibration decays by a factor e, and
+   !! no sooner than after some load cycles.
+   real(wp), parameter :: contractions = 40, decays = 10
    integer, parameter :: least_cycles = 12000
    !> Load cycles of an average with which an exponent may count as zero.
    integer, parameter :: zero_cycles = 16000
@@ -138,12 +139,14 @@ contains
    end subroutine find_cells
 
    !> The kind of a motion, from its largest exponent: chaotic if this is positive by its error,
-   !! quasi-periodic if it is zero by its error, and 0 as long as it is neither.
+   !! quasi-periodic if it is zero by its error, `periodic` if it is so negative that the motion has
+   !! settled during the average, and 0 as long as it is none of these.
    !!
    !! A transient may look like either for a long time. Volumes contract at a known rate, and
    !! nothing
-   !! settles faster: the kind is 0 until the motion has gone on for many times as long. Without
-   !! contraction there are no transients.
+   !! settles faster: the kind is 0 until the motion has gone on for many times as long. A free
+   !! vibration, which decays slowest while both masses move together, may last much longer than
+   !! that. Without contraction there are no transients.
    subroutine measure_kind(system, state, cycles, before, left, kind, largest, settling, status, &
       progress)
       !> The forced system.
@@ -154,7 +157,7 @@ contains
       integer, intent(in) :: cycles, before
       !> As in `simulate_on`.
       integer, intent(inout) :: left
-      !> `chaotic`, `quasi_periodic` or 0.
+      !> `chaotic`, `quasi_periodic`, `periodic` or 0.
       integer, intent(out) :: kind
       !> Largest exponent per load cycle.
       real(wp), intent(out) :: largest
@@ -164,7 +167,7 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      real(wp) :: exponents(4), deviations(4), rate
+      real(wp) :: exponents(4), deviations(4), most
       integer :: rank, sign_of_it
 
       kind = 0
@@ -173,15 +176,28 @@ contains
          status, progress)
       largest = exponents(1)
       if (status /= stat%ok) return
-      if (rank == 4) then
-         rate = -sum(exponents)/4
-         ! rounding alone contracts nothing
-         if (rate > 1.0e-12_wp) settling = ceiling(min(1.0e9_wp, contractions/rate))
-      end if
+      associate (osc => system%osc)
+         most = times(contractions, -sum(exponents(:rank))/rank)
+         most = max(most, times(decays, osc%xi/(1 + osc%mu)*(two_pi/system%r)))
+      end associate
+      settling = ceiling(min(1.0e9_wp, most))
       if (before + cycles < max(settling, least_cycles)) return
       sign_of_it = sign_by_error(largest, deviations(1), cycles)
       if (sign_of_it == positive) kind = chaotic
+      if ((largest + 4*deviations(1))*cycles < -2*decays) kind = periodic
       if (sign_of_it == zero .and. cycles >= zero_cycles) kind = quasi_periodic
+
+   contains
+
+      !> Load cycles in which a logarithm grows to a number; 0 if only rounding makes it grow.
+      pure real(wp) function times(number, rate)
+         !> The number, and the growth per load cycle.
+         real(wp), intent(in) :: number, rate
+
+         times = 0
+         if (rate > 1.0e-12_wp) times = number/rate
+      end function times
+
    end subroutine measure_kind
 
    !> A stable periodic motion around which a trajectory may wind, by Newton's method from where the

@@ -13,7 +13,7 @@ module vi_structure_find
    use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_structure_period, only: exact, periodic_structure
    use vi_structure_return, only: is_attractor, settle_on, settled_type
-   use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
+   use vi_structure_run, only: find_regime, new_run, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at, state_now
    implicit none (type, external)
    private
@@ -45,8 +45,9 @@ module vi_structure_find
    integer, parameter :: first_average = 1000, most_followed = 30000, zero_cycles = 8000, &
       least_cycles = 3000, batches = 20
    !> A motion counts as settled after this many of the times in which volumes contract by a factor
-   !! e in each direction.
-   real(wp), parameter :: contractions = 40
+   !! e in each direction, and of those in which the slowest damped vibration decays by a factor
+   !! e.
+   real(wp), parameter :: contractions = 40, decays = 10
 
    !> Tasks between which the list of motions is brought up to date.
    integer, parameter :: block = 512
@@ -163,7 +164,8 @@ contains
    !! is near. A negative one tells that it settles.
    !!
    !! A transient may look like any of them for a long time. Volumes contract at a known rate, and
-   !! nothing settles faster: there is no kind until the motion has gone on for many times as long.
+   !! nothing settles faster: there is no kind until the motion has gone on for many times as long. A
+   !! vibration, also one with a gap at rest, may last much longer than that.
    subroutine follow_on(structure, run, start, state, how, found, kind, status, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
@@ -186,10 +188,11 @@ contains
       !> How nearly a motion repeats that is approached.
       real(wp), parameter :: usual = 1.0e-4_wp, loose = 1.0e-2_wp
       type(exponents_type) :: average
-      real(wp) :: here(size(state))
+      real(wp) :: here(size(state)), slowest
       integer :: cycles, left, n, settling, sign_of_it, spent, ended
 
       kind = 0
+      call find_slowest(run, slowest)
       settling = 0
       n = size(state)/2
       cycles = first_average
@@ -240,9 +243,39 @@ contains
          is_steady = spent >= least_cycles
          if (average%contraction > 1.0e-12_wp) is_steady = is_steady .and. &
             spent*average%period*average%contraction >= contractions
+         if (slowest > 0) is_steady = is_steady .and. spent*average%period*slowest >= decays
       end function is_steady
 
    end subroutine follow_on
+
+   !> The rate at which the slowest damped vibration decays, without rest and with each gap at rest.
+   pure subroutine find_slowest(run, slowest)
+      !> The structure under its load; regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The rate; 0 if nothing is damped.
+      real(wp), intent(out) :: slowest
+      real(wp) :: fast
+      integer :: i, j, status
+
+      do i = 1, size(run%structure%openings)
+         ! a rest that is refused does not happen
+         call find_regime(run, [i], j, status)
+      end do
+      slowest = huge(slowest)
+      do i = 1, size(run%regimes)
+         associate (modes => run%regimes(i)%modes)
+            do j = 1, size(modes%damping)
+               ! rounding alone damps nothing
+               if (.not. modes%stiffness(j) > 0 .or. .not. modes%damping(j) > 1.0e-12_wp* &
+                  modes%omega(j)) cycle
+               fast = modes%damping(j) + sqrt(max(0.0_wp, modes%damping(j)**2 - &
+                  modes%stiffness(j)))
+               slowest = min(slowest, modes%damping(j), modes%stiffness(j)/fast)
+            end do
+         end associate
+      end do
+      if (slowest >= huge(slowest)) slowest = 0
+   end subroutine find_slowest
 
    !> Newton's method from random impact times, for all orders of a few impacts.
    subroutine search_orders(structure, load, how, list, failures, progress)
