@@ -11,7 +11,7 @@ module vi_curve
    use vi_linear, only: eliminate, most
    use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
       orbit_slopes, orbit_type, set_orbit, span_of
-   use vi_rest_conditions, only: measure_in_period
+   use vi_rest_conditions, only: measure_in_period, touching_in
    use vi_rest_family, only: measure_type, rest_period, rest_period_type
    use vi_structure_conditions, only: structure_slope
    use vi_structure_family, only: member_equations, member_type, set_member
@@ -233,7 +233,7 @@ contains
       b(1, :n) = at_fault
       a(:size(point), :n) = 0
       c = parameters_of(curve, point)
-      call rest_period(curve%frame%rest, point(:m), c, period)
+      call rest_period(curve%frame%rest, point(:m), c, period, touching_in(conditions))
       if (.not. period%right) return
       do j = 1, n
          if (j <= m) then

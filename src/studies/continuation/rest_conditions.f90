@@ -8,7 +8,7 @@ module vi_rest_conditions
    implicit none (type, external)
    private
 
-   public :: measure_in_period, rest_condition, rest_conditions
+   public :: measure_in_period, rest_condition, rest_conditions, touching_in
 
 contains
 
@@ -54,12 +54,21 @@ contains
       type(rest_period_type) :: period
       type(measure_type) :: measure
 
-      call rest_period(frame%rest, unknowns, c, period)
+      call rest_period(frame%rest, unknowns, c, period, touching_in([condition]))
       value = ieee_value(1.0_wp, ieee_quiet_nan)
       if (.not. period%right) return
       measure = measure_in_period(period, c, condition)
       value = measure%value
    end function rest_condition
+
+   !> The symbol in which one of the conditions has a bounce touch the wall; 0 if there is none.
+   pure integer function touching_in(conditions) result(symbol)
+      !> The conditions that are zero.
+      type(condition_type), intent(in) :: conditions(:)
+
+      symbol = findloc(conditions%kind == grazing .and. conditions%share > 1, .true., dim=1)
+      if (symbol > 0) symbol = conditions(symbol)%index
+   end function touching_in
 
    !> The value of a condition in a period, and its gradient; the gradients of fold, flip and
    !! Neimark-Sacker are left at 0.

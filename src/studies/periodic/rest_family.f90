@@ -96,7 +96,29 @@ module vi_rest_family
    type :: ending_type
       integer :: side = 0
       real(wp) :: phase = 0
+      !> Whether a bounce of the accumulation is known to touch the wall without an impact.
+      logical :: touches = .false.
    end type ending_type
+
+   !> A course of an accumulation: state, measures as in `rest_period_type`, and how it ends.
+   type :: course_type
+      type(place_type) :: here
+      type(measure_type) :: rest, gap
+      integer :: touched = 0
+      real(wp) :: touched_at = 0
+      !> Whether it ends with a release; how far that is from the known one (see `miss_at`), and
+      !! whether the contact force passes zero again later.
+      logical :: good = .false.
+      real(wp) :: miss = 0
+      logical :: later = .false.
+      !> Number of places so far where it could have been continued in another way.
+      integer :: forks = 0
+   end type course_type
+
+   !> Largest number of forks at which both continuations are tried.
+   integer, parameter :: most_forks = 3
+   !> `touched_at` of a first rest that is about to be there (see `follow_course`).
+   real(wp), parameter :: first_rest = -2
 
    !> Time after a release (over the shortest time scale) until which the gap is followed by its
    !! series.
@@ -126,7 +148,7 @@ contains
    end function rest_unknowns
 
    !> One period from a release.
-   pure subroutine rest_period(family, unknowns, c, period)
+   pure subroutine rest_period(family, unknowns, c, period, touching)
       !> The family.
       type(rest_family_type), intent(in) :: family
       !> (2 + n) phase and asinh(v/D) at the release, phases of the first impacts.
@@ -136,6 +158,8 @@ contains
       !> Equations and measures; `right` is false, and they are undefined, where the symbols cannot
       !! be followed.
       type(rest_period_type), intent(out) :: period
+      !> The symbol in which a bounce is known to touch the wall without an impact.
+      integer, intent(in), optional :: touching
       type(forced_system_type) :: system
       type(place_type) :: here
       type(ending_type) :: end_of
@@ -169,6 +193,7 @@ contains
          else
             end_of = ending_type(0, unknowns(1) + two_pi*family%cycles)
          end if
+         if (present(touching)) end_of%touches = touching == i
          call accumulate(system, last, here, period%rest(i), period%gap(i), period%touched(i), &
             period%touched_at(i), good, end_of)
          if (.not. good) return
@@ -410,7 +435,7 @@ contains
    end subroutine follow_symbols
 
    !> The next contact with one wall.
-   pure subroutine next_contact(system, flight, here, side, limit, contact, found)
+   pure subroutine next_contact(system, flight, here, side, limit, contact, found, from)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The flight that begins at `here`.
@@ -425,6 +450,8 @@ contains
       type(contact_type), intent(out) :: contact
       !> Whether there is one.
       logical, intent(out) :: found
+      !> Time of the flight before which contacts do not count; the gap is open there.
+      real(wp), intent(in), optional :: from
       type(flight_type) :: moved
       type(departure_type) :: departure
       real(wp) :: beyond
@@ -433,8 +460,9 @@ contains
       beyond = 2*system%clearance
       moved = flight
       moved%z = moved%z + side*beyond
-      if (here%at%side == side) departure = departure_type(side, here%speed, here%released)
-      contact = first_contact(moved, 0.5_wp*system%clearance + beyond, departure, limit)
+      if (here%at%side == side .and. .not. present(from)) departure = departure_type(side, &
+         here%speed, here%released)
+      contact = first_contact(moved, 0.5_wp*system%clearance + beyond, departure, limit, from)
       found = contact%side == side
    end subroutine next_contact
 
@@ -470,8 +498,8 @@ contains
 
    !> All impacts that accumulate on a wall, and the rest there, from the first impact on.
    !!
-   !! The accumulation is cut off where this changes the state by less than rounding, or, if it is
-   !! not completed, where it comes nearest to that.
+   !! The number of impacts is not given. Near an end of the family the same first impact has several
+   !! continuations (see `follow_course`); of these the one is meant that ends as the unknowns do.
    pure subroutine accumulate(system, last, here, rest, gap, touched, touched_at, good, end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -489,50 +517,236 @@ contains
       real(wp), intent(inout) :: touched_at
       !> False if the accumulation does not come near to completion, or the rest does not end.
       logical, intent(out) :: good
-      !> What is known of the release; without it the rest ends where the contact force first does.
+      !> What is known of the release; without it the motion is the one that a simulation follows.
+      type(ending_type), intent(in), optional :: end_of
+      type(course_type) :: first, course, other
+      integer :: choices
+
+      first%here = here
+      first%gap = gap
+      first%touched = touched
+      first%touched_at = touched_at
+      course = first
+      call follow_course(system, last, 0, course, end_of)
+      if (course%forks > 0 .and. present(end_of)) then
+         choices = 1
+         do while (choices < 2**min(most_forks, course%forks))
+            other = first
+            call follow_course(system, last, choices, other, end_of)
+            other%forks = max(other%forks, course%forks)
+            if (other%good .and. .not. (course%good .and. course%miss <= other%miss)) then
+               course = other
+            else
+               course%forks = other%forks
+            end if
+            choices = choices + 1
+         end do
+      end if
+      good = course%good
+      if (.not. good) return
+      here = course%here
+      rest = course%rest
+      gap = course%gap
+      touched = course%touched
+      touched_at = course%touched_at
+   end subroutine accumulate
+
+   !> One of the continuations of an accumulation.
+   !!
+   !! The accumulation is cut off where this changes the state by less than rounding, or, if it is
+   !! not completed, where it comes nearest to that. There are two continuations
+   !!
+   !! - where a bounce just touches the wall while the acceleration opens the gap: an impact, or
+   !!   none, as beyond the grazing boundary of the motions that do not touch it there;
+   !! - where the accumulation is completed, or nearly, shortly before the contact force falls
+   !!   through zero and will be positive again: the symbol ends with the next release, or further
+   !!   impacts follow. The measure of that first rest is positive where the rest is there, and
+   !!   the motion then has one more symbol; it falls through zero where the impacts go on.
+   pure subroutine follow_course(system, last, choices, course, end_of)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Load phase (rad) at which the search ends.
+      real(wp), intent(in) :: last
+      !> A bit for each fork, in the order of time: whether the second continuation is taken.
+      integer, intent(in) :: choices
+      !> In: after the first impact of the accumulation. Out: after the release.
+      type(course_type), intent(inout) :: course
+      !> What is known of the release.
       type(ending_type), intent(in), optional :: end_of
       !> Largest relative error of cutting off: for a motion, and beyond the end of the family.
       real(wp), parameter :: fine = 1.0e-17_wp, coarse = 1.0e-6_wp
+      !> A bounce that is lower than this (over the clearance) has no dip that can be resolved.
+      real(wp), parameter :: low = 1.0e-4_wp
       type(place_type) :: best
       real(wp) :: restitution, cost, least, time, x, x_dot, speed, scale, closing, highest
       integer :: bounces
+      logical :: good, complete, ends, long
 
-      restitution = system%osc%restitution(merge(right, left, here%at%side > 0))
-      least = huge(1.0_wp)
-      good = here%speed >= 0
-      if (.not. good) return
-      if (.not. restitution > 0) then
-         call rest_on(system, restitution, last, here, rest, gap, touched, touched_at, good, end_of)
+      associate (here => course%here)
+         restitution = system%osc%restitution(merge(right, left, here%at%side > 0))
+         least = huge(1.0_wp)
+         course%good = here%speed >= 0
+         if (.not. course%good) return
+         if (.not. restitution > 0) then
+            call rest_on(system, restitution, last, course, end_of)
+            return
+         end if
+         do bounces = 1, most_hops
+            closing = closing_acceleration(system, here%at)
+            cost = huge(1.0_wp)
+            if (closing > 1.0e-15_wp*(1 + here%speed**2) .and. .not. here%released) cost = &
+               here%speed**3/closing**2/max(1.0e-3_wp, 1 - restitution**3)
+            scale = system%clearance + abs(here%at%x) + abs(here%at%x_dot)
+            if (cost < least) then
+               least = cost
+               best = here
+            end if
+            complete = cost <= fine*scale
+            ! it was nearly completed, and now the bounces become longer again
+            if (complete .or. (least <= coarse*scale .and. 1.0e-3_wp*cost > least)) then
+               call end_course(system, restitution, last, complete, choices, best, course, ends, &
+                  end_of)
+               if (ends) return
+               least = huge(1.0_wp)
+            end if
+            call next_hop(system, here, last, time, x, x_dot, speed)
+            if (.not. time > 0) exit
+            ! no bounce is higher than this: the gap's acceleration is that of the primary mass,
+            ! which may open the gap for a while
+            highest = here%speed*time + (system%load + abs(here%at%x) + abs(here%at%x_dot))*time**2
+            long = highest > low*system%clearance
+            if (long .and. present(end_of)) call pass_by(system, last, choices, &
+               end_of%touches, course, time, x, x_dot, speed)
+            if (long) call note_gap(system, here, time, bounces, course%gap, course%touched, &
+               course%touched_at)
+            call impact_at(system, here, here%at%side, time, x, x_dot, speed, good)
+            if (.not. good) exit
+         end do
+         course%good = least <= coarse*(system%clearance + abs(best%at%x) + abs(best%at%x_dot))
+         if (.not. course%good) return
+         here = best
+         call rest_on(system, restitution, last, course, end_of)
+      end associate
+   end subroutine follow_course
+
+   !> Ends a course with a rest where its accumulation is completed, or nearly, or goes on with it.
+   pure subroutine end_course(system, restitution, last, complete, choices, best, course, ends, &
+      end_of)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Coefficient of restitution of the wall, and load phase (rad) at which the search ends.
+      real(wp), intent(in) :: restitution, last
+      !> Whether the accumulation is completed.
+      logical, intent(in) :: complete
+      !> As in `follow_course`.
+      integer, intent(in) :: choices
+      !> The impact at which it comes nearest to completion.
+      type(place_type), intent(in) :: best
+      !> In: after an impact. Out: after the release if it ends; else where further impacts follow.
+      type(course_type), intent(inout) :: course
+      !> Whether it ends.
+      logical, intent(out) :: ends
+      !> What is known of the release.
+      type(ending_type), intent(in), optional :: end_of
+      type(course_type) :: first, final
+
+      first = course
+      first%here = best
+      final = first
+      ends = complete
+      if (complete .or. present(end_of)) call rest_on(system, restitution, last, final, end_of)
+      if (present(end_of)) ends = .not. (final%good .and. final%later)
+      if (complete .and. ends) then
+         course = final
          return
       end if
-      do bounces = 1, most_hops
-         closing = closing_acceleration(system, here%at)
-         cost = huge(1.0_wp)
-         if (closing > 1.0e-15_wp*(1 + here%speed**2)) cost = here%speed**3/closing**2 &
-            /max(1.0e-3_wp, 1 - restitution**3)
-         scale = system%clearance + abs(here%at%x) + abs(here%at%x_dot)
-         if (cost < least) then
-            least = cost
-            best = here
+      ! the rest before the contact force first falls through zero
+      call rest_on(system, restitution, last, first)
+      if (.not. complete) then
+         ! in time: the accumulation is not interrupted, its impacts only become slower
+         ends = ends .and. first%good .and. first%rest%value <= 0
+         if (.not. (first%good .and. first%rest%value <= 0)) return
+      end if
+      if (.not. ends .and. present(end_of)) then
+         ends = .not. btest(choices, course%forks)
+         course%forks = course%forks + 1
+         final%forks = course%forks
+      end if
+      if (ends) then
+         course = final
+         return
+      end if
+      if (complete) course%here = first%here
+      course%good = first%good
+      ends = .not. course%good
+      if (-first%rest%value < course%gap%value) then
+         course%gap = measure_type(-first%rest%value, -first%rest%by)
+         course%touched = course%here%at%side
+         course%touched_at = first_rest
+      end if
+   end subroutine end_course
+
+   !> The next impact of a bounce that just touches the wall, if it is not to count as an impact.
+   !!
+   !! The gap is then negative for a while, and the flight goes on.
+   pure subroutine pass_by(system, last, choices, touches, course, time, x, x_dot, speed)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> Load phase (rad) at which the search ends.
+      real(wp), intent(in) :: last
+      !> As in `follow_course`, and whether a touch that is not deep is known not to be an impact.
+      integer, intent(in) :: choices
+      logical, intent(in) :: touches
+      !> In: after an impact. Out: with one more fork, if there is one here.
+      type(course_type), intent(inout) :: course
+      !> In: the next contact, as in `next_hop`. Out: the next impact.
+      real(wp), intent(inout) :: time, x, x_dot, speed
+      !> Largest depth of such a touch, over the clearance; of one that is not deep; and of one that
+      !! is not told from a mere touch.
+      real(wp), parameter :: deepest = 0.05_wp, shallow = 1.0e-3_wp, none = 1.0e-9_wp
+      !> First and longest step of the search for its end (over the shortest time scale), and growth
+      !! of the steps.
+      real(wp), parameter :: first = 1.0e-3_wp, longest = 0.05_wp, growth = 1.1_wp
+      type(flight_type) :: flight
+      type(contact_type) :: contact
+      real(wp) :: limit, step, t, depth, d(0:5)
+      logical :: found, opens, passes
+
+      associate (here => course%here, side => course%here%at%side)
+         limit = (last - here%at%phase)/system%r
+         flight = flight_from(system, here%at, limit)
+         d = derivatives(flight, time)
+         if (.not. side*d(2) > 0) return
+         depth = speed**2/(2*side*d(2))/system%clearance
+         ! the gap, which is negative, first closes further and then opens
+         step = first/max(1.0_wp, system%r)
+         t = time
+         opens = .false.
+         do
+            t = t + step
+            step = min(growth*step, longest/max(1.0_wp, system%r))
+            if (t > limit) return
+            d = derivatives(flight, t)
+            if (side*(flight_position(flight, t) - d(0)) > (0.5_wp + deepest)*system%clearance) return
+            found = side*(flight%z_dot - d(1)) < 0
+            if (opens .and. .not. found) exit
+            opens = found
+         end do
+         if (side*(flight_position(flight, t) - d(0)) >= 0.5_wp*system%clearance) return
+         call next_contact(system, flight, here, side, limit, contact, found, t)
+         if (.not. found) return
+         passes = depth < none .or. (touches .and. depth < shallow)
+         if (.not. passes) then
+            passes = btest(choices, course%forks)
+            course%forks = course%forks + 1
          end if
-         if (cost <= fine*scale) exit
-         ! it was nearly completed, and now the bounces become longer again
-         if (least <= coarse*scale .and. 1.0e-3_wp*cost > least) exit
-         call next_hop(system, here, last, time, x, x_dot, speed)
-         if (.not. time > 0) exit
-         ! no bounce is higher than this: the gap's acceleration is that of the primary mass, which
-         ! may open the gap for a while
-         highest = here%speed*time + (system%load + abs(here%at%x) + abs(here%at%x_dot))*time**2
-         if (highest > 0.2_wp*system%clearance) call note_gap(system, here, time, bounces, gap, &
-            touched, touched_at)
-         call impact_at(system, here, here%at%side, time, x, x_dot, speed, good)
-         if (.not. good) exit
-      end do
-      good = least <= coarse*(system%clearance + abs(best%at%x) + abs(best%at%x_dot))
-      if (.not. good) return
-      here = best
-      call rest_on(system, restitution, last, here, rest, gap, touched, touched_at, good, end_of)
-   end subroutine accumulate
+         if (.not. passes) return
+         time = contact%time
+         x = contact%d(0)
+         x_dot = contact%d(1)
+         speed = contact%speed
+      end associate
+   end subroutine pass_by
 
    !> The acceleration that closes the gap after an impact.
    pure real(wp) function closing_acceleration(system, at) result(a)
@@ -560,8 +774,9 @@ contains
       logical :: found
 
       associate (at => here%at)
-         call bounce(system%transition, system%load, sin(at%phase), cos(at%phase), at%x, at%x_dot, &
-            at%side, here%speed, 4*system%clearance, time, speed)
+         time = 0
+         if (.not. here%released) call bounce(system%transition, system%load, sin(at%phase), &
+            cos(at%phase), at%x, at%x_dot, at%side, here%speed, 4*system%clearance, time, speed)
          if (time > 0) then
             x = at%x + at%z_dot*time
             x_dot = at%z_dot - at%side*speed
@@ -584,22 +799,15 @@ contains
    !!
    !! The measure of its duration passes zero almost linearly where the accumulation just fails to
    !! complete (see `critical`).
-   pure subroutine rest_on(system, restitution, last, here, rest, gap, touched, touched_at, good, &
-      end_of)
+   pure subroutine rest_on(system, restitution, last, course, end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> Coefficient of restitution of the wall, and load phase (rad) at which the search ends.
       real(wp), intent(in) :: restitution, last
-      !> In: after the last impact. Out: after the release.
-      type(place_type), intent(inout) :: here
-      !> Measure of the duration of the rest.
-      type(measure_type), intent(out) :: rest
-      !> As in `accumulate`: lowered where the rest splits, or nearly does.
-      type(measure_type), intent(inout) :: gap
-      integer, intent(inout) :: touched
-      real(wp), intent(inout) :: touched_at
-      !> False if the rest does not end before `last`, or its end has no derivative.
-      logical, intent(out) :: good
+      !> In: after the last impact. Out: after the release; the least gap is lowered where the rest
+      !! splits, or nearly does. `good` is false if the rest does not end before `last`, or its end
+      !! has no derivative.
+      type(course_type), intent(inout) :: course
       !> What is known of the release.
       type(ending_type), intent(in), optional :: end_of
       type(oscillation_type) :: joint
@@ -608,7 +816,9 @@ contains
       real(wp), dimension(columns) :: closing_by, speed_by, instant
       real(wp) :: closing, speed, time, duration, d(0:5), limit, power, share
 
-      associate (at => here%at, change => here%change, side => here%at%side, mu => system%osc%mu)
+      associate (here => course%here, rest => course%rest, good => course%good, &
+         at => course%here%at, change => course%here%change, side => course%here%at%side, &
+         mu => system%osc%mu)
          closing = closing_acceleration(system, at)
          closing_by = -side*(system%load*cos(at%phase)*change%state(4, :) &
             - 2*system%osc%xi*change%state(2, :) - change%state(1, :))
@@ -618,7 +828,8 @@ contains
          at%x_dot = at%x_dot - side*mu/(1 + mu)*speed
          at%z_dot = at%x_dot
          joint = new_rest(system%osc%xi, mu, system%r, system%load, at%phase, at%x, at%x_dot)
-         call find_release(system, joint, here, restitution, last, time, good, end_of)
+         call find_release(system, joint, here, restitution, last, time, good, course%miss, &
+            course%later, end_of)
          if (.not. good) return
          from = at
          start = change
@@ -636,7 +847,7 @@ contains
          duration = time - d(2)/d(3)
          here%lag = system%r*(duration - time)
          if (present(end_of)) call note_force(system, joint, from, start, time, here, instant, &
-            gap, touched, touched_at)
+            course%gap, course%touched, course%touched_at)
          call critical(restitution, limit, power)
          rest%value = 0
          if (.not. restitution > 0) then
@@ -658,7 +869,8 @@ contains
    !! Beyond the end of the family the contact force may pass zero several times. The release is
    !! then the passage that belongs to the unknowns. A given phase at which the force is nearly zero
    !! is taken as it is, so that the equations remain smooth where several passages merge.
-   pure subroutine find_release(system, joint, here, restitution, last, time, good, end_of)
+   pure subroutine find_release(system, joint, here, restitution, last, time, good, miss, later, &
+      end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The common motion of both masses, and the state with which it begins.
@@ -671,13 +883,20 @@ contains
       real(wp), intent(out) :: time
       !> Whether there is a release.
       logical, intent(out) :: good
+      !> How far it is from what is known, see `miss_at`.
+      real(wp), intent(out) :: miss
+      !> Whether the force passes zero again later, before the known release.
+      logical, intent(out) :: later
       !> What is known of the release.
       type(ending_type), intent(in), optional :: end_of
       !> Time (over the shortest time scale) within which passages are about to merge.
       real(wp), parameter :: near = 0.1_wp
-      real(wp) :: d(0:5), limit, before, other, miss, least, span
+      real(wp) :: d(0:5), limit, before, other, least, span
       integer :: i
+      logical :: found
 
+      miss = 0
+      later = .false.
       associate (at => here%at, side => here%at%side)
          good = .false.
          if (present(end_of)) good = end_of%side == 0
@@ -714,12 +933,12 @@ contains
             end if
             before = other
             if (.not. limit > before) exit
-            call next_release(system, joint, at, before, limit, other, good)
-            if (.not. good) exit
+            call next_release(system, joint, at, before, limit, other, found)
+            if (.not. found) exit
+            later = .true.
             miss = min(least, miss_at(other))
             if (miss < least) time = other
          end do
-         good = .true.
       end associate
    contains
       !> How far a release is from the given phase, or the free mass from the wall at the next

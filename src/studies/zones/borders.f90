@@ -13,7 +13,7 @@ module vi_borders
    implicit none (type, external)
    private
 
-   public :: is_on_closed_loop, trace_border
+   public :: find_border, is_on_closed_loop, trace_border
 
    !> Largest number of loops, and number of points after which no further loop is begun.
    integer, parameter, public :: most_loops = 400

@@ -20,6 +20,8 @@ module vi_trace
 
    !> A zero nearer than this to the start of a step counts as being at the start.
    real(wp), parameter :: begun = 1.0e-9_wp
+   !> Largest number of shortest steps in a row.
+   integer, parameter :: most_stalled = 60
    !> Two points of a boundary that are nearer than this to each other are the same.
    real(wp), parameter :: same_place = 1.0e-6_wp
 
@@ -47,9 +49,10 @@ contains
       type(place_type) :: before, now, next, corner
       type(condition_type) :: active
       real(wp) :: reach
-      integer :: which
+      integer :: which, stalled
       logical :: good, met, earlier
 
+      stalled = 0
       allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
          loop%conditions(most), loop%corner(most))
       active = condition
@@ -62,6 +65,9 @@ contains
          if (is_stopped(progress)) return
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
+         ! near a singular point, steps that are short enough lead nowhere
+         stalled = merge(stalled + 1, 0, next%came < 64*stride%shortest)
+         if (stalled > most_stalled) return
          call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
          if (which < 0 .and. .not. can_shorten(next, 64*stride%shortest)) return
          ! a violation that could not be located: another one may come before it

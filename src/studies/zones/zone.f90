@@ -10,7 +10,7 @@ module vi_zone
    use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: repetition_distance
    use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
-   use vi_join, only: join_loose_ends
+   use vi_join, only: join_loose_ends, set_apart
    use vi_kinds, only: wp
    use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
    use vi_net, only: add_seed, border_type, cover, cover_from, follow_both, net_type, new_net, &
@@ -256,6 +256,8 @@ contains
             closed, progress)
       end do
       call join_loose_ends(zone)
+      if (net%surface%frame%resting) call set_apart(zone, net%borders(:net%n_borders), is_open, &
+         request%points, progress)
 
    contains
 
