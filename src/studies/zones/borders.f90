@@ -19,7 +19,7 @@ module vi_borders
    integer, parameter, public :: most_loops = 400
    integer, parameter :: capacity = 150000
    !> Number of further places from which a curve that could not be closed is traced.
-   integer, parameter :: most_again = 3
+   integer, parameter :: most_again = 1
 
    !> The zones of a family in a window.
    type, public :: zone_type

@@ -174,9 +174,11 @@ contains
       zone%nodes = net%n
       zone%steps = net%steps
       do i = 1, size(items)
-         if (items(i)%enclosed .or. .not. allocated(items(i)%border%point)) cycle
+         if (items(i)%enclosed) cycle
+         if (zone%surface%frame%resting) items(i)%enclosed = is_enclosed(request, zone, items(i))
          ! curves have been joined
-         items(i)%enclosed = is_on_closed_loop(items(i)%border, zone)
+         if (allocated(items(i)%border%point)) items(i)%enclosed = items(i)%enclosed .or. &
+            is_on_closed_loop(items(i)%border, zone)
       end do
       do i = 1, zone%n
          associate (loop => zone%loops(i))
@@ -214,13 +216,18 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(open_curves_type) :: tried
       logical, allocatable :: is_open(:)
-      logical :: closed, known
+      logical :: closed, known, resting
       integer :: i, first, pass
 
       allocate (is_open(0), tried%curves%loops(most_loops))
       tried%curves%surface = zone%surface
+      resting = net%surface%frame%resting
       call trace_further()
+      ! lines through seeds would not close what ends where motions with rest jump
+      if (resting) call keep_open(request, net, is_open, zone, progress)
       do i = 1, size(seeds)
+         if (resting) seeds(i)%enclosed = is_enclosed(request, zone, seeds(i))
+         if (seeds(i)%enclosed) cycle
          if (.not. seeds(i)%there) call examine(net, seeds(i), same)
          if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
          if (seeds(i)%inside) then
@@ -237,6 +244,10 @@ contains
          call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
          call trace_further()
       end do
+      if (resting) then
+         call keep_open(request, net, is_open, zone, progress)
+         return
+      end if
       if (size(net%surface%frame%repetitions) > 0) then
          do pass = 2, size(distances)
             do i = 1, net%n_borders
@@ -248,16 +259,7 @@ contains
             end do
          end do
       end if
-      ! boundaries that cannot be closed are kept
-      do i = 1, net%n_borders
-         if (.not. is_open(i)) cycle
-         if (is_stopped(progress)) exit
-         call trace_border(net%borders(i), net%surface%frame%apart, request%points, .true., zone, &
-            closed, progress)
-      end do
-      call join_loose_ends(zone)
-      if (net%surface%frame%resting) call set_apart(zone, net%borders(:net%n_borders), is_open, &
-         request%points, progress)
+      call keep_open(request, net, is_open, zone, progress)
 
    contains
 
@@ -277,6 +279,59 @@ contains
          end do
       end subroutine trace_further
    end subroutine trace_borders
+
+   !> Keeps boundaries that cannot be closed. Their loose ends are joined; those of motions with rest
+   !! are set apart.
+   subroutine keep_open(request, net, is_open, zone, progress)
+      !> The request.
+      type(zone_request_type), intent(in) :: request
+      !> The net.
+      type(net_type), intent(in) :: net
+      !> Whether each place on the boundary is on no closed loop.
+      logical, intent(in) :: is_open(:)
+      !> In and out: loops are added.
+      type(zone_type), intent(inout) :: zone
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      logical :: closed
+      integer :: before, i
+
+      before = zone%n
+      do i = 1, size(is_open)
+         if (.not. is_open(i)) cycle
+         if (is_stopped(progress)) exit
+         call trace_border(net%borders(i), net%surface%frame%apart, request%points, .true., zone, &
+            closed, progress)
+      end do
+      if (zone%n == before) return
+      call join_loose_ends(zone)
+      if (net%surface%frame%resting) call set_apart(zone, net%borders(:size(is_open)), is_open, &
+         request%points, progress)
+   end subroutine keep_open
+
+   !> Whether closed loops enclose a seed. Of a zone with rest they are parts of it, whose border may
+   !! be none that a line from the seed meets.
+   pure logical function is_enclosed(request, zone, seed)
+      !> The request; its window is used.
+      type(zone_request_type), intent(in) :: request
+      !> The loops.
+      type(zone_type), intent(in) :: zone
+      !> The seed.
+      type(seed_type), intent(in) :: seed
+      real(wp), allocatable :: ring(:, :)
+      real(wp) :: point(2, 1)
+      integer :: turns(1), i
+
+      point(:, 1) = zone%surface%origin + zone%surface%scale*seed%at
+      point(2, 1) = exp(point(2, 1))
+      turns = 0
+      do i = 1, zone%n
+         if (.not. zone%loops(i)%closed) cycle
+         call ring_of(zone%surface, zone%loops(i), request%r, request%clearance, ring)
+         turns = turns + winding(ring, point)
+      end do
+      is_enclosed = turns(1) > 0
+   end function is_enclosed
 
    !> Searches for motions at the nodes of the lattice and follows the surface on which they lie.
    !!
