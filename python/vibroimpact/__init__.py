@@ -56,12 +56,6 @@ from .studies.response import Response, response
 from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
 from .studies.structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
 from .studies.structure_find import StructureMotions, find_structure, same_structure_motion
-from .studies.structure_sweep import (
-    StructureBifurcation,
-    StructureResponse,
-    bifurcation_structure,
-    response_structure,
-)
 from .studies.structure_zone import StructurePiece, StructureZone, zone_structure
 from .studies.uncertainty import LimitProbability, Uncertainty, limit_probability, uncertainty
 from .studies.zone import Piece, Zone, ZoneSearch, zone
@@ -127,13 +121,11 @@ __all__ = [
     "Structure",
     "StructureAttractor",
     "StructureBasins",
-    "StructureBifurcation",
     "StructureBranch",
     "StructureMotion",
     "StructureMotions",
     "StructurePiece",
     "StructureQuantities",
-    "StructureResponse",
     "StructureSpecialPoint",
     "StructureTrajectory",
     "StructureZone",
@@ -153,7 +145,6 @@ __all__ = [
     "basins",
     "basins_structure",
     "bifurcation_diagram",
-    "bifurcation_structure",
     "boundary_bands",
     "branch",
     "branch_structure",
@@ -181,7 +172,6 @@ __all__ = [
     "read_namelist",
     "read_record",
     "response",
-    "response_structure",
     "run_namelists",
     "same_motion",
     "same_structure_motion",

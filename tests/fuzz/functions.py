@@ -130,8 +130,8 @@ def samples(vi):
         vi.branch_structure(moving, "frequency", (0.939, 0.941)),
         vi.zone_structure(moving, values["x"], values["y"], lines=5),
         vi.basins_structure(structure, load, states=1, settling=2),
-        vi.bifurcation_structure(structure, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
-        vi.response_structure(structure, load, [0.93, 0.94], settling=2, keep=3),
+        vi.bifurcation_diagram(structure, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
+        vi.response(structure, load, [0.93, 0.94], settling=2, keep=3),
         vi.lyapunov(structure, load, cycles=4, discard=1, batches=2), case,
         vi.Sweep(case, {"clearance": [36.0, 37.0]}),
     ]  # fmt: skip

@@ -82,10 +82,14 @@ def places(data, above=()):
 
 
 def used(result, folder):
-    """Read all public attributes of a result, and write it in several forms."""
+    """Read all public attributes of a result but those of another system, and write it in several forms."""
     for name in dir(result):
         if not name.startswith("_"):
-            getattr(result, name)
+            try:
+                getattr(result, name)
+            except AttributeError as error:
+                if "does not have it" not in str(error):
+                    raise
     result.to_xarray()
     result.save(folder / "out.csv")
     result.save(folder / "out.json")

@@ -6,7 +6,6 @@ import argparse
 from typing import Any
 
 from ..studies.bifurcation import COLUMNS
-from ..studies.structure_sweep import StructureBifurcation
 from .study import command
 
 DESCRIPTION = """Simulate along a parameter, in sweeps up and down that continue from value to value or from
@@ -22,7 +21,7 @@ EXAMPLE = (
 
 def details(result: Any) -> list[str]:
     """The windows."""
-    if isinstance(result, StructureBifurcation):
+    if result.of_structure:
         return []
     return [
         f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}"

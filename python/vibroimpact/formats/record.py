@@ -36,7 +36,7 @@ def to_dict(noun: Any) -> dict[str, Any]:
     tables: dict[str, dict[str, Any]] = {}
     for name, table in result.tables.items():
         columns = {key: encoded(column) for key, column in table.columns.items()}
-        tables[name] = {"dims": table.dims, "columns": columns}
+        tables[name] = {"dims": dict(table.dims), "columns": columns}
         if table.owners is not None:
             tables[name] |= {"parent": table.parent, "owners": table.owners.tolist()}
     return {

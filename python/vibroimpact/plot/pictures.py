@@ -33,9 +33,9 @@ PICTURES: dict[str, Callable[..., Any]] = {
     "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "Findings": draw_found,
     "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
     "Response": draw_response, "StructureBasins": draw_structure_basins,
-    "StructureBifurcation": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
+    "BifurcationDiagram of structures": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
     "Lyapunov of structures": draw_exponents, "StructureMotions": draw_multipliers,
-    "StructureResponse": draw_structure_response, "StructureTrajectory": draw_structure,
+    "Response of structures": draw_structure_response, "StructureTrajectory": draw_structure,
     "StructureZone": draw_structure_zone, "Trajectory": draw, "Uncertainty": draw_uncertainty,
     "Zone": draw_zone,
 }  # fmt: skip

@@ -23,10 +23,11 @@ COLORS = (
 )  # fmt: skip
 
 if TYPE_CHECKING:
+    from ..studies.bifurcation import BifurcationDiagram
     from ..studies.lyapunov import Lyapunov
+    from ..studies.response import Response
     from ..studies.structure_basins import StructureBasins
     from ..studies.structure_find import StructureMotions
-    from ..studies.structure_sweep import StructureBifurcation, StructureResponse
 
 
 def axes(
@@ -121,19 +122,12 @@ def draw_structure_basins(basins: StructureBasins, ax: Any = None) -> Any:
 
 
 def draw_structure_bifurcation(
-    diagram: StructureBifurcation, ax: Any = None, quantity: str = "q_0"
+    diagram: BifurcationDiagram, ax: Any = None, quantity: str = "q_0"
 ) -> Any:
     """A quantity along the parameter: dots on the way up, rings on the way down."""
-    n = diagram.structure.coordinates
-    names = [f"{kind}_{i}" for kind in ("q", "q_dot") for i in range(n)] + ["phase", "speed"]
-    checks.choice(quantity, "quantity", names)
-    kind, _, number = quantity.rpartition("_")
-    table = "strobes" if kind else "impacts"
-    values = diagram._table(table, kind or quantity)
-    if kind:
-        values = values[:, int(number)]
-    owners = diagram._result.tables[table].owners
-    along, run = diagram.values[owners], diagram.runs[owners]
+    values = diagram.column(quantity)
+    table = diagram.points if quantity in ("phase", "speed") else diagram.strobes
+    along, run = diagram.values[table["index"]], np.array(diagram.runs)[table["run"]]
     ax = axes(ax, diagram, style.TWO_COLUMNS, swept=diagram.parameter, pad=16.0)
     for name, mark in MARKS.items():
         here = run == name
@@ -146,29 +140,19 @@ def draw_structure_bifurcation(
     return ax
 
 
-def draw_structure_response(
-    response: StructureResponse, ax: Any = None, coordinate: int = 0
-) -> Any:
+def draw_structure_response(response: Response, ax: Any = None, coordinate: int = 0) -> Any:
     """The greatest magnitude of a coordinate over the frequency, with and without impacts."""
     n = response.structure.coordinates
     coordinate = checks.integer(coordinate, "coordinate", 0, n - 1)
     ax = axes(ax, response, swept="frequency", pad=16.0)
-    for name, mark in MARKS.items():
-        here = response.runs == name
-        if here.any():
-            ax.plot(
-                response.values[here],
-                response.largest[coordinate, here],
-                lw=0.6,
-                label=name,
-                **mark,
-            )
-    order = np.argsort(response.values, kind="stable")
+    largest = response.largest[coordinate]
+    for name, sizes in zip(response.runs, largest.T, strict=True):
+        ax.plot(response.values, sizes, lw=0.6, label=name, **MARKS[name])
     ax.plot(
-        response.values[order], response.steady_largest[coordinate, order], "--", color="0.4", lw=0.8,
+        response.values, response.steady_largest[coordinate], "--", color="0.4", lw=0.8,
         label="without impacts",
     )  # fmt: skip
-    top = np.nanmax(response.largest[coordinate])
+    top = np.nanmax(largest)
     if np.isfinite(top):
         ax.set_ylim(0, 1.6 * top)
     ax.set_xlabel(r"$\Omega$")

@@ -14,7 +14,7 @@ from ..systems.oscillator import Oscillator
 from ..systems.structure import Load, Structure
 from .namelist import keys_of, parts_of
 from .structure_groups import check_gap_numbers, system_of
-from .tables import Found, Result
+from .tables import Found, Result, declared
 
 if TYPE_CHECKING:
     from ..systems.units import Units
@@ -34,8 +34,8 @@ ACTIONS: dict[str, Callable[..., Any]] = {}
 class column:  # noqa: N801 (a descriptor, written as property is)
     """A column of a table as an attribute, read-only; its own dimension comes last, or `first`.
 
-    of_structure: the table and the column of results of structures, where they differ. A table that a result of a
-    structure lacks is an AttributeError.
+    of_structure: the table and the column of results of structures, where they differ. A column that the study of
+    a system does not have is an AttributeError.
     """
 
     def __init__(
@@ -59,13 +59,19 @@ class column:  # noqa: N801 (a descriptor, written as property is)
         if noun is None:
             return self
         result = noun._result
+        place = (self.table, self.name)
         if noun.of_structure and self.of_structure:
-            return result.column(*self.of_structure).decoded()
-        if noun.of_structure and self.table not in result.tables:
-            known = (key for table in result.tables.values() for key in table.columns)
-            raise AttributeError(noun._lack(self.attribute, ", ".join(known)))
-        values = result.column(self.table, self.name).decoded()
-        return np.moveaxis(values, -1, 0) if self.first else values
+            place = self.of_structure
+        known = declared(result.study)
+        if place not in known:
+            names = dict.fromkeys(name for _, name in known)
+            raise AttributeError(noun._lack(self.attribute, ", ".join(names)))
+        return self.shaped(noun, result.column(*place).decoded())
+
+    def shaped(self, noun: Noun, values: NDArray[Any]) -> NDArray[Any]:
+        """The values of the table in the order of the attribute."""
+        own = self.first and not (noun.of_structure and self.of_structure)
+        return np.moveaxis(values, -1, 0) if own else values
 
 
 def key(*names: str) -> Any:

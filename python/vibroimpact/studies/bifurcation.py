@@ -1,22 +1,26 @@
-"""Bifurcation diagrams by simulation: sweeps up and down, and many initial states."""
+"""Bifurcation diagrams of every system by simulation: sweeps up and down, and many initial states."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
-from ..base.status import NOT_COMPUTED
+from ..base.spacing import spacing_of
+from ..base.status import NOT_COMPUTED, sentence
+from ..motions.structure_noun import facts_of, run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column, key
+from ..results.parameters import Parameter, keys_of_parameter
 from ..results.states import NEEDED, checked_state
-from ..systems.oscillator import Oscillator
+from ..systems.oscillator import Oscillator, Point
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
-from .structure_sweep import bifurcation_structure
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -25,6 +29,8 @@ NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 SWEEPS = ("up", "down", "both", "states")
 #: Columns of an impact.
 COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
+#: What the core calls the ends of the values of a structure.
+ENDS = {"low": "values[0]", "high": "values[-1]"}
 
 
 class PeriodicWindow(NamedTuple):
@@ -39,52 +45,125 @@ class PeriodicWindow(NamedTuple):
     label: str
 
 
-class BifurcationDiagram(Noun, study="bifurcation"):
+class cell(column):  # noqa: N801 (a descriptor, written as property is)
+    """A column of what each run found at each value.
+
+    The table of a structure is a list in the order of the sweep, which ends early if the sweep was stopped: it is
+    put in the order of `SettledMotions._arranged`.
+    """
+
+    def shaped(self, noun: Any, values: NDArray[Any]) -> NDArray[Any]:
+        values = super().shaped(noun, values)
+        if not noun.of_structure:
+            return values
+        arranged: NDArray[Any] = noun._arranged(values, NOT_COMPUTED * (self.name == "status"))
+        return arranged
+
+
+class SettledMotions(Noun):
+    """What simulations found in each run at each value of a parameter."""
+
+    __slots__ = ("__dict__",)
+    cycles = cell("cells")
+    symbols = cell("cells")
+    impacts = cell("cells")
+    rests = cell("cells")
+    status = cell("cells")
+
+    @cached_property
+    def _cells(self) -> tuple[_Array, list[str], NDArray[Any], NDArray[Any]]:
+        """Of a structure: the values that were reached, rising, the runs, and the place of each row in both."""
+        value, run = (self._result.column("cells", name).decoded() for name in ("value", "run"))
+        values, index = np.unique(value, return_inverse=True)
+        runs = list(dict.fromkeys(run.tolist()))
+        return values, runs, np.array([runs.index(name) for name in run.tolist()], "i4"), index
+
+    def _arranged(self, rows: NDArray[Any], missing: int) -> NDArray[Any]:
+        """Rows of a structure, along the last axis, as (runs, values); `missing` or NaN where there is none."""
+        values, runs, run, index = self._cells
+        gap = np.nan if rows.dtype.kind == "f" else missing
+        found = np.full((*rows.shape[:-1], len(runs), values.size), gap, rows.dtype)
+        found[..., run, index] = rows
+        found.flags.writeable = False
+        return found
+
+    @property
+    def labels(self) -> NDArray[np.str_]:
+        counts = self.impacts if self.of_structure else self.symbols
+        pairs = zip(counts.ravel().tolist(), self.cycles.ravel().tolist(), strict=True)
+        labels = np.array([f"{n}/{k}" if k else "" for n, k in pairs], np.str_)
+        return labels.reshape(self.cycles.shape)
+
+    @property
+    def failures(self) -> dict[str, int]:
+        """Messages of simulations that failed, and how often each occurred."""
+        failed = self.status[(self.status != 0) & (self.status != NOT_COMPUTED)]
+        codes, counts = np.unique(failed, return_counts=True)
+        return {sentence(int(code)): int(n) for code, n in zip(codes, counts, strict=True)}
+
+    def _facts(self) -> dict[str, str]:
+        return facts_of(self.structure) if self.of_structure else {}
+
+    def _periodic(self) -> str:
+        """How many of the values of a structure have a period."""
+        reached = self.status != NOT_COMPUTED
+        return f"{', '.join(self._cells[1])}, {(self.cycles > 0).sum()} of {reached.sum()} with a period"
+
+
+class BifurcationDiagram(
+    SettledMotions, study="bifurcation", of_structure="bifurcation_structure", formerly="StructureBifurcation"
+):  # fmt: skip
     """The motions on which simulations settle along a parameter.
 
     Attributes
     ----------
     osc : Oscillator
+    r, clearance : float or ndarray (n,)
+        Of an oscillator: the one that is not swept.
+    structure : Structure
+        Of a structure.
+    load : float or Load
     parameter : str
     values : ndarray (n,)
-        Values of the parameter, rising.
-    r, clearance : float or ndarray (n,)
-        The one that is not swept.
-    load : float
+        Values of the parameter, rising; of a structure those that were reached.
     runs : list of str
-        "up", "down", or "state 1", ...: the first index of the arrays below.
-    cycles, symbols, impacts, rests : ndarray (runs, n) of int
+        "up", "down", or, of an oscillator, "state 1", ...: the first index of the arrays below.
+    cycles, impacts, rests : ndarray (runs, n) of int
         Load cycles k of the shortest period of the stable motion that Newton's method confirms at the end of the
         simulation; 0 if there is none up to the longest one considered: chaotic, quasi-periodic, or not settled
-        yet. Symbols N, impacts and rests in it, or without a period in all cycles examined.
+        yet. Impacts and rests in it, or without a period in all cycles examined.
+    symbols : ndarray (runs, n) of int
+        Of an oscillator: symbols, in which an accumulation counts as one impact.
     x_min, x_max : ndarray (runs, n)
-        Extreme positions of the primary mass.
+        Of an oscillator: extreme positions of the primary mass.
     labels : ndarray (runs, n) of str
-        N/k of each run and value; "" where no period is confirmed, "0/1" without impacts.
+        N/k of each run and value, N symbols of an oscillator or impacts of a structure; "" where no period is
+        confirmed, "0/1" without impacts.
     status : ndarray (runs, n) of int
-        0 done; see `status_text`.
+        0 done; see `status_text`. After a failure the next value of a structure starts anew.
     points : structured ndarray
-        The impacts kept: ``run`` and ``index`` (of the value), ``side`` ("R", "L"), ``phase``, ``x``,
-        ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
+        The impacts kept: ``run`` and ``index`` (of the value) and, of an oscillator, ``side`` ("R", "L"),
+        ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
+        ``gap``, ``phase`` and ``speed`` of approach.
+    strobes : structured ndarray
+        Of a structure: ``run``, ``index``, and coordinates ``q`` and velocities ``q_dot`` at the beginning of the
+        load cycles of a period, or of all that were examined.
     case : str
         The case as a namelist.
     complete : bool
         False if Ctrl-C stopped it early; `cut` then says how far it got.
     """
 
-    __slots__ = ("_points",)
-    _points: NDArray[Any]
-    values = column("values", "value")
-    cycles = column("cells")
-    symbols = column("cells")
-    impacts = column("cells")
-    rests = column("cells")
-    x_min = column("cells")
-    x_max = column("cells")
-    status = column("cells")
-    labels = column("cells", "label")
+    __slots__ = ()
+    x_min = cell("cells")
+    x_max = cell("cells")
     parameter: str = key("parameter")
-    load: float = key("load")
+
+    @property
+    def values(self) -> _Array:
+        if self.of_structure:
+            return self._cells[0]
+        return self._result.column("values", "value").values
 
     @property
     def r(self) -> float | _Array:
@@ -102,34 +181,41 @@ class BifurcationDiagram(Noun, study="bifurcation"):
 
     @property
     def runs(self) -> list[str]:
-        runs: list[str] = self._result.tables["runs"].columns["run"].decoded().tolist()
+        if self.of_structure:
+            return self._cells[1]
+        runs: list[str] = self._result.column("runs", "run").decoded().tolist()
         return runs
 
-    @property
+    @cached_property
     def points(self) -> NDArray[Any]:
-        if not hasattr(self, "_points"):
-            object.__setattr__(self, "_points", self._list_points())
-        return self._points
+        names = ("gap", "phase", "speed") if self.of_structure else ("side", *COLUMNS)
+        return self._listed("impacts", names)
 
-    def _list_points(self) -> NDArray[Any]:
-        """The impacts as one list, by run and value."""
-        table = self._result.tables["impacts"]
-        names = ("side", *COLUMNS)
+    @cached_property
+    def strobes(self) -> NDArray[Any]:
+        if not self.of_structure:
+            raise AttributeError(self._lack("strobes", "points"))
+        return self._listed("strobes", ("q", "q_dot"))
+
+    def _listed(self, name: str, names: tuple[str, ...]) -> NDArray[Any]:
+        """The rows of a table as one list, by run and value."""
+        owners = np.asarray(self._result.tables[name].owners)
+        if self.of_structure:
+            run, index = (place[owners] for place in self._cells[2:])
+        else:
+            run, index = np.divmod(owners, self.values.size)
+        columns = [self._result.column(name, each).decoded() for each in names]
         kinds = [
-            ("run", "i4"),
-            ("index", "i4"),
-            ("side", "U1"),
-            *((name, "f8") for name in COLUMNS),
+            (each, item.dtype, item.shape[1:]) for each, item in zip(names, columns, strict=True)
         ]
-        points = np.empty(table.dims["impact"], dtype=kinds)
-        points["run"], points["index"] = np.divmod(np.asarray(table.owners), self.values.size)
-        for name in names:
-            points[name] = table.columns[name].decoded()
-        return points
+        listed = np.empty(owners.size, dtype=[("run", "i4"), ("index", "i4"), *kinds])
+        for each, item in zip(("run", "index", *names), (run, index, *columns), strict=True):
+            listed[each] = item
+        return listed
 
     @property
     def windows(self) -> list[PeriodicWindow]:
-        """The windows with one label, run by run.
+        """Of an oscillator: the windows with one label, run by run.
 
         In a diagram that was stopped early, those next to values that were not reached are left out, because
         their ends are not known.
@@ -138,11 +224,13 @@ class BifurcationDiagram(Noun, study="bifurcation"):
 
     @property
     def cut_windows(self) -> list[PeriodicWindow]:
-        """The windows next to values that were not reached, where they may continue."""
+        """Of an oscillator: the windows next to values that were not reached, where they may continue."""
         return self._stretches(cut=True)
 
     def _stretches(self, cut: bool) -> list[PeriodicWindow]:
         """The windows with one label that have a neighbour that was not reached, or the other windows."""
+        if self.of_structure:
+            raise AttributeError(self._lack("windows", "labels"))
         columns = self._result.tables["windows"].columns
         keep = columns["cut"].decoded() == cut
         fields = (columns[name].decoded()[keep].tolist() for name in PeriodicWindow._fields)
@@ -150,7 +238,9 @@ class BifurcationDiagram(Noun, study="bifurcation"):
 
     @property
     def coexisting(self) -> NDArray[np.bool_]:
-        """Whether the runs ended on different motions at each value (n): hysteresis, or several attractors.
+        """Of an oscillator: whether the runs ended on different motions at each value (n).
+
+        So it is with hysteresis, or several attractors.
 
         Labels and max |x| are compared, so that a motion and its mirror image count as one; False where a run
         was stopped early.
@@ -162,37 +252,114 @@ class BifurcationDiagram(Noun, study="bifurcation"):
         return np.asarray((different & (self.cycles > 0).any(axis=0) | labels) & reached)
 
     def column(self, quantity: str) -> _Array:
-        """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass."""
-        if isinstance(quantity, str) and quantity == "approach":
-            return np.asarray(np.abs(self.points["z_dot_before"] - self.points["x_dot_before"]))
-        if not isinstance(quantity, str) or quantity not in COLUMNS:
-            raise ParameterError(
-                f"quantity = {quantity!r}: must be one of {', '.join((*COLUMNS, 'approach'))}"
+        """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass.
+
+        Of a structure also "q_0", "q_1", ... and "q_dot_0", ... of the strobes.
+        """
+        names: tuple[str, ...] = (*COLUMNS, "approach")
+        if self.of_structure:
+            n = self.structure.coordinates
+            names = (
+                *(f"{kind}_{i}" for kind in ("q", "q_dot") for i in range(n)),
+                "phase",
+                "speed",
             )
+        if not isinstance(quantity, str) or quantity not in names:
+            raise ParameterError(f"quantity = {quantity!r}: must be one of {', '.join(names)}")
+        if quantity == "approach":
+            return np.asarray(np.abs(self.points["z_dot_before"] - self.points["x_dot_before"]))
+        kind, _, number = quantity.rpartition("_")
+        if self.of_structure and kind:
+            return np.asarray(self.strobes[kind][:, int(number)])
         return np.asarray(self.points[quantity])
 
-    def plot(self, ax: Any = None, quantity: str = "x") -> Any:
-        """Draw the impacts, with colour and marker by wall, and the windows N/k as a line on top.
+    def plot(self, ax: Any = None, quantity: str | None = None) -> Any:
+        """Draw a quantity along the parameter (extra `plot`).
+
+        Of an oscillator the impacts, with colour and marker by wall, and the windows N/k as a line on top.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-        quantity : str
-            "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after" or "approach".
+        quantity : str, optional
+            Of an oscillator "x" (default), "phase", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"
+            or "approach". Of a structure "q_0" (default), "q_1", ... or "q_dot_0", ... at the beginning of load
+            cycles; "phase" or "speed" of the impacts.
 
         Returns
         -------
         Axes
         """
-        return self._draw(ax, quantity)
+        return self._draw(ax, quantity or ("q_0" if self.of_structure else "x"))
 
     def __repr__(self) -> str:
         low, high = self.values[0], self.values[-1]
         cut = "" if self.complete else f"; cut short, {self.cut}"
-        return (
-            f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {len(self.runs)} runs, "
-            f"{len(self.points)} impacts, {len(self.windows)} periodic windows{cut}>"
-        )
+        if self.of_structure:
+            found = self._periodic()
+        else:
+            found = f"{len(self.runs)} runs, {len(self.points)} impacts, {len(self.windows)} periodic windows"
+        return f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {found}{cut}>"
+
+
+def ends(values: ArrayLike) -> _Array:
+    """Ascending, evenly spaced values."""
+    wanted = "at least two evenly spaced numbers in ascending order"
+    array = np.asarray(checks.real_array(values, "values", wanted), dtype=np.float64)
+    if array.ndim != 1 or array.size < 2 or spacing_of(array) != "linear" or array[0] >= array[-1]:
+        raise ParameterError(f"values of shape {array.shape}: must be {wanted}")
+    return array
+
+
+def bifurcation_structure(
+    structure: Structure,
+    load: Load,
+    parameter: Parameter,
+    values: ArrayLike,
+    sweep: str = "both",
+    state: tuple[ArrayLike, ArrayLike] | None = None,
+    settling: int = 300,
+    keep: int = 33,
+    points: int = 100,
+    max_events: int = 10_000_000,
+    progress: Callable[[float, str], None] | None = None,
+) -> BifurcationDiagram:
+    """As `bifurcation_diagram`, of a structure."""
+    array = ends(values)
+    low, high = float(array[0]), float(array[-1])
+    at = None
+    if callable(parameter):
+        at = low
+        structure, load = parameter(low)
+    checks.instance(structure, "structure", Structure)
+    checks.instance(load, "load", Load)
+    chosen = keys_of_parameter(structure, load, parameter, (low, high), at, "parameter")
+    start = start_keys(structure, state, 0.0)
+    keys = {
+        **chosen, "values": array.size, "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
+        "settling": settling, "keep": keep, "points": points, "max_events": max_events,
+    }  # fmt: skip
+    return run_structure(BifurcationDiagram, structure, load, keys, None, progress, ENDS)
+
+
+@overload
+def bifurcation_diagram(
+    osc: Oscillator, parameter: str, values: ArrayLike, r: ArrayLike | None = None,
+    clearance: ArrayLike | None = None, sweep: str = "both", states: int = 12,
+    state: Mapping[str, float] | None = None, load: float = 1.0, settling: int = 300, keep: int = 33,
+    points: int = 100, max_events: int = 10_000_000, threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> BifurcationDiagram: ...  # fmt: skip
+@overload
+def bifurcation_diagram(
+    structure: Structure, load: Load, parameter: Parameter, values: ArrayLike, sweep: str = "both",
+    state: tuple[ArrayLike, ArrayLike] | None = None, settling: int = 300, keep: int = 33, points: int = 100,
+    max_events: int = 10_000_000, progress: Callable[[float, str], None] | None = None,
+) -> BifurcationDiagram: ...  # fmt: skip
+@overload
+def bifurcation_diagram(
+    point: Point, /, parameter: str, values: ArrayLike, **options: Any
+) -> BifurcationDiagram: ...
 
 
 @every_system(bifurcation_structure)
@@ -215,26 +382,35 @@ def bifurcation_diagram(
 ) -> BifurcationDiagram:
     """The impacts of the motions on which simulations settle, along a parameter.
 
-    Sweeps carry the state from value to value, so that a motion is followed to the end of its stability:
-    where the sweeps up and down differ there is hysteresis. With "states" each value starts anew from many
-    initial states, which shows attractors that no sweep reaches.
+    Sweeps carry the state from value to value, so that a motion is followed to the end of its stability: where the
+    sweeps up and down differ there is hysteresis. With "states" each value of an oscillator starts anew from many
+    initial states, which shows attractors that no sweep reaches. Coordinates of a structure that a changed gap
+    does not admit are moved towards q = 0.
+
+    The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
     Parameters
     ----------
     osc : Oscillator
-    parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}
-        "restitution" changes both walls.
+    structure, load : Structure, Load
+        In place of it and of `r` and `clearance`; the load has a frequency.
+    parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
+        "restitution" changes both walls. Of a structure as in `branch`: "frequency", "load", "opening_0", ...; or
+        a smooth function that gives (structure, load) for a value, with which `structure` and `load` are not used.
     values : array_like
-        At least two.
+        At least two; of a structure evenly spaced and ascending.
     r, clearance : float or array_like
         The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
         line across the plane.
     sweep : {"up", "down", "both", "states"}
+        Both: up and then down. "states" of an oscillator only.
     states : int
         Initial states of "states", spread evenly.
-    state : mapping, optional
-        State at the start of sweeps, as in `simulate`; by default a state with large velocities.
+    state : mapping, or (array_like, array_like), optional
+        State at the start of sweeps, as in `simulate`; by default a state with large velocities. Of a structure
+        coordinates and velocities at load phase 0, zero by default.
     load : float
+        Amplitude of the load of an oscillator.
     settling : int
         Load cycles of the transient at each value.
     keep : int
@@ -245,7 +421,7 @@ def bifurcation_diagram(
         Events (impacts, rests, releases) after which one simulation is given up, one at each value of a
         run; the status says so.
     threads : int, optional
-        Default: one for each processor. The result does not depend on it.
+        Of an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
         Called a few times a second with the share done and the present task.
 
@@ -258,8 +434,8 @@ def bifurcation_diagram(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     StudyInterrupted
-        After Ctrl-C, with what was finished as its attribute `result`:
-        values that a run did not reach have no impacts.
+        After Ctrl-C, with what was finished as its attribute `result`: values that a run did not reach have no
+        impacts, and those that no run of a structure reached are left out.
 
     Examples
     --------
@@ -271,6 +447,13 @@ def bifurcation_diagram(
     >>> diagram = vi.bifurcation_diagram(osc, "clearance", np.arange(50.0, 76.0), r=1.04)
     >>> [window for window in diagram.windows if window.label == "2/1"]
     [PeriodicWindow(run='up', low=50.0, high=70.0, label='2/1'), ...]
+
+    A mass at one wall, whose motion has one impact in two load cycles, along the amplitude of the load:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.04], stiffness=[1], gaps=[vi.Gap([1], 1, 0.9)])
+    >>> load = vi.Load(0.81, cosine=[0.36])
+    >>> vi.bifurcation_diagram(wall, load, "load", np.linspace(1.0, 1.1, 3), sweep="up").labels
+    array([['1/2', '1/2', '1/2']], dtype='<U3')
     """
     checks.choice(parameter, "parameter", NAMES)
     along = np.unique(checks.real_array(values, "values", "numbers"))

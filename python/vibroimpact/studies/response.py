@@ -1,39 +1,75 @@
-"""The response of the primary mass along the frequency, over all coexisting attractors."""
+"""Responses along the frequency, of every system: an oscillator's over all coexisting attractors."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from ..base.errors import ParameterError
+from ..motions.structure_noun import run_structure, start_keys
 from ..results import door
-from ..results.noun import Noun, column, key
-from ..systems.oscillator import Oscillator
+from ..results.noun import column
+from ..systems.oscillator import Oscillator, Point
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
-from .structure_sweep import response_structure
+from .bifurcation import ENDS, SettledMotions, cell, ends
 
 __all__ = ["Response", "response"]
 
+_Array = NDArray[np.float64]
 
-class Response(Noun, study="response"):
-    """max |X|/A against r.
+
+class steady(cell):  # noqa: N801 (a descriptor, written as property is)
+    """A column of a structure at each value, which does not depend on the run."""
+
+    def shaped(self, noun: Any, values: NDArray[Any]) -> NDArray[Any]:
+        found: NDArray[Any] = np.fmax.reduce(super().shaped(noun, values), axis=-1)
+        return found
+
+
+class Response(
+    SettledMotions,
+    study="response",
+    of_structure="response_structure",
+    formerly="StructureResponse",
+):
+    """The size of settled motions along the frequency of the load.
 
     Attributes
     ----------
     osc : Oscillator
     r, clearance : ndarray (n,)
-    load : float
-    attenuation : ndarray (n, states)
-        max|X|/A of the motion on which each initial state settles; NaN where it failed.
+        Of an oscillator.
+    structure : Structure
+        Of a structure.
+    load : float or Load
+    values : ndarray (n,)
+        r of an oscillator; circular frequencies of the load of a structure, rising, those that were reached.
+    runs : list of str
+        "state 1", ... of an oscillator, "up" or "down" of a structure: the last index of the arrays below.
+    attenuation : ndarray (n, runs)
+        Of an oscillator: max|X|/A of the motion on which each initial state settles; NaN where it failed.
     lowest, highest : ndarray (n,)
-        The least and the greatest of these over the attractors at each r; NaN where all failed.
-    cycles, symbols : ndarray (n, states) of int
+        Of an oscillator: the least and the greatest of these over the attractors at each r; NaN where all failed.
+    largest, rms : ndarray (k, n, runs)
+        Of a structure: greatest magnitude of each of k coordinates over the cycles that were examined, and root of
+        its mean square.
+    q_min, q_max : ndarray (k, n, runs)
+        Of a structure: least and greatest value of each coordinate.
+    steady_largest, steady_rms : ndarray (k, n)
+        Of a structure: size of the steady motion without impacts; NaN if there is none.
+    cycles : ndarray (n, runs) of int
         Load cycles of the shortest period of the stable motion that Newton's method confirms (0: none; chaotic,
-        quasi-periodic, or not settled yet), and symbols in it.
-    impacts, rests : ndarray (n, states) of int
+        quasi-periodic, or not settled yet).
+    symbols : ndarray (n, runs) of int
+        Of an oscillator: symbols in it.
+    impacts, rests : ndarray (n, runs) of int
         Impacts and rests in a period, or in the cycles kept.
-    status : ndarray (n, states) of int
+    labels : ndarray (n, runs) of str
+        As of `BifurcationDiagram`.
+    status : ndarray (n, runs) of int
         0 done; see `status_text`.
     case : str
         The case as a namelist.
@@ -47,26 +83,97 @@ class Response(Noun, study="response"):
     lowest = column("points")
     highest = column("points")
     attenuation = column("runs")
-    cycles = column("runs")
-    symbols = column("runs")
-    impacts = column("runs")
-    rests = column("runs")
-    status = column("runs")
-    load: float = key("load")
+    cycles = cell("runs", of_structure=("cells", "cycles"))
+    symbols = cell("runs")
+    impacts = cell("runs", of_structure=("cells", "impacts"))
+    rests = cell("runs", of_structure=("cells", "rests"))
+    status = cell("runs", of_structure=("cells", "status"))
+    largest = cell("cells", first=True)
+    rms = cell("cells", first=True)
+    q_min = cell("cells", first=True)
+    q_max = cell("cells", first=True)
+    steady_largest = steady("cells", first=True)
+    steady_rms = steady("cells", first=True)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw each attractor as a dot and the envelopes as lines (extra `plot`); returns the Axes."""
+    @property
+    def values(self) -> _Array:
+        return self._cells[0] if self.of_structure else self.r
+
+    @property
+    def runs(self) -> list[str]:
+        if self.of_structure:
+            return self._cells[1]
+        return [f"state {i + 1}" for i in range(self.status.shape[1])]
+
+    def _arranged(self, rows: NDArray[Any], missing: int) -> NDArray[Any]:
+        return np.moveaxis(super()._arranged(rows, missing), -1, -2)
+
+    def plot(self, ax: Any = None, coordinate: int | None = None) -> Any:
+        """Draw the response (extra `plot`); returns the Axes.
+
+        Of an oscillator each attractor is a dot, and the envelopes are lines; of a structure the greatest
+        magnitude of a coordinate, by default of the first one, is drawn.
+        """
+        if self.of_structure:
+            return self._draw(ax, 0 if coordinate is None else coordinate)
+        if coordinate is not None:
+            raise ParameterError(
+                f"coordinate = {coordinate!r}: must be left out for a response of an Oscillator"
+            )
         return self._draw(ax)
 
     def __repr__(self) -> str:
+        values = self.values
+        span = f"{values[0]:.6g} to {values[-1]:.6g}"
         cut = "" if self.complete else f"; cut short, {self.cut}"
+        if self.of_structure:
+            return f"<Response at {values.size} frequencies from {span}: {self._periodic()}{cut}>"
         return (
-            f"<Response at {self.r.size} r from {self.r[0]:.6g} to {self.r[-1]:.6g}: max|X|/A from "
+            f"<Response at {values.size} r from {span}: max|X|/A from "
             f"{np.fmin.reduce(self.lowest):.4g} to {np.fmax.reduce(self.highest):.4g}{cut}>"
         )
 
 
-@every_system(response_structure)
+def response_structure(
+    structure: Structure,
+    load: Load,
+    values: ArrayLike,
+    sweep: str = "both",
+    state: tuple[ArrayLike, ArrayLike] | None = None,
+    settling: int = 300,
+    keep: int = 33,
+    max_events: int = 10_000_000,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Response:
+    """As `response`, of a structure."""
+    array = ends(values)
+    start = start_keys(structure, state, 0.0)
+    keys = {
+        "low": array[0], "high": array[-1], "values": array.size, "sweep": sweep, "q": start["q"],
+        "q_dot": start["q_dot"], "settling": settling, "keep": keep, "max_events": max_events,
+    }  # fmt: skip
+    return run_structure(Response, structure, load, keys, threads, progress, ENDS)
+
+
+@overload
+def response(
+    osc: Oscillator, r: ArrayLike, clearance: ArrayLike | None = None,
+    inverse_clearance: ArrayLike | None = None, states: int = 24, load: float = 1.0, settling: int = 600,
+    keep: int = 33, max_events: int = 10_000_000, threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Response: ...  # fmt: skip
+@overload
+def response(
+    structure: Structure, load: Load, values: ArrayLike, sweep: str = "both",
+    state: tuple[ArrayLike, ArrayLike] | None = None, settling: int = 300, keep: int = 33,
+    max_events: int = 10_000_000, threads: int | None = None, progress: door.Progress | None = None,
+) -> Response: ...  # fmt: skip
+@overload
+def response(point: Point, /, r: ArrayLike, **options: Any) -> Response: ...
+
+
+@every_system(response_structure, along="r")
 def response(
     osc: Oscillator,
     r: ArrayLike,
@@ -80,24 +187,40 @@ def response(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response:
-    """max|X|/A along r for a load or a clearance, over all attractors that initial states reach.
+    """The size of settled motions along the frequency of the load.
 
-    A is the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme
-    positions are those of
-    the closed form over the period, or over the cycles kept where there is none.
+    Of an oscillator it is max|X|/A over all attractors that initial states reach, for a load or a clearance. A is
+    the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme positions
+    are those of the closed form over the period, or over the cycles kept where there is none.
+
+    Of a structure it is the size of each coordinate, with and without impacts. The state is carried from frequency
+    to frequency, up and then down. Extremes are those of the flights in closed form, mean squares are integrated
+    over all flights and rests.
+
+    The system is `osc`, with a clearance, or `structure, load`, or a point from `Oscillator.at`, whose clearance
+    and load are used.
 
     Parameters
     ----------
     osc : Oscillator
+    structure, load : Structure, Load
+        In place of it and of the clearance; the frequency of the load is replaced by those of `values`.
     r : array_like (n,)
+        Frequency ratios of an oscillator.
+    values : array_like
+        Circular frequencies of a structure's load, at least two, evenly spaced, ascending.
     clearance, inverse_clearance : float or array_like (n,)
         d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
     states : int
-        Initial states at each r, spread evenly.
+        Of an oscillator: initial states at each r, spread evenly.
+    sweep : {"up", "down", "both"}
+        Of a structure. Both: up and then down.
+    state : (array_like, array_like), optional
+        Of a structure: coordinates and velocities at the beginning, at load phase 0; zero by default.
     load : float
-        Load amplitude f > 0; 1 where lengths are in F0/K.
+        Load amplitude f > 0 of an oscillator; 1 where lengths are in F0/K.
     settling : int
-        Load cycles of the transient.
+        Load cycles of the transient; of a structure 300 by default, at each frequency.
     keep : int
         Load cycles examined.
     max_events : int
@@ -116,8 +239,8 @@ def response(
     ParameterError, ParameterTypeError
         The parameter, its value and what it must be.
     StudyInterrupted
-        After Ctrl-C, with what was finished as its attribute `result`:
-        the frequency ratios at which all states were completed.
+        After Ctrl-C, with what was finished as its attribute `result`: the frequency ratios at which all states
+        were completed, or the frequencies that the sweeps reached.
 
     Examples
     --------
@@ -125,6 +248,13 @@ def response(
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     >>> vi.response(osc, np.linspace(1.0, 1.02, 6), inverse_clearance=0.03, states=6)
     <Response at 6 r from 1 to 1.02: max|X|/A from 0.3899 to 0.4468>
+
+    A mass that hits one wall:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> result = vi.response(wall, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13))
+    >>> result.largest.shape, bool((result.q_max < 1 + 1e-12).all()), bool(result.steady_largest.max() > 2.9)
+    ((1, 13, 2), True, True)
     """
     keys = {
         **door.line("r", r), "clearance": clearance, "inverse_clearance": inverse_clearance,

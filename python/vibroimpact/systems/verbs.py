@@ -17,12 +17,13 @@ OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude
 
 def every_system(
     of_structure: Callable[..., Any], kind: type | None = None,
-    of_law: Callable[[dict[str, Any]], None] | None = None,
+    of_law: Callable[[dict[str, Any]], None] | None = None, along: str = "",
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
     """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
 
-    A point stands for the oscillator and the arguments that it has. With `of_law` oscillators whose restitution
-    depends on the speed are handed over, too: it turns further arguments, by name, into those for structures.
+    A point stands for the oscillator and the arguments that it has, except `along`, which the procedure varies.
+    With `of_law` oscillators whose restitution depends on the speed are handed over, too: it turns further
+    arguments, by name, into those for structures.
     """
 
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
@@ -53,8 +54,9 @@ def every_system(
                     f"{point!r}: must be the oscillator; a point is the first argument"
                 )
             of_point = {
-                name: getattr(point, key) for name, key in OF_POINT.items() if name in parameters
-            }
+                name: getattr(point, key)
+                for name, key in OF_POINT.items() if name in parameters and name != along
+            }  # fmt: skip
             free = [name for name in parameters if name not in of_point]
             named = dict(zip(free, args[1:], strict=False))
             varied = named.get("parameter", kwargs.get("parameter"))
