@@ -43,8 +43,8 @@ from .physical import Physical, physical
 from .results.events import Sample
 from .results.gradient import Gradient
 from .results.noun import ACTIONS as _ACTIONS
-from .studies.atlas import Atlas, Attractor, atlas
-from .studies.basins import BasinAttractor, Basins, basins
+from .studies.atlas import Atlas, SurveyPoint, atlas
+from .studies.basins import Attractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
 from .studies.boundary_band import BoundaryBand, boundary_bands
 from .studies.branch import Branch, Branches, SpecialPoint, branch
@@ -53,7 +53,6 @@ from .studies.decay import Decay, decay
 from .studies.find import Findings, FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
-from .studies.structure_basins import StructureAttractor, StructureBasins, basins_structure
 from .studies.structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
 from .studies.structure_find import StructureMotions, find_structure, same_structure_motion
 from .studies.structure_zone import StructurePiece, StructureZone, zone_structure
@@ -71,7 +70,6 @@ __version__ = _version("vibroimpact")
 __all__ = [
     "Atlas",
     "Attractor",
-    "BasinAttractor",
     "Basins",
     "BifurcationDiagram",
     "BoundaryBand",
@@ -119,8 +117,6 @@ __all__ = [
     "SpecialPoint",
     "StabilityFlags",
     "Structure",
-    "StructureAttractor",
-    "StructureBasins",
     "StructureBranch",
     "StructureMotion",
     "StructureMotions",
@@ -130,6 +126,7 @@ __all__ = [
     "StructureTrajectory",
     "StructureZone",
     "StudyInterrupted",
+    "SurveyPoint",
     "Sweep",
     "TabulatedRestitution",
     "Trajectory",
@@ -143,7 +140,6 @@ __all__ = [
     "base_motion",
     "base_record",
     "basins",
-    "basins_structure",
     "bifurcation_diagram",
     "boundary_bands",
     "branch",

@@ -129,7 +129,7 @@ def others(vi, osc, motion):
         "rests": vi.exact(table_top, shaken, vi.simulate(table_top, shaken, cycles=60)),
         "path": vi.branch_structure(moving, "frequency", (0.939, 0.941)),
         "region": vi.zone_structure(moving, ("frequency", 0.93, 0.95), ("load", 0.95, 1.05), lines=5),
-        "shares": vi.basins_structure(walls, load, states=2, settling=20),
+        "shares": vi.basins(walls, load, states=2, settling=20),
         "cells": vi.bifurcation_diagram(walls, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
         "rows": vi.response(walls, load, [0.93, 0.94], settling=2, keep=3),
         "exponents": vi.lyapunov(walls, load, cycles=4, discard=1, batches=2),

@@ -129,7 +129,7 @@ def samples(vi):
         vi.decay(osc, 1.0, cycles=3, amplitude=2.0),
         vi.branch_structure(moving, "frequency", (0.939, 0.941)),
         vi.zone_structure(moving, values["x"], values["y"], lines=5),
-        vi.basins_structure(structure, load, states=1, settling=2),
+        vi.basins(structure, load, states=1, settling=2),
         vi.bifurcation_diagram(structure, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
         vi.response(structure, load, [0.93, 0.94], settling=2, keep=3),
         vi.lyapunov(structure, load, cycles=4, discard=1, batches=2), case,

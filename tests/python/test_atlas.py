@@ -37,7 +37,7 @@ def test_simulated_attractors_lie_in_a_zone_of_their_pattern(atlas):
         if pattern is None or len(pattern) > 4:
             continue
         checked += 1
-        assert atlas.explains(vi.Attractor(r, clearance, pattern)), (r, clearance, pattern)
+        assert atlas.explains(vi.SurveyPoint(r, clearance, pattern)), (r, clearance, pattern)
     assert checked > 30
 
 
@@ -64,7 +64,7 @@ def test_patterns_with_rest_do_not_depend_on_the_survey():
         if pattern is None or len(pattern) > 3:
             continue
         seen.append(pattern.sides)
-        assert atlas.explains(vi.Attractor(r, clearance, pattern)), (r, clearance, pattern)
+        assert atlas.explains(vi.SurveyPoint(r, clearance, pattern)), (r, clearance, pattern)
     assert vi.Pattern(seen[0]) in (vi.Pattern("L*R*"), vi.Pattern("R*L*"))
     assert len([sides for sides in seen if "*" in sides]) > 5
 

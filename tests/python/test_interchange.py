@@ -133,7 +133,7 @@ def test_a_table_is_no_file_to_load(results, tmp_path):
 def test_missing_values_are_named(name, results):
     """A missing attribute without a default is named in the error."""
     data = results[name].to_dict()
-    for key in data.keys() - {"type", "vibroimpact"}:
+    for key in data.keys() - {"type", "study", "vibroimpact"}:
         less = {other: item for other, item in data.items() if other != key}
         with pytest.raises(vi.errors.ParameterError, match=rf"{key} = .*: must be"):
             type(results[name]).from_dict(less)

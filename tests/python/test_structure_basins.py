@@ -211,6 +211,47 @@ def test_an_event_limit_is_a_label():
     assert "90 not decided" in repr(found)
 
 
+def test_a_record_of_the_former_class_is_read(found):
+    """Earlier records had a class of their own for structures, and did not name the study."""
+    data = found.to_dict() | {"type": "StructureBasins"}
+    del data["study"]
+    again = vi.Basins.from_dict(data)
+    assert type(again) is vi.Basins
+    assert again.of_structure
+    assert again.to_dict() == found.to_dict()
+
+
+def test_what_a_system_lacks_is_named(found):
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    own = vi.basins(osc, 1.04, 14.0, states=2, cycles=20, probes=2)
+    for noun, name in (
+        (found, "r"), (found, "clearance"), (found, "osc"), (found, "impacts"), (found, "uncertain"),
+        (found, "uncertainty_exponent"), (own, "structure"),
+    ):  # fmt: skip
+        with pytest.raises(
+            AttributeError, match=rf"^{name}: a Basins of .* does not have it; it has "
+        ):
+            getattr(noun, name)
+    with pytest.raises(AttributeError, match=r"^integrity: a Basins of a Structure"):
+        found.integrity(0)
+    again = vi.basins(osc.at(1.04, 14.0), states=2, cycles=20, probes=2)
+    assert again.to_dict() == own.to_dict()
+
+
+def test_kinds_follow_from_motions(found):
+    """An attractor is periodic if it has an exact motion, with rest if that has one."""
+    table = vi.Structure([1], [0.3], [1], [vi.Gap([-1], 0.0, 0.2)])
+    still = vi.basins(table, vi.Load(0.3, sine=[0.5], constant=[-0.2]), states=6, settling=200)
+    kinds = {item.kind for item in (*found.attractors, *still.attractors)}
+    assert {"periodic", "rest"} <= kinds
+    for item in (*found.attractors, *still.attractors):
+        if item.motion is None:
+            assert item.name.startswith(item.kind)
+        else:
+            assert item.kind == ("rest" if len(item.motion.rests) else "periodic")
+        assert repr(item) in {f"<{item.kind} attractor {item.name}>", f"<attractor {item.name}>"}
+
+
 @pytest.mark.parametrize("suffix", ["json", "nc", "mat"])
 def test_random_states_are_read_back(tmp_path, suffix):
     """Basins of random states are read back, in which the states and the derivatives of motions differ in size."""

@@ -6,7 +6,6 @@ import argparse
 from typing import Any
 
 from ..base.errors import ParameterError
-from ..studies.structure_basins import StructureBasins
 from .study import command
 
 DESCRIPTION = """Find the attractor that each initial state of a plane, or each of many random states, reaches,
@@ -22,9 +21,7 @@ EXAMPLE = (
 
 def details(result: Any) -> list[str]:
     """How fractal the boundaries are."""
-    if isinstance(result, StructureBasins):
-        return []
-    if result.axes is None or not result.complete:
+    if result.of_structure or result.axes is None or not result.complete:
         return []
     return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
@@ -27,10 +26,6 @@ class StructureNoun(Noun):
     @property
     def of_structure(self) -> bool:
         return True
-
-    def _table(self, table: str, name: str) -> NDArray[Any]:
-        """A column of a table."""
-        return self._result.column(table, name).decoded()
 
     def _facts(self) -> dict[str, str]:
         return facts_of(self.structure)

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..base.errors import ParameterError
 from . import style
+from .structure_attractor import axes as structure_axes
+from .structure_attractor import symbol
 
 if TYPE_CHECKING:
     from ..studies.basins import Basins
@@ -26,9 +28,8 @@ MARKS = {
     ("L", True): {"marker": "D", "ms": 2.6, "mfc": "none"},
 }  # fmt: skip
 
-AREAS = (
-    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
-)  # fmt: skip
+#: The label of a state in which a gap of a structure is closed.
+CLOSED = -4
 #: Symbols and units of what can be drawn of the impacts.
 QUANTITIES = {
     "phase": ("load phase at the impacts", "rad"), "x": ("$X$ at the impacts", "F0/K"),
@@ -142,7 +143,8 @@ def draw_bifurcation(
 
 
 def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> Any:
-    """The plane of initial states, one colour for each attractor; undecided states are grey."""
+    """The plane of initial states, one colour for each attractor; undecided states are grey, and white is where a
+    gap of a structure is closed."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
@@ -150,20 +152,27 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
         raise ParameterError(
             "plane = None: must be one for a picture; these states are random or a list"
         )
-    scales = style.Scales(units)
-    ax = axes(ax, basins, scales, style.ONE_COLUMN + 1.2, 3.4)
+    scales, size = style.Scales(units), (style.ONE_COLUMN + 1.2, 3.4)
+    if basins.of_structure:
+        ax = structure_axes(ax, basins, *size)
+        shown = [(symbol(axis.name), axis.values) for axis in basins.axes]
+    else:
+        ax = axes(ax, basins, scales, *size)
+        shown = [
+            (scales.name(axis.name), scales.of(axis.name, axis.values)) for axis in basins.axes
+        ]
+    (first, along), (second, across) = shown
     n = len(basins.attractors)
-    colors = ["0.7", *(AREAS[i % len(AREAS)] for i in range(n))]
-    first, second = basins.axes
+    colors = ["1.0", "0.7", *(style.AREAS[i % len(style.AREAS)] for i in range(n))]
+    labels = np.where(basins.labels == CLOSED, -2, np.maximum(basins.labels, -1))
     ax.pcolormesh(
-        *(scales.of(axis.name, axis.values) for axis in basins.axes), np.maximum(basins.labels.T, -1),
-        cmap=ListedColormap(colors), norm=BoundaryNorm(np.arange(-1.5, n), n + 1),
+        along, across, labels.T, cmap=ListedColormap(colors), norm=BoundaryNorm(np.arange(-2.5, n), n + 2),
         shading="nearest", rasterized=True,
     )  # fmt: skip
-    ax.set_xlabel(scales.name(first.name))
-    ax.set_ylabel(scales.name(second.name))
-    names = zip(basins.attractors, basins.fractions, colors[1:], strict=True)
-    patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in names]
+    ax.set_xlabel(first)
+    ax.set_ylabel(second)
+    named = zip(basins.attractors, basins.fractions, colors[2:], strict=True)
+    patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in named]
     style.add_legend(
         ax, handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
     )

@@ -9,14 +9,13 @@ import numpy as np
 
 from ..base import checks
 from . import style
-from .attractor import AREAS
 
 if TYPE_CHECKING:
     from ..studies.decay import Decay
     from ..systems.units import Units
 
 #: Colours and marks of a few runs. If there are more runs, their colour depends on the clearance.
-COLORS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, style.LOAD, AREAS[4])
+COLORS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, style.LOAD, style.AREAS[4])
 MARKS = "osD^vP"
 #: Damping ratios up to this are on a linear scale.
 SMALL = 0.01

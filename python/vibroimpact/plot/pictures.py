@@ -19,7 +19,6 @@ from .structure import draw_structure
 from .structure_attractor import (
     draw_exponents,
     draw_multipliers,
-    draw_structure_basins,
     draw_structure_bifurcation,
     draw_structure_response,
 )
@@ -32,8 +31,8 @@ PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "Findings": draw_found,
     "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
-    "Response": draw_response, "StructureBasins": draw_structure_basins,
-    "BifurcationDiagram of structures": draw_structure_bifurcation, "StructureBranch": draw_structure_branch,
+    "Response": draw_response, "BifurcationDiagram of structures": draw_structure_bifurcation,
+    "StructureBranch": draw_structure_branch,
     "Lyapunov of structures": draw_exponents, "StructureMotions": draw_multipliers,
     "Response of structures": draw_structure_response, "StructureTrajectory": draw_structure,
     "StructureZone": draw_structure_zone, "Trajectory": draw, "Uncertainty": draw_uncertainty,

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import checks
-from ..base.errors import ParameterError
 from . import style
 
 #: The marks of sweeps up and down.
@@ -15,18 +14,10 @@ MARKS: dict[str, dict[str, Any]] = {
     "up": {"marker": ".", "ms": 2.5, "color": style.PRIMARY},
     "down": {"marker": "o", "ms": 3.5, "mfc": "none", "mew": 0.5, "color": style.FREE},
 }
-#: The label of a state in which a gap is closed.
-CLOSED = -4
-#: Colours of motions and attractors, in order.
-COLORS = (
-    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
-)  # fmt: skip
-
 if TYPE_CHECKING:
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
-    from ..studies.structure_basins import StructureBasins
     from ..studies.structure_find import StructureMotions
 
 
@@ -83,41 +74,15 @@ def draw_multipliers(result: StructureMotions, ax: Any = None) -> Any:
         # far outside the unit circle only the direction counts
         shown = values / np.maximum(1, np.abs(values) / 3)
         ax.plot(
-            shown.real, shown.imag, linestyle="", marker="os^vD<>p"[i % 8], ms=4, color=COLORS[i % len(COLORS)],
-            mfc=None if motion.stable else "none", label=f"{i}: {n} impacts, {k} cycle{'s' if k != 1 else ''}",
+            shown.real, shown.imag, linestyle="", marker="os^vD<>p"[i % 8], ms=4,
+            color=style.AREAS[i % len(style.AREAS)], mfc=None if motion.stable else "none",
+            label=f"{i}: {n} impacts, {k} cycle{'s' if k != 1 else ''}",
         )  # fmt: skip
     ax.set_aspect("equal")
     ax.set_xlabel(r"Re $\lambda$")
     ax.set_ylabel(r"Im $\lambda$")
     if len(result):
         style.add_legend(ax, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False)
-    return ax
-
-
-def draw_structure_basins(basins: StructureBasins, ax: Any = None) -> Any:
-    """The plane of initial states, one colour for each attractor; undecided states are grey, and white is where a
-    gap is closed."""
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
-
-    if basins.axes is None:
-        raise ParameterError("plane = None: must be one for a picture; these states are random")
-    ax = axes(ax, basins, style.ONE_COLUMN + 1.2, 3.4)
-    n = len(basins.attractors)
-    colors = ["1.0", "0.7", *(COLORS[i % len(COLORS)] for i in range(n))]
-    labels = np.where(basins.labels == CLOSED, -2, np.maximum(basins.labels, -1))
-    first, second = basins.axes
-    ax.pcolormesh(
-        first.values, second.values, labels.T, cmap=ListedColormap(colors),
-        norm=BoundaryNorm(np.arange(-2.5, n), n + 2), shading="nearest", rasterized=True,
-    )  # fmt: skip
-    ax.set_xlabel(symbol(first.name))
-    ax.set_ylabel(symbol(second.name))
-    named = zip(basins.attractors, basins.fractions, colors[2:], strict=True)
-    patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in named]
-    style.add_legend(
-        ax, handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
-    )
     return ax
 
 

@@ -20,6 +20,10 @@ from ..systems.units import Units
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
+#: Colours of areas, attractors and motions, in order.
+AREAS = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#332288", "#882255",
+)  # fmt: skip
 #: Widths of one and two columns of print, in inches.
 ONE_COLUMN, TWO_COLUMNS = 3.5, 7.2
 

@@ -14,7 +14,7 @@ from ..systems.oscillator import Oscillator
 from ..systems.structure import Load, Structure
 from .namelist import keys_of, parts_of
 from .structure_groups import check_gap_numbers, system_of
-from .tables import Found, Result, declared
+from .tables import Found, Result, declared, language
 
 if TYPE_CHECKING:
     from ..systems.units import Units
@@ -78,6 +78,11 @@ def key(*names: str) -> Any:
     """The value of a key of the case as an attribute, read-only; a tuple of the values of several keys."""
 
     def value(noun: Noun) -> Any:
+        if noun.of_structure:
+            known = {item["name"] for item in language()["groups"][noun._result.study]}
+            for name in names:
+                if name not in known:
+                    raise AttributeError(noun._lack(name, "structure and load"))
         keys = noun.keys
         return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
 
@@ -275,6 +280,10 @@ class Noun(Savable):
 
     def __reduce__(self) -> Any:
         return type(self), (self._result,)
+
+    def _table(self, table: str, name: str) -> NDArray[Any]:
+        """A column of a table."""
+        return self._result.column(table, name).decoded()
 
     def _check_read(self) -> None:
         if self.of_structure and not self._result.empty:

@@ -17,7 +17,7 @@ from ..results.noun import Noun, key
 from ..systems.oscillator import Oscillator, Pattern
 from .zone import NAMES, Zone, window
 
-__all__ = ["Atlas", "Attractor", "Survey", "WithoutImpacts", "atlas"]
+__all__ = ["Atlas", "Survey", "SurveyPoint", "WithoutImpacts", "atlas"]
 
 _Array = NDArray[np.float64]
 #: The possible outcomes of a point of a survey, in the order of their codes, which start at 1.
@@ -33,8 +33,8 @@ PART = (
 )
 
 
-class Attractor(NamedTuple):
-    """A periodic motion on which a simulation settled."""
+class SurveyPoint(NamedTuple):
+    """A point of the survey of an atlas with the pattern of the periodic motion on which a simulation settled."""
 
     r: float
     clearance: float
@@ -147,11 +147,11 @@ class Atlas(Noun, study="atlas"):
         One for each pattern that has one, in the order of the search (also where only a boundary was found
         that could not be closed); motions that are their own mirror image in a zone of their own.
         With R1 = R2 a pattern stands for its mirror image too, whose zone is the same.
-    attractors : list of Attractor
+    attractors : list of SurveyPoint
         The motions on which the survey by simulation settled, within the limits of impacts and cycles.
-    unexplained : list of Attractor
+    unexplained : list of SurveyPoint
         Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
-    beyond : list of Attractor
+    beyond : list of SurveyPoint
         Stable periodic motions beyond the limits that the survey found.
     survey : Survey
         Every point of the survey and its outcome.
@@ -189,19 +189,19 @@ class Atlas(Noun, study="atlas"):
         return Survey(*(columns[name].values for name in ("r", "clearance", "outcome")))
 
     @property
-    def attractors(self) -> list[Attractor]:
+    def attractors(self) -> list[SurveyPoint]:
         return self._attractors(self.survey.outcome == PERIODIC)
 
     @property
-    def unexplained(self) -> list[Attractor]:
+    def unexplained(self) -> list[SurveyPoint]:
         explained = self._result.tables["points"].columns["explained"].decoded()
         return self._attractors((self.survey.outcome == PERIODIC) & ~explained)
 
     @property
-    def beyond(self) -> list[Attractor]:
+    def beyond(self) -> list[SurveyPoint]:
         return self._attractors(self.survey.outcome == BEYOND)
 
-    def _attractors(self, chosen: NDArray[np.bool_]) -> list[Attractor]:
+    def _attractors(self, chosen: NDArray[np.bool_]) -> list[SurveyPoint]:
         """The motions of some points of the survey."""
         columns = self._result.tables["points"].columns
         values = (
@@ -209,7 +209,7 @@ class Atlas(Noun, study="atlas"):
             for name in ("r", "clearance", "sides", "cycles")
         )
         return [
-            Attractor(r, clearance, Pattern(sides, cycles))
+            SurveyPoint(r, clearance, Pattern(sides, cycles))
             for r, clearance, sides, cycles in zip(*values, strict=True)
         ]
 
@@ -235,9 +235,9 @@ class Atlas(Noun, study="atlas"):
         clearance = checks.to_float(clearance, "clearance", "a number")
         return [zone for zone in self.zones if bool(zone.contains(r, clearance))]
 
-    def explains(self, attractor: Attractor) -> bool:
-        """Whether an attractor lies in a zone of its pattern."""
-        checks.instance(attractor, "attractor", Attractor)
+    def explains(self, attractor: SurveyPoint) -> bool:
+        """Whether an attractor of the survey lies in a zone of its pattern."""
+        checks.instance(attractor, "attractor", SurveyPoint)
         names, cycles = names_of(attractor.pattern, self.osc), attractor.pattern.cycles
         return any(
             zone.pattern.sides in names

@@ -1,4 +1,4 @@
-"""Basins of attraction: the attractors that initial states reach, and the integrity of the basins."""
+"""Basins of attraction of every system: the attractors that initial states reach, and the basins' integrity."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,20 +16,30 @@ from ..base.errors import ParameterError, SingularError, VibroimpactError
 from ..base.spacing import Axis
 from ..motions.exact import attractor_at_end
 from ..motions.motion import Motion
+from ..motions.structure_motion import StructureMotion
+from ..motions.structure_noun import facts_of, run_structure, start_keys
 from ..motions.trajectory import simulate
 from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.states import state_by_coordinates
-from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.oscillator import Oscillator, Point, of_numbers
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
 from .lyapunov import Lyapunov, lyapunov
-from .structure_basins import basins_structure
+from .structure_find import motions_of
 
-__all__ = ["BasinAttractor", "Basins", "basins"]
+__all__ = ["Attractor", "Basins", "basins"]
 
 _Array = NDArray[np.float64]
 #: Coordinates of a state; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
+#: What the core calls the parts of an axis of a plane.
+AXIS_NAMES = {
+    "axes": "plane: name",
+    "low": "plane: low",
+    "high": "plane: high",
+    "values": "plane: n",
+}
 #: The label of a state that was not simulated because the study was stopped, and of one with too many events.
 NOT_REACHED, EVENT_LIMITED = -2, -3
 #: Load cycles from which exponents are computed, tried in turn: impacts may be rare. Load cycles before them.
@@ -37,7 +47,7 @@ EXPONENT_CYCLES, EXPONENT_DISCARD = (4000, 40_000, 400_000), 500
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
-class BasinAttractor:
+class Attractor:
     """An attractor.
 
     Attributes
@@ -45,56 +55,66 @@ class BasinAttractor:
     kind : str
         "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
         states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
-        its error, and no stable motion is found nearby; "no impacts"; or "periodic?" where a simulation repeats
-        itself to rounding for long but no stable exact motion was found.
+        its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of a structure
+        stay closed; or "periodic?" where a simulation of an oscillator repeats itself to rounding for long but no
+        stable exact motion was found. All chaotic states of a structure are one attractor, and so are all
+        quasi-periodic ones.
     name : str
-        Sides and load cycles, as "RL/1", or the kind; equal names get a number.
-    motion : Motion or None
+        Sides and load cycles, as "RL/1", or of a structure impacts and load cycles, as "2/1", and "rest/1" with
+        rests; or the kind. Equal names get a number.
+    motion : Motion, StructureMotion or None
         The exact motion.
-    state : dict
-        A state on it.
+    state : dict or None
+        Of an oscillator: a state on it.
     lyapunov : Lyapunov or None
-        Exponents of an attractor that is not periodic.
+        Of an oscillator: exponents of an attractor that is not periodic.
     radius, contraction : float
-        Radius of the largest neighbourhood used to decide, in its own norm, and the contraction of the
-        derivative over a period in that norm; 0 and 1 if there is none.
+        Of an oscillator: radius of the largest neighbourhood used to decide, in its own norm, and the contraction
+        of the derivative over a period in that norm; 0 and 1 if there is none.
     growth : float
-        Of a periodic attractor the largest modulus of a multiplier, from the simulation; of another one the
-        largest exponent per load cycle; NaN if neither exists.
+        Of an oscillator: of a periodic attractor the largest modulus of a multiplier, from the simulation; of
+        another one the largest exponent per load cycle; NaN if neither exists.
     """
 
     kind: str
     name: str
-    motion: Motion | None
-    state: dict[str, float]
+    motion: Motion | StructureMotion | None
+    state: dict[str, float] | None = None
     lyapunov: Lyapunov | None = None
     radius: float = 0.0
     contraction: float = 1.0
     growth: float = math.nan
 
     def __repr__(self) -> str:
-        return f"<{self.kind} attractor {self.name}>"
+        kind = "" if self.name.startswith(self.kind) else f"{self.kind} "
+        return f"<{kind}attractor {self.name}>"
 
 
-class Basins(Noun, study="basins"):
+class Basins(Noun, study="basins", of_structure="basins_structure", formerly="StructureBasins"):
     """To which attractor each of many initial states goes.
 
     Attributes
     ----------
     osc : Oscillator
-    r, clearance, load : float
-    attractors : list of BasinAttractor
-        The label of an attractor is its place in this list.
+    r, clearance : float
+        Of an oscillator.
+    structure : Structure
+        Of a structure.
+    load : float or Load
+    attractors : list of Attractor
+        The label of an attractor is its place in this list; of a structure by decreasing share.
     labels : ndarray (n, m) of int, or (M,)
         For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached
-        before it was cut short, -3 not decided before `max_events`.
+        before it was cut short, -3 not decided before `max_events`, -4 a gap of a structure is closed in the
+        initial state.
     axes : (Axis, Axis) or None
-    states : ndarray (5, ...)
-        t, x, x_dot, z, z_dot of each.
+    states : ndarray (5, ...), or (2, k, ...)
+        t, x, x_dot, z, z_dot of each, or coordinates and velocities of a structure with k coordinates.
     impacts : int
-        Events simulated to decide.
+        Of an oscillator: events simulated to decide.
     fractions : ndarray
-        Share of the states that go to each attractor; of those that were reached, if it was cut short.
+        Share of the states that go to each attractor, of those without a closed gap; of those that were reached,
+        if it was cut short.
     standard_error : ndarray
         Standard error of the fractions for independent states; an upper bound for states of a lattice.
     case : str
@@ -104,24 +124,26 @@ class Basins(Noun, study="basins"):
     """
 
     __slots__ = ("_attractors",)
-    _attractors: list[BasinAttractor]
+    _attractors: list[Attractor]
     labels = column("states", "label")
     fractions = column("attractors", "fraction")
     standard_error = column("attractors")
     r: float = key("r")
     clearance: float = key("clearance")
-    load: float = key("load")
 
     @property
-    def attractors(self) -> list[BasinAttractor]:
+    def attractors(self) -> list[Attractor]:
         if not hasattr(self, "_attractors"):
-            object.__setattr__(self, "_attractors", attractors_of(self))
+            found = attractors_of_structure(self) if self.of_structure else attractors_of(self)
+            object.__setattr__(self, "_attractors", found)
         return self._attractors
 
     @property
     def states(self) -> _Array:
-        columns = self._result.tables["states"].columns
-        return np.stack([columns[name].values for name in ("t", "x", "x_dot", "z", "z_dot")])
+        if self.of_structure:
+            parts = [self._table("states", name) for name in ("q", "q_dot")]
+            return np.stack([np.moveaxis(part, -1, 0) for part in parts])
+        return np.stack([self._table("states", name) for name in ("t", "x", "x_dot", "z", "z_dot")])
 
     @property
     def axes(self) -> tuple[Axis, Axis] | None:
@@ -140,12 +162,23 @@ class Basins(Noun, study="basins"):
         """Whether its states are those of a plane."""
         return self.axes is not None
 
+    def require(self) -> None:
+        """SingularError if nothing was simulated."""
+        if "states" not in self._result.tables:
+            raise SingularError(self._result.notes[0][1])
+
+    def _facts(self) -> dict[str, str]:
+        return facts_of(self.structure) if self.of_structure else {}
+
     def _check_read(self) -> None:
+        super()._check_read()
         if "run" in self._result.tables and not np.isfinite(self._run("events")).all():
             raise ParameterError(f"run.events = {self._run('events')}: must be a finite number")
 
     @property
     def impacts(self) -> int:
+        if self.of_structure:
+            raise AttributeError(self._lack("impacts", "labels"))
         return round(float(self._run("events")))
 
     @property
@@ -155,7 +188,8 @@ class Basins(Noun, study="basins"):
 
     @property
     def uncertain(self) -> tuple[_Array, _Array]:
-        """Share of pairs of states with different ends, against their distance in cells of the plane.
+        """Of an oscillator: share of pairs of states with different ends, against their distance in cells of the
+        plane.
 
         Pairs lie along the first or the second axis.
         """
@@ -165,7 +199,7 @@ class Basins(Noun, study="basins"):
 
     @property
     def uncertainty_exponent(self) -> float:
-        """The exponent a: a share ~ eps**a of the states is uncertain if states are known to eps.
+        """Of an oscillator: the exponent a if a share ~ eps**a of states known to eps is uncertain.
 
         It is 1 for smooth boundaries and near 0 for fractal ones, where a more accurate state hardly helps. The
         boundary in the plane has dimension 2 - a. NaN if there is no boundary.
@@ -174,8 +208,9 @@ class Basins(Noun, study="basins"):
         return float(self._run("uncertainty_exponent"))
 
     def integrity(self, attractor: int) -> tuple[float, tuple[float, float]]:
-        """Radius and centre of the largest disc of the plane inside a basin, with equal scales on both axes.
+        """Of an oscillator: radius and centre of the largest disc of the plane inside a basin.
 
+        Both axes have equal scales.
         The radius is the distance to the nearest state with another end, or to the edge of the plane; the true
         radius is at least this less one cell. For a damper it is the largest disturbance of the state after
         which the motion is still reached.
@@ -193,6 +228,8 @@ class Basins(Noun, study="basins"):
     def _need_plane(self, name: str) -> None:
         """Raise an error if there is no plane, or only a part of it: states that were not reached would count as
         going elsewhere."""
+        if self.of_structure:
+            raise AttributeError(self._lack(name, "fractions"))
         if "first" not in self._result.tables:
             raise ParameterError(
                 f"plane = None: must be one for {name}; these states are random or a list"
@@ -203,7 +240,7 @@ class Basins(Noun, study="basins"):
             )
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the plane, one colour for each attractor, and the impacts of the attractors (extra `plot`)."""
+        """Draw the plane, one colour for each attractor (extra `plot`); returns the Axes."""
         return self._draw(ax)
 
     def __repr__(self) -> str:
@@ -213,6 +250,57 @@ class Basins(Noun, study="basins"):
         parts += [f"{left} not decided"] if left and self.complete else []
         cut = "" if self.complete else f"; cut short, {self.cut}"
         return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
+
+
+def basins_structure(
+    structure: Structure,
+    load: Load,
+    plane: tuple[Any, Any] | None = None,
+    states: int | None = None,
+    state: tuple[ArrayLike, ArrayLike] | None = None,
+    start: float = 0.0,
+    settling: int = 1000,
+    max_cycles: int = 16,
+    seed: int = 0,
+    max_events: int = 10_000_000,
+    threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Basins:
+    """As `basins`, of a structure."""
+    check_choice(plane, states)
+    keys: dict[str, Any] = {
+        **start_keys(structure, state, start), "settling": settling, "max_cycles": max_cycles,
+        "max_events": max_events,
+    }  # fmt: skip
+    keys |= (
+        {"states": states, "seed": seed}
+        if plane is None
+        else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...")
+    )
+    found = run_structure(Basins, structure, load, keys, threads, progress, AXIS_NAMES)
+    found.require()
+    return found
+
+
+@overload
+def basins(
+    osc: Oscillator, r: float, clearance: float, plane: tuple[Any, Any] | None = None,
+    states: int | ArrayLike | None = None, fixed: Mapping[str, float] | None = None, load: float = 1.0,
+    cycles: int = 1000, probes: int = 200, max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000,
+    threads: int | None = None, progress: Callable[[float, str], None] | None = None,
+) -> Basins: ...  # fmt: skip
+@overload
+def basins(
+    structure: Structure, load: Load, plane: tuple[Any, Any] | None = None, states: int | None = None,
+    state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0, settling: int = 1000,
+    max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000, threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Basins: ...  # fmt: skip
+@overload
+def basins(
+    point: Point, /, plane: tuple[Any, Any] | None = None, states: int | ArrayLike | None = None,
+    **options: Any,
+) -> Basins: ...  # fmt: skip
 
 
 @every_system(basins_structure, of_law=state_by_coordinates)
@@ -234,34 +322,50 @@ def basins(
 ) -> Basins:
     """To which attractor each of many initial states goes.
 
-    First a few of the states are simulated until they settle, and Newton's method computes the exact periodic
-    motions. Around the events of each motion a ball is determined, in a norm in which the derivative over a
-    period is a contraction: the largest ball on which the map is a contraction too, tested with 1024 states
-    spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event in such a
-    neighbourhood. A state that is not decided after `cycles` load cycles is examined again: it may be on an
-    unknown periodic motion, which is then added. Otherwise it is followed for longer, within `max_events`, until
-    it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent tells that it
-    is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near it). It
-    must then have gone on for many times as long as volumes need to contract and free vibrations to decay, and go on
-    for another million events or 200,000 load cycles, so that no transient is taken for an attractor. What remains is not
-    decided.
+    Of an oscillator first a few of the states are simulated until they settle, and Newton's method computes the
+    exact periodic motions. Around the events of each motion a ball is determined, in a norm in which the
+    derivative over a period is a contraction: the largest ball on which the map is a contraction too, tested with
+    1024 states spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event
+    in such a neighbourhood. A state that is not decided after `cycles` load cycles is examined again: it may be on
+    an unknown periodic motion, which is then added. Otherwise it is followed for longer, within `max_events`,
+    until it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent tells
+    that it is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near
+    it). It must then have gone on for many times as long as volumes need to contract, so that no transient is
+    taken for an attractor. What remains is not decided.
+
+    Each state of a structure is simulated until it repeats to rounding near a motion that Newton's method confirms
+    as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:
+    its largest Lyapunov exponent tells whether it is chaotic, quasi-periodic, or still settling. Equal motions are
+    one attractor, whatever impact they are counted from.
+
+    The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
     Parameters
     ----------
     osc, r, clearance, load
         As in `simulate`.
+    structure, load : Structure, Load
+        In place of them; the load has a frequency.
     plane : ((name, low, high, n), (name, low, high, n)), optional
-        Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t".
+        Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; of a structure "q_0", "q_1", ...
+        (coordinates, from 0) and "q_dot_0", ... (velocities).
     states : int or array_like (5, M), optional
-        Instead of a plane: this many random states, or t, x, x', z, z' of each. Random ones are at t = 0,
-        uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of the
-        motion without impacts, but at least half the clearance and at most three times the clearance.
+        Instead of a plane: this many random states, or of an oscillator t, x, x', z, z' of each. Random ones are
+        at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of
+        the motion without impacts, but at least half the clearance and at most three times the clearance. Random
+        states of a structure are those of `find`; the first one is rest at q = 0.
     fixed : mapping, optional
-        The coordinates that are not axes of the plane; 0 by default.
+        Of an oscillator: the coordinates that are not axes of the plane; 0 by default.
+    state : (array_like, array_like), optional
+        Of a structure: coordinates and velocities off the axes of the plane; zero by default.
+    start : float
+        Of a structure: time at the start.
     cycles : int
-        Load cycles after which a state without a decision is examined again.
+        Of an oscillator: load cycles after which a state without a decision is examined again.
+    settling : int
+        Of a structure: load cycles after which a state that does not repeat is followed for longer.
     probes : int
-        States simulated first.
+        Of an oscillator: states simulated first.
     max_cycles : int
         Longest period that is considered, in load cycles.
     seed : int
@@ -282,6 +386,8 @@ def basins(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
+    SingularError
+        If random states of a structure are asked for where a gap is closed at q = 0.
     StudyInterrupted
         After Ctrl-C, with what was finished as its attribute `result`:
         states that were not reached have the label -2, and the shares are those of the others.
@@ -297,25 +403,31 @@ def basins(
     [<periodic attractor RL/1 (1)>, <periodic attractor RL/1 (2)>, ...]
     >>> bool(abs(result.fractions[0] - 0.43) < 0.1)
     True
+
+    A damper as a structure:
+
+    >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
+    >>> plane = (("q_0", -10, 10, 8), ("q_dot_0", -20, 20, 8))
+    >>> result = vi.basins(damper, vi.Load(0.94, sine=[1, 0]), plane)
+    >>> result.attractors[:2]
+    [<attractor no impacts>, <periodic attractor 2/1 (1)>]
+    >>> result.labels.shape
+    (8, 8)
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
-    if (plane is None) == (states is None):
-        raise ParameterError(
-            f"plane = {plane!r}, states = {states!r}: must be one of them, the other left out"
-        )
+    check_choice(plane, states)
     if plane is None and fixed is not None:
         raise ParameterError(f"fixed = {fixed!r}: must be left out: it goes with plane")
     keys: dict[str, Any] = {
         "clearance": clearance, "cycles": cycles, "probes": probes, "max_cycles": max_cycles, "load": load,
         "max_events": max_events,
     }  # fmt: skip
-    names = {
-        "axes": "plane: name", "low": "plane: low", "high": "plane: high", "values": "plane: n", "list": "states",
-    }  # fmt: skip
+    names = {**AXIS_NAMES, "list": "states"}
     if plane is not None:
         names |= {name: f"fixed[{name!r}]" for name in COORDINATES}
-        keys |= _plane_keys(plane) | _fixed_keys(fixed)
+        keys |= _plane_keys(plane, "x, x_dot, y, z_dot or t") | _fixed_keys(fixed)
     elif not isinstance(states, (list, tuple)) and np.ndim(states) == 0:  # type: ignore[arg-type]
         keys |= {"states": states, "seed": seed}
     else:
@@ -328,7 +440,15 @@ def basins(
     return door.run(Basins, osc, keys, r, threads, progress, names)
 
 
-def _plane_keys(plane: Any) -> dict[str, Any]:
+def check_choice(plane: Any, states: Any) -> None:
+    """Check that there is a plane or a number or list of states, not both."""
+    if (plane is None) == (states is None):
+        raise ParameterError(
+            f"plane = {plane!r}, states = {states!r}: must be one of them, the other left out"
+        )
+
+
+def _plane_keys(plane: Any, names: str) -> dict[str, Any]:
     """The keys of the two axes of a plane."""
     try:
         axes = [Axis(*item) for item in plane]
@@ -338,7 +458,7 @@ def _plane_keys(plane: Any) -> dict[str, Any]:
         axes = []
     if len(axes) != 2:
         raise ParameterError(
-            f"plane = {plane!r}: must be two of (name, low, high, n), names x, x_dot, y, z_dot or t"
+            f"plane = {plane!r}: must be two of (name, low, high, n), names {names}"
         )
     return columns
 
@@ -350,7 +470,7 @@ def _fixed_keys(fixed: Mapping[str, float] | None) -> dict[str, Any]:
     return dict(fixed or {})
 
 
-def attractors_of(basins: Basins) -> list[BasinAttractor]:
+def attractors_of(basins: Basins) -> list[Attractor]:
     """The attractors that the core found, with the exact motion or the exponents of each."""
     osc, r, clearance, load = basins.osc, basins.r, basins.clearance, basins.load
     columns = basins._result.tables["attractors"].columns
@@ -364,7 +484,23 @@ def attractors_of(basins: Basins) -> list[BasinAttractor]:
             motion = motion_at(osc, r, clearance, load, np.array(end), cycles)
         if kind in ("quasi-periodic", "chaotic"):
             exponents = exponents_at(osc, r, clearance, load, state)
-        found.append(BasinAttractor(kind, name, motion, state, exponents, *balls))
+        found.append(Attractor(kind, name, motion, state, exponents, *balls))
+    return found
+
+
+def attractors_of_structure(basins: Basins) -> list[Attractor]:
+    """The attractors of a structure that the core found, with the exact motion of each."""
+    motions = motions_of(basins)
+    names, numbers = (basins._table("attractors", name) for name in ("name", "number"))
+    if numbers.size and numbers.max() >= len(motions):
+        raise ParameterError(
+            f"attractors.number = {numbers.max()}: must be below {len(motions)}, the number of motions"
+        )
+    found = []
+    for name, i in zip(names.tolist(), numbers.tolist(), strict=True):
+        kind, ratio, _ = name.partition(" (")[0].partition("/")
+        kind = kind if kind == "rest" or not ratio else "periodic"
+        found.append(Attractor(kind, name, motions[i] if i >= 0 else None))
     return found
 
 

@@ -73,7 +73,7 @@ class SettledMotions(Noun):
     @cached_property
     def _cells(self) -> tuple[_Array, list[str], NDArray[Any], NDArray[Any]]:
         """Of a structure: the values that were reached, rising, the runs, and the place of each row in both."""
-        value, run = (self._result.column("cells", name).decoded() for name in ("value", "run"))
+        value, run = (self._table("cells", name) for name in ("value", "run"))
         values, index = np.unique(value, return_inverse=True)
         runs = list(dict.fromkeys(run.tolist()))
         return values, runs, np.array([runs.index(name) for name in run.tolist()], "i4"), index
@@ -163,7 +163,7 @@ class BifurcationDiagram(
     def values(self) -> _Array:
         if self.of_structure:
             return self._cells[0]
-        return self._result.column("values", "value").values
+        return self._table("values", "value")
 
     @property
     def r(self) -> float | _Array:
@@ -183,7 +183,7 @@ class BifurcationDiagram(
     def runs(self) -> list[str]:
         if self.of_structure:
             return self._cells[1]
-        runs: list[str] = self._result.column("runs", "run").decoded().tolist()
+        runs: list[str] = self._table("runs", "run").tolist()
         return runs
 
     @cached_property
@@ -204,7 +204,7 @@ class BifurcationDiagram(
             run, index = (place[owners] for place in self._cells[2:])
         else:
             run, index = np.divmod(owners, self.values.size)
-        columns = [self._result.column(name, each).decoded() for each in names]
+        columns = [self._table(name, each) for each in names]
         kinds = [
             (each, item.dtype, item.shape[1:]) for each, item in zip(names, columns, strict=True)
         ]

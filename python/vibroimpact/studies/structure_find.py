@@ -14,6 +14,7 @@ from ..base.errors import ParameterError, SingularError
 from ..base.status import VERDICT, sentence
 from ..motions.structure_motion import StructureMotion, _rests, check_numbers
 from ..motions.structure_noun import StructureNoun, run_structure
+from ..results.noun import Noun
 from ..results.tables import Result, runs
 from ..systems.structure import Load, Structure
 
@@ -115,7 +116,7 @@ class StructureMotions(StructureNoun, Sequence[StructureMotion], study="find_str
         )
 
 
-def motions_of(noun: StructureNoun) -> list[StructureMotion]:
+def motions_of(noun: Noun) -> list[StructureMotion]:
     """The motions of the tables of a result."""
     result, structure, load = noun._result, noun.structure, noun.load
     if load is None or not load.frequency:
