@@ -213,8 +213,8 @@ contains
       zone = trial
       zone%points = zone%points + before%points
       do i = 1, before%n
-         if (.not. before%loops(i)%closed) call keep_rest(before%loops(i), before%inside(:, i), &
-            bounds, axis, trial, zone)
+         if (.not. before%loops(i)%closed) call keep_rest(before%loops(i), bounds, axis, trial, &
+            zone)
       end do
    end subroutine set_apart
 
@@ -282,17 +282,15 @@ contains
          n = n + 1
          if (n == i) cycle
          zone%loops(n) = zone%loops(i)
-         zone%inside(:, n) = zone%inside(:, i)
       end do
       zone%n = n
    end subroutine drop_open
 
    !> Keeps the parts of an open boundary that lie in strips, or on no loop that was traced between
    !! them.
-   pure subroutine keep_rest(loop, inside, bounds, axis, traced, zone)
-      !> The boundary, and a point inside close to it.
+   pure subroutine keep_rest(loop, bounds, axis, traced, zone)
+      !> The boundary.
       type(loop_type), intent(in) :: loop
-      real(wp), intent(in) :: inside(2)
       !> The intervals between the strips, and their coordinate in the window.
       real(wp), intent(in) :: bounds(:)
       integer, intent(in) :: axis
@@ -320,13 +318,11 @@ contains
          found = 0
          if (interval(first) > 0) then
             i = (first + last)/2
-            call find_border(border_type(loop%points(:, i), loop%conditions(i), inside), traced, &
-               found)
+            call find_border(border_type(loop%points(:, i), loop%conditions(i)), traced, found)
          end if
          if (found == 0 .and. zone%n < size(zone%loops)) then
             zone%n = zone%n + 1
             zone%loops(zone%n) = picked(loop, [(i, i=max(1, first - 1), min(loop%n, last + 1))])
-            zone%inside(:, zone%n) = inside
          end if
          first = last + 1
       end do
