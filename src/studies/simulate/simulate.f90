@@ -338,16 +338,14 @@ contains
       !> In: false. Out: whether it is completed; whether it would be completed only after the end,
       !! and until then the gap stays below 1e-12 x''.
       logical, intent(inout) :: found, over
-      real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp, &
-         slow = 8*epsilon(1.0_wp)
+      real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       real(wp) :: x_ddot, closing, jerk, lost, duration, velocity
 
       associate (osc => system%osc)
          x_ddot = system%load*s - 2*osc%xi*state%x_dot - state%x
          closing = -state%side*x_ddot
          duration = 0
-         ! a speed that is nothing but rounding is none
-         if (state%speed <= slow*(abs(state%x_dot) + abs(state%x) + abs(system%load))) then
+         if (.not. state%speed > 0) then
             if (.not. stays_together(system, state)) return
          else
             if (.not. closing > 0) return
