@@ -563,6 +563,9 @@ contains
                end do
                total = rows%offset(row)
                sizes = abs(total)
+               ! the sample and the constant load may cancel each other
+               if (allocated(regime%base_offset)) sizes = abs(regime%base_offset(row)) &
+                  + abs(total - regime%base_offset(row))
                do last = 0, order
                   if (last == 1) then
                      total = rows%offset_rate(row)
@@ -600,6 +603,10 @@ contains
                      v = v + modes%force(k)
                      x_size = x_size + abs(modes%drift(k))
                      v_size = v_size + abs(modes%force(k))
+                     if (allocated(regime%base_force)) then
+                        x_size = x_size + 2*abs(regime%base_drift(k))
+                        v_size = v_size + 2*abs(regime%base_force(k))
+                     end if
                   else if (last == 1) then
                      x = x + modes%drift_rate(k)
                      v = v + modes%force_rate(k)

@@ -524,3 +524,20 @@ def test_a_run_that_begins_with_rests_is_sampled_as_it_was_simulated(seed):
         size = 1 + np.abs(q).max()
         assert (openings[:, None] - directions @ q).min() > -1e-10 * size
         np.testing.assert_allclose(q, whole.sample(t)[0], atol=1e-9 * size)
+
+
+@pytest.mark.parametrize("step", [0.5, 0.7213308177841445, 1.0])
+def test_contacts_whose_forces_vanish_together_with_those_of_a_record(step):
+    """A record cancels the constant load, and both forces of a stack with it: the two bodies part at once."""
+    structure = vi.Structure(
+        [0.4591464024330024, 2.348501480227643],
+        [[0.3210681079705415, -0.10292307465894909], [-0.10292307465894909, 0.3061762046835734]],
+        [[2.978234649437526, -1.0895678048854627], [-1.0895678048854627, 1.0895678048854627]],
+        [vi.Gap([1, -1], 0.0, 0.6), vi.Gap([0, 1], 0.0, 0.0)],
+    )
+    record = vi.Record(step, [[1, 0.5], [0, 0.5], [-1, 0.5]], constant=[-0.5, -0.5])
+    run = vi.simulate(structure, record, duration=step, state=([0, 0], [0, 0]))
+    assert sorted(kind + str(gap) for kind, gap, _ in falling(run)) == ["release0", "release1"]
+    assert run.events["time"] == pytest.approx([step / 2] * 2, abs=1e-12)
+    q = run.sample(0.9 * step)[0]
+    assert q[0] < q[1] < 0
