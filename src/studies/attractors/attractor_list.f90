@@ -426,13 +426,13 @@ contains
       type(state_type) :: state
       real(wp) :: end(5)
       integer(int64) :: first
-      integer :: average, kind, left, lost, repeats, status, settled, settling
-      logical :: good
+      integer :: average, kind, left, lost, repeats, status, settling
+      logical :: good, settled
 
       label = 0
       spent = 0
       left = list%max_events
-      settled = 0
+      settled = .false.
       average = first_average
       end = within(start, list%system%clearance)
       do while (spent + average <= most_followed)
@@ -447,6 +447,11 @@ contains
          end if
          if (status == stat%ok .and. good) call approach(list, motion, end, left, spent, label, &
             progress)
+         ! it is on what is not looked for, such as a longer period
+         if (settled .and. label == 0 .and. repeats == 0 .and. status == stat%ok) then
+            spent = 0
+            return
+         end if
          if (label == 0 .and. status == stat%ok) then
             state = initial_state(list%system, end)
             lost = left
@@ -474,9 +479,7 @@ contains
             call add_repeating(list, state, repeats, left, label, progress)
             return
          end if
-         ! it settles on what is not looked for, such as a longer period
-         if (kind == periodic) settled = settled + 1
-         if (settled == 2) return
+         settled = kind == periodic
          average = 2*average
       end do
    end subroutine follow_on

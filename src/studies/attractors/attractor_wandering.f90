@@ -17,8 +17,8 @@ module vi_attractor_wandering
    !> Load cycles whose impacts mark the cells of an attractor; number of batches of an average.
    integer, parameter :: cell_cycles = 4000, batches = 20
    !> A motion counts as settled after this many of the times in which volumes contract by a factor
-   !! e in each direction, and of those in which the slowest free vibration decays by a factor e, and
-   !! no sooner than after some load cycles.
+   !! e in each direction, and of those in which the slowest free vibration decays by a factor e,
+   !! and no sooner than after some load cycles.
    real(wp), parameter :: contractions = 40, decays = 10
    integer, parameter :: least_cycles = 12000
    !> Load cycles of an average with which an exponent may count as zero.

@@ -164,8 +164,8 @@ contains
    !! is near. A negative one tells that it settles.
    !!
    !! A transient may look like any of them for a long time. Volumes contract at a known rate, and
-   !! nothing settles faster: there is no kind until the motion has gone on for many times as long. A
-   !! vibration, also one with a gap at rest, may last much longer than that.
+   !! nothing settles faster: there is no kind until the motion has gone on for many times as long.
+   !! A vibration, also one with a gap at rest, may last much longer than that.
    subroutine follow_on(structure, run, start, state, how, found, kind, status, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
