@@ -449,16 +449,18 @@ def zone(
         Lattice lines in each direction over a window like that of the 1983 charts (r 0.8 to 1.2, and a factor
         100 in
         d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
-        asinh(10 (r - 1)); at least 33 are taken for a pattern with rest. Parts of a zone that touch no line can
-        be missed: more lines find more.
+        asinh(10 (r - 1)), and one more at each resonance r = 1/n; at least 33 are taken for a pattern with rest.
+        Parts of a zone that touch no line can be missed: more lines find more.
     guesses : int
         Guesses for motions at every second node in each direction; a quarter of this number at the others. Both
         are searched again with further guesses as long as these find new sheets of motions of many impacts.
         With 0, only the seeds are used.
     seeds : sequence of Motion
-        Known motions of the pattern that the search could miss. The lines of
-        constant r and of constant d K/F0 through each are followed, and every boundary that they meet is traced:
-        each seed that is stable, admissible and inside the window is in the zone or in `search.open_seeds`.
+        Known motions of the pattern that the search could miss. From each that is stable and admissible a line is
+        followed to the boundary of its zone. If that was not known, or the seed is no such motion, the lines of
+        constant r and of constant d K/F0 through it are followed through the window, and every boundary that they
+        meet is traced: each seed that is stable, admissible and inside the window is in the zone or in
+        `search.open_seeds`.
     max_points : int
         Most vertices of a loop.
     progress : callable, optional
