@@ -6,7 +6,7 @@ program test_studies
    use random_systems, only: pi, random_frequency, random_motion, random_oscillator, &
       random_phases, random_sides
    use studies_atlas, only: test_atlas, test_limits, test_outcomes, test_rings, &
-      test_bent_sides, test_passing, test_shared_simulations
+      test_bent_sides, test_shared_simulations
    use studies_attractors, only: test_attractors
    use studies_boundaries, only: test_boundaries
    use studies_branches, only: test_branches
@@ -65,7 +65,6 @@ program test_studies
    call test_single()
    call test_rings()
    call test_bent_sides()
-   call test_passing()
    call test_joints()
    call test_short_curves()
    call test_corners_at_joints()

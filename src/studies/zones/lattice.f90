@@ -2,8 +2,8 @@
 !!
 !! In a window about r = 1 of the size of the charts of the 1983 paper they are evenly spaced. A
 !! larger window has more lines, and those of constant r are closest where zones are narrow: about
-!! the resonance r = 1, and at small r, where the values r = 1/n are about r**2 apart. A further line
-!! lies on each of these values.
+!! the resonance r = 1, and at small r, where the values r = 1/n are about r**2 apart. A further
+!! line lies on each of these values.
 module vi_lattice
    use vi_kinds, only: wp
    implicit none (type, external)

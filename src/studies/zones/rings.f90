@@ -6,7 +6,7 @@ module vi_rings
    implicit none (type, external)
    private
 
-   public :: dense_ring, passes, winding
+   public :: dense_ring, winding
 
    !> Largest distance of a polygon from its curve, with the window as the unit square.
    real(wp), parameter :: sag = 1.0e-7_wp
@@ -85,33 +85,6 @@ contains
          area = area + 0.5_wp*(a(1)*b(2) - a(2)*b(1))
       end do
    end function area
-
-   !> Whether a point lies on a polygon, as far as the polygon is accurate.
-   pure logical function passes(ring, point, r, clearance)
-      !> (2, n), (2): r, D
-      real(wp), intent(in) :: ring(:, :), point(2)
-      !> The window.
-      real(wp), intent(in) :: r(2), clearance(2)
-
-      passes = distance(ring, point, [r(2) - r(1), log(clearance(2)/clearance(1))]) < 2*sag
-   end function passes
-
-   !> Distance of a point from a polygon.
-   pure real(wp) function distance(ring, point, scale)
-      !> (2, n) and (2): r, D; (2): units of r and log D.
-      real(wp), intent(in) :: ring(:, :), point(2), scale(2)
-      real(wp) :: chord(2), offset(2), share
-      integer :: i, next
-
-      distance = huge(1.0_wp)
-      do i = 1, size(ring, 2)
-         next = merge(1, i + 1, i == size(ring, 2))
-         chord = [ring(1, next) - ring(1, i), log(ring(2, next)/ring(2, i))]/scale
-         offset = [point(1) - ring(1, i), log(point(2)/ring(2, i))]/scale
-         share = dot_product(offset, chord)/max(tiny(1.0_wp), dot_product(chord, chord))
-         distance = min(distance, norm2(offset - max(0.0_wp, min(1.0_wp, share))*chord))
-      end do
-   end function distance
 
    !> Winding numbers of a polygon around points, counter-clockwise.
    pure function winding(ring, points) result(turns)
