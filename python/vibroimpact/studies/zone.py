@@ -42,7 +42,8 @@ class Piece:
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, rest_vanishes, rest_splits (beyond it
         the rest is two), or window (the edge of the window); or joint, a straight piece of at most 1e-4 of the
-        window between two loose ends of the boundary, where it could not be followed.
+        window between two loose ends of the boundary, where it could not be followed; or cut, the straight edge
+        of a strip of the window that is set apart, since the boundary could not be closed in it.
     r, clearance : ndarray (M,)
         Vertices in order; the first and the last are corners, where the next piece begins, unless the
         whole boundary is one piece.
@@ -52,7 +53,7 @@ class Piece:
     loop : int
         The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
-        Of grazing: which flight touches which wall; of window: which edge.
+        Of grazing: which flight touches which wall; of window: which edge; of cut: which parameter is constant.
     symmetric : bool
         Whether it bounds motions that are their own mirror image.
     """
@@ -121,7 +122,8 @@ class Zone(Noun, study="zone"):
         fine that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
     closed : bool
         Whether every boundary that was found could be closed, and every seed is enclosed. The known parts of a
-        boundary that could not be closed are in `open_boundary`. Nothing is said about zones that were not
+        boundary that could not be closed are in `open_boundary`; with rest they lie in narrow strips, and the
+        zone is closed along their edges. Nothing is said about zones that were not
         found: see `search`.
     search : ZoneSearch
     case : str

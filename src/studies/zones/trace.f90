@@ -20,8 +20,6 @@ module vi_trace
 
    !> A zero nearer than this to the start of a step counts as being at the start.
    real(wp), parameter :: begun = 1.0e-9_wp
-   !> Largest number of shortest steps in a row.
-   integer, parameter :: most_stalled = 60
    !> Two points of a boundary that are nearer than this to each other are the same.
    real(wp), parameter :: same_place = 1.0e-6_wp
 
@@ -49,10 +47,9 @@ contains
       type(place_type) :: before, now, next, corner
       type(condition_type) :: active
       real(wp) :: reach
-      integer :: which, stalled
+      integer :: which
       logical :: good, met, earlier
 
-      stalled = 0
       allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
          loop%conditions(most), loop%corner(most))
       active = condition
@@ -65,9 +62,9 @@ contains
          if (is_stopped(progress)) return
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
-         ! near a singular point, steps that are short enough lead nowhere
-         stalled = merge(stalled + 1, 0, next%came < 64*stride%shortest)
-         if (stalled > most_stalled) return
+         if (curve%frame%resting) then
+            if (hardly_moves(loop)) return
+         end if
          call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
          if (which < 0 .and. .not. can_shorten(next, 64*stride%shortest)) return
          ! a violation that could not be located: another one may come before it
@@ -115,6 +112,20 @@ contains
          end if
       end do
    end subroutine trace_loop
+
+   !> Whether a boundary leads nowhere: near a singular point, as where a bounce of an accumulation
+   !! begins to graze, steps have to be so short that it would take all points.
+   pure logical function hardly_moves(loop)
+      !> The boundary so far.
+      type(loop_type), intent(in) :: loop
+      !> Number of points that are looked at, and least distance between the first and the last.
+      integer, parameter :: many = 200
+      real(wp), parameter :: least = 5.0e-3_wp
+
+      hardly_moves = mod(loop%n, many) == 0
+      if (hardly_moves) hardly_moves = norm2(loop%points(:, loop%n) - loop%points(:, loop%n + 1 &
+         - many)) < least
+   end function hardly_moves
 
    !> The first place of a trace, directed towards larger D or, where D is constant, larger r.
    pure subroutine set_out(curve, active, point, place, good)

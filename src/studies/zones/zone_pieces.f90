@@ -241,8 +241,14 @@ contains
          condition => loop%conditions(run(min(2, size(run)))))
          piece%condition = condition
          piece%name = trim(condition_name(condition%kind, condition%index, symmetric, mirrored))
-         if (condition%kind == edge) piece%name = 'window'
          piece%detail = trim(condition_detail(condition%kind, condition%index, condition%side))
+         if (condition%kind == edge) then
+            piece%name = 'window'
+            if (.not. is_of_window(zone%surface%frame%edges, condition)) then
+               piece%name = 'cut'
+               piece%detail = piece%detail(index(piece%detail, ' ') + 1:)
+            end if
+         end if
          piece%symmetric = symmetric
          piece%loop = number
          piece%corner = loop%corner(run) > 0
@@ -256,6 +262,15 @@ contains
          call write_motions(zone%surface, loop, run, piece)
       end associate
    end subroutine append
+
+   !> Whether a bound on a parameter is an edge of the window.
+   pure logical function is_of_window(edges, bound) result(is_edge)
+      !> The edges, and the bound.
+      type(condition_type), intent(in) :: edges(:), bound
+
+      is_edge = any(edges%index == bound%index .and. edges%side == bound%side .and. &
+         .not. abs(edges%bound - bound%bound) > 0)
+   end function is_of_window
 
    !> Writes the motions at the vertices of a piece.
    pure subroutine write_motions(surface, loop, run, piece)
