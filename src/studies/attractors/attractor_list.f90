@@ -432,6 +432,7 @@ contains
       label = 0
       spent = 0
       left = list%max_events
+      lost = left
       settled = .false.
       average = first_average
       end = within(start, list%system%clearance)
@@ -468,7 +469,8 @@ contains
          if (any(kind == [chaotic, quasi_periodic])) then
             call wait_for(list, end, int(min(real(most_followed, wp), min(watched, 1.0_wp*left)* &
                average/max(1, lost - left))), left, spent, label, progress)
-            if (label /= 0 .or. is_stopped(progress)) return
+            if (label /= 0) return
+            if (is_stopped(progress)) return
             spent = settling
             new%kind = kind
             new%state = end

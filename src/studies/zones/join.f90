@@ -162,7 +162,7 @@ contains
       !! are left after one come into the strips of the next.
       real(wp), parameter :: most_apart = 0.25_wp
       integer, parameter :: rounds = 4
-      type(zone_type) :: before, trial
+      type(zone_type), allocatable :: before, trial
       real(wp), allocatable :: loose(:, :), bounds(:), other(:)
       real(wp) :: far(2)
       integer :: axis, i, k, m, round
