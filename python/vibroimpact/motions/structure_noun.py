@@ -27,14 +27,6 @@ class StructureNoun(Noun):
     def of_structure(self) -> bool:
         return True
 
-    def _facts(self) -> dict[str, str]:
-        return facts_of(self.structure)
-
-
-def facts_of(structure: Structure) -> dict[str, str]:
-    """Names and values of a structure, for Jupyter."""
-    return {"coordinates": str(structure.coordinates), "gaps": str(len(structure.gaps))}
-
 
 def run_structure(
     noun: type[_Found], structure: Structure, load: Load | None, keys: Mapping[str, Any],

@@ -281,6 +281,12 @@ class Noun(Savable):
     def __reduce__(self) -> Any:
         return type(self), (self._result,)
 
+    def _facts(self) -> dict[str, str]:
+        if not self.of_structure:
+            return {}
+        structure = self.structure
+        return {"coordinates": str(structure.coordinates), "gaps": str(len(structure.gaps))}
+
     def _table(self, table: str, name: str) -> NDArray[Any]:
         """A column of a table."""
         return self._result.column(table, name).decoded()

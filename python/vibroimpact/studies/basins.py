@@ -17,7 +17,7 @@ from ..base.spacing import Axis
 from ..motions.exact import attractor_at_end
 from ..motions.motion import Motion
 from ..motions.structure_motion import StructureMotion
-from ..motions.structure_noun import facts_of, run_structure, start_keys
+from ..motions.structure_noun import run_structure, start_keys
 from ..motions.trajectory import simulate
 from ..results import door
 from ..results.noun import Noun, column, key
@@ -166,9 +166,6 @@ class Basins(Noun, study="basins", of_structure="basins_structure", formerly="St
         """SingularError if nothing was simulated."""
         if "states" not in self._result.tables:
             raise SingularError(self._result.notes[0][1])
-
-    def _facts(self) -> dict[str, str]:
-        return facts_of(self.structure) if self.of_structure else {}
 
     def _check_read(self) -> None:
         super()._check_read()

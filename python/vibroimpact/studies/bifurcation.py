@@ -13,7 +13,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.spacing import spacing_of
 from ..base.status import NOT_COMPUTED, sentence
-from ..motions.structure_noun import facts_of, run_structure, start_keys
+from ..motions.structure_noun import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.parameters import Parameter, keys_of_parameter
@@ -100,9 +100,6 @@ class SettledMotions(Noun):
         failed = self.status[(self.status != 0) & (self.status != NOT_COMPUTED)]
         codes, counts = np.unique(failed, return_counts=True)
         return {sentence(int(code)): int(n) for code, n in zip(codes, counts, strict=True)}
-
-    def _facts(self) -> dict[str, str]:
-        return facts_of(self.structure) if self.of_structure else {}
 
     def _periodic(self) -> str:
         """How many of the values of a structure have a period."""

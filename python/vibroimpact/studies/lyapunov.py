@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
-from ..motions.structure_noun import facts_of, run_structure, start_keys
+from ..motions.structure_noun import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
@@ -110,9 +110,6 @@ class Lyapunov(
         Of an oscillator against r or clearance, whichever varies; of a structure by their number.
         """
         return self._draw(ax)
-
-    def _facts(self) -> dict[str, str]:
-        return facts_of(self.structure) if self.of_structure else {}
 
     def __repr__(self) -> str:
         if self.per_cycle.ndim > 1:
