@@ -13,7 +13,7 @@ SUBJECTS = {
     "Simulation": ("motions.trajectory", "motions.bundle"),
     "Response quantities": ("motions.quantities", "motions.structure_quantities"),
     "Structures": ("systems.structure", "motions.structure_trajectory", "motions.structure_motion",
-                   "studies.structure_find", "systems.restitution", "systems.record"),
+                   "systems.restitution", "systems.record"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),
     "Attractors": ("studies.basins", "studies.bifurcation", "studies.lyapunov", "studies.response",

@@ -151,7 +151,7 @@ def boundaries():
         sign = {"fold": -1, "pitchfork": -1, "flip": 1}.get(piece.type)
         for j in range(len(piece) if sign else 0):
             one = fp.System(FIRST.xi, FIRST.mu, piece.r[j], "RL", 1, FIRST.restitution)
-            x, theta = piece.x[:, j], piece.theta[:, j]
+            x, theta = piece.x_over_D[:, j], piece.theta[:, j]
             steady = (
                 one.amplitude / piece.clearance[j] * np.array([np.cos(theta[0]), np.sin(theta[0])])
             )

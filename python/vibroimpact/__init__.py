@@ -50,12 +50,9 @@ from .studies.boundary_band import BoundaryBand, boundary_bands
 from .studies.branch import Branch, Branches, SpecialPoint, branch
 from .studies.chart import Chart, chart
 from .studies.decay import Decay, decay
-from .studies.find import Findings, FoundMotions, Search, find
+from .studies.find import FoundMotions, Search, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
-from .studies.structure_branch import StructureBranch, StructureSpecialPoint, branch_structure
-from .studies.structure_find import StructureMotions, find_structure, same_structure_motion
-from .studies.structure_zone import StructurePiece, StructureZone, zone_structure
 from .studies.uncertainty import LimitProbability, Uncertainty, limit_probability, uncertainty
 from .studies.zone import Piece, Zone, ZoneSearch, zone
 from .systems.excitations import half_sine, swept_sine
@@ -82,7 +79,6 @@ __all__ = [
     "ClusterError",
     "Decay",
     "Design",
-    "Findings",
     "FoundMotions",
     "Gap",
     "Gradient",
@@ -117,14 +113,9 @@ __all__ = [
     "SpecialPoint",
     "StabilityFlags",
     "Structure",
-    "StructureBranch",
     "StructureMotion",
-    "StructureMotions",
-    "StructurePiece",
     "StructureQuantities",
-    "StructureSpecialPoint",
     "StructureTrajectory",
-    "StructureZone",
     "StudyInterrupted",
     "SurveyPoint",
     "Sweep",
@@ -143,7 +134,6 @@ __all__ = [
     "bifurcation_diagram",
     "boundary_bands",
     "branch",
-    "branch_structure",
     "campaign",
     "chart",
     "decay",
@@ -153,7 +143,6 @@ __all__ = [
     "errors",
     "exact",
     "find",
-    "find_structure",
     "half_sine",
     "identify",
     "is_symmetric",
@@ -170,7 +159,6 @@ __all__ = [
     "response",
     "run_namelists",
     "same_motion",
-    "same_structure_motion",
     "simulate",
     "simulate_bundle",
     "spaced",
@@ -181,7 +169,6 @@ __all__ = [
     "uncertainty",
     "virtual_record",
     "zone",
-    "zone_structure",
 ]
 
 

@@ -37,7 +37,7 @@ UNITS = {
     "x_dot": "omega F0/K", "z_dot": "omega F0/K", "X_dot": "omega F0/K", "Z_dot": "omega F0/K",
     "X_ddot": "omega^2 F0/K", "Z_ddot": "omega^2 F0/K", "load": "F0", "phase": "rad", "phases": "rad",
     "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
-    "xi": "", "mu": "", "R1": "", "R2": "", "restitution": "",
+    "xi": "", "mu": "", "R1": "", "R2": "", "restitution": "", "x_over_D": "",
 } | Quantities.units  # fmt: skip
 
 

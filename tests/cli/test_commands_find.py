@@ -142,8 +142,8 @@ def test_forms_of_motions(form, suffix, tool, found):
     assert tool("find", *POINT, *LIMITS, "--format", form).status == 0
     assert list(contents(tool.cwd)) == [f"results/find.{suffix}"]
     read = vi.load(tool.cwd / f"results/find.{suffix}")
-    assert read.to_json() == vi.Findings.of(OSC, 0.94, 37.0, found).to_json()
-    assert [motion.to_json() for motion in read.motions] == [motion.to_json() for motion in found]
+    assert read.to_json() == found.to_json()
+    assert [motion.to_json() for motion in read] == [motion.to_json() for motion in found]
 
 
 def test_labels_of_motions_with_rest(tool):
@@ -164,7 +164,7 @@ def test_labels_of_motions_with_rest(tool):
     ]
     done = tool("find", *system, "--max-impacts", "3", "--max-cycles", "1", "-o", "mine.nc")
     assert (done.status, done.err) == (0, b"")
-    found = vi.load(tool.cwd / "mine.nc").motions
+    found = vi.load(tool.cwd / "mine.nc")
     assert {len(motion.pattern) for motion in found} == {2, 3}
     with xarray.open_dataset(tool.cwd / "mine.nc", engine="h5netcdf") as data:
         assert data.sides.values.tolist() == [motion.pattern.sides for motion in found]
@@ -196,9 +196,7 @@ def test_the_document_of_a_search(tool, found):
     """The JSON document has all motions found."""
     done = tool("find", *POINT, *LIMITS, "--json")
     (point,) = json.loads(done.out)["results"].values()
-    assert (
-        vi.Findings.from_dict(point).to_json() == vi.Findings.of(OSC, 0.94, 37.0, found).to_json()
-    )
+    assert vi.FoundMotions.from_dict(point).to_json() == found.to_json()
 
 
 @pytest.mark.parametrize(("text", "words", "output"), [

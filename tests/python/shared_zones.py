@@ -25,5 +25,5 @@ def motion_at(zone, piece, j):
     """The exact motion of a vertex."""
     return newton(
         zone.osc, piece.r[j], piece.clearance[j], 1.0, zone.pattern,
-        piece.x[:, j] * piece.clearance[j], piece.theta[:, j],
+        piece.x_over_D[:, j] * piece.clearance[j], piece.theta[:, j],
     )  # fmt: skip

@@ -369,7 +369,7 @@ def test_vertices_of_a_zone_with_rest_by_simulation():
         kinds.add(piece.type)
         for j in (0, len(piece) // 3, len(piece) - 1):
             r, clearance, phase = piece.r[j], piece.clearance[j], piece.theta[0, j]
-            v = piece.x[0, j] * clearance
+            v = piece.x_over_D[0, j] * clearance
             # no force between the masses: M alone decides where they part
             x = np.sin(phase) - 2 * UNEQUAL.xi * v
             state = {"t": phase / r, "x": x, "x_dot": v, "z": x - clearance / 2, "z_dot": v}

@@ -390,7 +390,9 @@ def test_what_settles_slowly_is_neither_chaotic_nor_quasi_periodic(
 
 def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
     """It ends at random after about 35,000 load cycles on one of two motions, mirror images of each other."""
-    osc = vi.Oscillator(xi=5.393016929676998e-4, mu=2.0323541470510546e-3, restitution=0.9877129484339674)
+    osc = vi.Oscillator(
+        xi=5.393016929676998e-4, mu=2.0323541470510546e-3, restitution=0.9877129484339674
+    )
     result = vi.basins(osc, 0.21978205375145463, 1.2037570985830306, states=8)
     assert sorted(item.name for item in result.attractors) == ["RLLL/1", "RRRL/1"]
     assert (result.labels >= 0).all()
@@ -399,7 +401,9 @@ def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
 def test_a_period_that_is_not_considered_is_not_decided_soon():
     """The motion has a period of 19 load cycles, of which up to 16 are considered."""
     osc = vi.Oscillator(
-        xi=0.003268685691789558, mu=0.012192598631411566, restitution=(0.5538257197742631, 0.04892169533845492)
+        xi=0.003268685691789558,
+        mu=0.012192598631411566,
+        restitution=(0.5538257197742631, 0.04892169533845492),
     )
     point = (0.2799831591147713, 0.7565223971839834)
     result = vi.basins(osc, *point, states=2)

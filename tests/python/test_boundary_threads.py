@@ -96,7 +96,7 @@ def public_calls(folder):
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, law)])
     load = vi.Load(1.0, cosine=[1])
     known = vi.exact(wall, load, ([0.1], [0]))
-    vi.same_structure_motion(known, known)
+    vi.same_motion(known, known)
     trajectory = vi.simulate(wall, load, cycles=100)
     trajectory.sample([1.0, 2.0])
     trajectory.acceleration([1.0])

@@ -224,8 +224,7 @@ def test_numbers_of_a_logarithmic_axis(window, output):
 def test_found_motions_are_numbered():
     """Each motion is numbered once, at its leading multiplier, and the legend explains all marks."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1)
-    findings = vi.Findings.of(TABLE, 0.94, 37.0, found)
-    panels = findings.plot()
+    panels = found.plot()
     assert len(panels) == len(found) + 1
     numbers = {
         int(number): text.xy for text in panels[-1].texts for number in text.get_text().split(", ")

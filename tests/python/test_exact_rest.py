@@ -153,7 +153,7 @@ def starts_near(zone, kind, offset):
     piece = max((p for p in zone.boundary if p.type == kind), key=len)
     i = len(piece) // 2
     r, edge = float(piece.r[i]), float(piece.clearance[i])
-    release = np.array([piece.theta[0, i], piece.x[0, i] * edge])
+    release = np.array([piece.theta[0, i], piece.x_over_D[0, i] * edge])
     draw, found = np.random.default_rng(4), []
     for _ in range(30):
         guess = release * (1 + 1e-5 * draw.normal(size=2))

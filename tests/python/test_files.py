@@ -51,7 +51,7 @@ def test_datasets_are_labelled(name, results):
         for i, piece in enumerate(result.boundary):
             here = data.sel(vertex=data.vertices_pieces == i)
             np.testing.assert_array_equal(here.vertices_r, piece.r)
-            np.testing.assert_array_equal(here.x[:, : len(piece.x)].T, piece.x)
+            np.testing.assert_array_equal(here.x[:, : len(piece.x_over_D)].T, piece.x_over_D)
             assert str(data.type.values[i]) == piece.type
         for i, ring in enumerate(result.loops):
             here = data.sel(ring_point=data.rings_loops == i)

@@ -480,10 +480,10 @@ def test_a_stopped_search_keeps_what_it_found():
     assert not found.complete
     message = r"\d+ of 86 patterns were searched, 0 releases and 0 of 24 states were tried"
     assert re.fullmatch(message, found.cut)
-    assert "RL" in [motion.pattern.sides for motion in found.motions]
+    assert "RL" in [motion.pattern.sides for motion in found]
     assert 0 < found.search.patterns < 86
-    check_found(found.motions, TABLE, 0.94, 37.0)
-    assert vi.Findings.from_json(found.to_json()).cut == found.cut
+    check_found(found, TABLE, 0.94, 37.0)
+    assert vi.FoundMotions.from_json(found.to_json()).cut == found.cut
 
 
 def test_a_search_stopped_among_its_releases_is_not_complete():

@@ -64,13 +64,13 @@ def test_a_label_is_the_motion_of_the_simulation_alone(found):
         attractor = found.attractors[found.labels[place]]
         state = found.states[(slice(None), slice(None), *place)]
         run = vi.simulate(DAMPER, LOAD, cycles=1500, state=(state[0], state[1]))
-        assert vi.same_structure_motion(vi.exact(DAMPER, LOAD, run), attractor.motion)
+        assert vi.same_motion(vi.exact(DAMPER, LOAD, run), attractor.motion)
 
 
 def numbered(run, motions):
     """The labels of a run by the numbers of its attractors in a list of motions."""
     places = [
-        next(i for i, motion in enumerate(motions) if vi.same_structure_motion(item.motion, motion))
+        next(i for i, motion in enumerate(motions) if vi.same_motion(item.motion, motion))
         for item in run.attractors
     ]
     return np.array(places)[run.labels]

@@ -374,7 +374,7 @@ def test_a_motion_in_a_zone_is_followed_from_any_order_of_impacts(pair, monkeypa
     for piece in zone.boundary:
         phases = piece.phases.copy()
         phases[0] += 2 * np.pi * zone.cycles
-        turned.append(replace(piece, phases=phases))
+        turned.append(replace(piece, _motions=(piece.speeds, phases)))
     zone.__dict__["boundary"] = turned
     found = zone.motion(0.94, 18.5)
     assert sorted(found.phases % (2 * np.pi)) == pytest.approx(
@@ -383,7 +383,7 @@ def test_a_motion_in_a_zone_is_followed_from_any_order_of_impacts(pair, monkeypa
     # a vertex at which two impacts on one gap coincide is no start, and no error
     at = np.array([0.94, 18.5])
     monkeypatch.setattr(type(zone), "gaps", np.array([0, 0]))
-    assert zone._followed(at, np.array([1.0, 1.0]), at) is None
+    assert zone._followed_structure(at, np.array([1.0, 1.0]), at) is None
 
 
 def test_a_zone_up_to_a_resonance():
@@ -580,6 +580,80 @@ def test_results_are_read_back(pair, zones, tmp_path):
     (again,) = case.run()
     assert again.values.tobytes() == branch.values.tobytes()
     assert vi.load(tmp_path / "a.mat").motion(0.94, 18.5).stable
+
+
+def test_branches_of_both_systems_have_one_class(pair):
+    """Records of earlier versions, which had two classes, are read; what a system lacks is named."""
+    ours, theirs = (
+        vi.branch(pair[0], "opening", (15, 20)), vi.branch(pair[1], "clearance", (30, 40))
+    )  # fmt: skip
+    for found, name in ((ours, "StructureBranch"), (theirs, "Branch")):
+        record = found.to_dict() | {"type": name}
+        del record["study"]
+        read = vi.Branch.from_dict(record)
+        assert read.to_json() == found.to_json()
+        assert [point.value for point in read.special_points] == [
+            point.value for point in found.special_points
+        ]
+    for here, there in zip(ours.special_points, theirs.special_points, strict=True):
+        assert 2 * here.value == pytest.approx(there.value, rel=1e-9)
+        assert there.value == there.clearance == there.motion.clearance
+        assert 2 * here.motion.structure.gaps[0].opening == pytest.approx(there.value, rel=1e-9)
+        for name in ("r", "impact", "side", "switch"):
+            with pytest.raises(AttributeError, match=f"^{name}: a Branch of a Structure does not"):
+                getattr(here, name)() if name == "switch" else getattr(here, name)
+    for found, names in (
+        (ours, ("osc", "pattern", "symmetric", "X")),
+        (theirs, ("structure", "gaps", "speeds")),
+    ):
+        for name in names:
+            with pytest.raises(AttributeError, match=f"^{name}: a Branch of an? .* it has "):
+                getattr(found, name)
+
+
+def test_zones_of_both_systems_have_one_class(zones):
+    """Records of earlier versions, which had two classes, are read; what a system lacks is named."""
+    ours, theirs = zones
+    for found, name in ((ours, "StructureZone"), (theirs, "Zone")):
+        record = found.to_dict() | {"type": name}
+        del record["study"]
+        read = vi.Zone.from_dict(record)
+        assert read.to_json() == found.to_json()
+        assert [len(piece) for piece in read.boundary] == [len(piece) for piece in found.boundary]
+        assert read.search == found.search
+    assert (theirs.x_parameter, theirs.y_parameter) == ("r", "clearance")
+    assert (theirs.x, theirs.y) == (theirs.r, theirs.clearance)
+    piece = theirs.boundary[0]
+    assert (piece.x is piece.r) and (piece.y is piece.clearance)
+    # the other loop of the oscillator is not connected with the motion
+    other = max(theirs.loops, key=lambda loop: loop[:, 0].max())[:, 0].min()
+    x, y = np.linspace(ours.x[0], other, 30), np.linspace(*ours.y, 20)[:, None]
+    assert ours.count(x, y).tolist() == theirs.count(x, 2 * y).tolist()
+    assert ours.count(x, y).any()
+    assert not ours.undecided(x, y).any()
+    for found, names in (
+        (ours, ("osc", "pattern", "symmetric", "r", "clearance")), (theirs, ("structure", "gaps")),
+        (ours.boundary[0], ("r", "clearance", "x_over_D", "theta")), (piece, ("speeds", "phases")),
+    ):  # fmt: skip
+        for name in names:
+            with pytest.raises(AttributeError, match=f"^{name}: a (Zone|Piece) of an? .* it has "):
+                getattr(found, name)
+    with pytest.raises(ParameterTypeError, match="^zone = <Zone over .*must be one of an Osc"):
+        vi.boundary_bands(ours, {"xi": (0.004, 0.006)})
+
+
+def test_an_open_zone_of_a_structure_is_not_decided(zones):
+    """Where a boundary could not be closed, a zone of a structure warns as one of an oscillator does."""
+    record = zones[0].to_dict()
+    record["tables"]["families"]["columns"]["closed"] = [False]
+    zone = vi.Zone.from_dict(record)
+    assert "NOT closed" in repr(zone)
+    whole = zones[0].contains(0.94, [10.0, 18.5])
+    assert whole.tolist() == [False, True]
+    with pytest.warns(vi.OpenBoundaryWarning, match="it contains 1 of the points is not decided"):
+        assert zone.contains(0.94, [10.0, 18.5]).tolist() == [False, True]
+    outside = 2 * zone.y[1]
+    assert zone.undecided(0.94, [10.0, 18.5, outside]).tolist() == [True, False, False]
 
 
 def _written(folder, text):

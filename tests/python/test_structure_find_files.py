@@ -1,5 +1,6 @@
 """Searches for motions of structures by namelists, the program, Python, and files."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,7 @@ def test_each_motion_has_a_namelist_of_its_own(tmp_path):
         path.write_text(motion.to_namelist())
         (case,) = vi.read_namelist(path)
         (again,) = case.run()
-        assert vi.same_structure_motion(motion, again)
+        assert vi.same_motion(motion, again)
         assert abs(again.multipliers - motion.multipliers).max() < 1e-8
 
 
@@ -68,11 +69,11 @@ def test_states_that_settle_early_settle_on_the_motion_of_a_long_simulation():
     found = search(states=1)
     structure, load = found.structure, found.load
     wanted = vi.exact(structure, load, vi.simulate(structure, load, cycles=600))
-    assert vi.same_structure_motion(wanted, found[0])
+    assert vi.same_motion(wanted, found[0])
     # a state that has not settled when it is first examined goes on
     early = search(settling=0, states=1)
     assert early.unsettled == 0
-    assert vi.same_structure_motion(wanted, early[0])
+    assert vi.same_motion(wanted, early[0])
 
 
 def test_inputs_run(tmp_path):
@@ -86,8 +87,12 @@ def test_picture():
     pytest.importorskip("matplotlib")
     found = search()
     ax = found.plot()
-    assert len(ax.get_legend().get_texts()) == len(found)
-    assert "StructureMotions" in found._repr_html_()
+    numbers = sorted(int(n) for text in ax.texts for n in text.get_text().split(", "))
+    assert numbers == list(range(1, len(found) + 1))
+    names = {text.get_text() for text in ax.get_legend().get_texts()}
+    stable = {f"multipliers, {'' if motion.stable else 'not '}stable" for motion in found}
+    assert names == stable
+    assert "FoundMotions" in found._repr_html_()
 
 
 def test_it_stops_when_asked():
@@ -121,3 +126,35 @@ def test_permanent_rest_is_settled():
     assert "4 states without impacts" in repr(found)
     names = [item.name for item in vi.basins(table, load, states=4).attractors]
     assert names == ["permanent rest"]
+
+
+def test_both_systems_have_one_class(tmp_path):
+    """Files of earlier versions, which had three classes, are read; what a system lacks is named."""
+    osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+    of_osc = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1, guesses=12, states=2)
+    at_point = vi.find(osc.at(0.94, 37.0), max_impacts=2, max_cycles=1, guesses=12, states=2)
+    assert at_point.to_json() == of_osc.to_json()
+    for found, name in ((search(), "StructureMotions"), (of_osc, "Findings")):
+        record = found.to_dict() | {"type": name}
+        del record["study"]
+        (tmp_path / "old.json").write_text(json.dumps(record))
+        read = vi.load(tmp_path / "old.json")
+        assert read.to_json() == found.to_json()
+        assert isinstance(read, vi.FoundMotions)
+    assert of_osc.without_impacts == of_osc.search.without_impacts
+    for found, name, there in (
+        (of_osc, "settled", "sides"), (of_osc, "failures", "sides"), (of_osc, "structure", "osc"),
+        (search(), "search", "unsettled"), (search(), "r", "max_impacts"), (search(), "osc", "structure"),
+    ):  # fmt: skip
+        with pytest.raises(AttributeError, match=f"^{name}: a FoundMotions of an? .*{there}"):
+            getattr(found, name)
+
+
+def test_motions_of_two_systems_are_not_compared():
+    motion = search(states=1)[0]
+    other = vi.equispaced(vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), 0.94, 37.0)[0]
+    for one, two in ((motion, other), (other, motion)):
+        with pytest.raises(vi.ParameterTypeError, match=r"^other = .* must be a vibroimpact\."):
+            vi.same_motion(one, two)
+    with pytest.raises(vi.ParameterError, match=r"^mirrored = True: must be False for motions"):
+        vi.same_motion(motion, motion, mirrored=True)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.plot.branch import parameter_label
 from vibroimpact.plot.structure import KINDS, _Scene, modes_of
-from vibroimpact.plot.structure_curves import parameter_label
 from vibroimpact.plot.structure_sketch import bodies_of, draw_sketch
 from vibroimpact.plot.style import REST, condition_name
 
@@ -359,6 +359,8 @@ def test_zones_are_drawn_whole(motion):
     assert (ax.get_xlim(), ax.get_ylim()) == ((0.9, 1.1), (5.0, 25.0))
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\Omega$", "$e$")
     # a second zone in the same axes has another colour, and no second entries
+    with pytest.raises(vi.ParameterError, match="^inverse = True: must be False"):
+        zone.plot(inverse=True)
     zone.plot(ax)
     assert not same_color(ax.patches[1].get_facecolor(), fill.get_facecolor())
     assert len(ax.get_legend().get_texts()) == len(kinds)

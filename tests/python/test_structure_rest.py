@@ -103,8 +103,8 @@ def test_exact_follows_a_motion_with_rest():
     near = vi.exact(structure, vi.Load(0.9005, sine=[1, 0]), motion)
     assert near.rests["gap"].tolist() == [1]
     again = settled_with_rest(structure, vi.Load(0.9005, sine=[1, 0]))
-    assert vi.same_structure_motion(near, again)
-    assert not vi.same_structure_motion(near, motion)
+    assert vi.same_motion(near, again)
+    assert not vi.same_motion(near, motion)
 
 
 def test_sample_holds_the_gap_closed_during_rest():
@@ -207,8 +207,8 @@ def test_find_gives_both_images_and_the_unstable_motions():
     # mirror images: the gaps exchanged half a cycle later
     phases, gaps = stable[0].phases + np.pi, 1 - stable[0].gaps
     mirrored = vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, gaps))
-    assert vi.same_structure_motion(mirrored, stable[1])
-    assert not vi.same_structure_motion(stable[0], stable[1])
+    assert vi.same_motion(mirrored, stable[1])
+    assert not vi.same_motion(stable[0], stable[1])
 
 
 def test_find_depends_on_its_seed_alone():

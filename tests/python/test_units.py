@@ -27,7 +27,7 @@ def results():
     short = {"states": 2, "settling": 50}
     return {
         "Motion": motion, "rest": vi.exact(UNEVEN, 0.9, 6.0, run), "Trajectory": run,
-        "Findings": vi.find(RIG, R, D, max_impacts=2, max_cycles=1, states=0).findings,
+        "FoundMotions": vi.find(RIG, R, D, max_impacts=2, max_cycles=1, states=0),
         "Branch": vi.branch(motion, "clearance", (0.8 * D, 1.2 * D)), "Zone": vi.zone(RIG, "RL", **around),
         "Atlas": vi.atlas(RIG, **around, max_impacts=2, survey=0),
         "Response": vi.response(RIG, [0.98, 1.0], clearance=D, **short),
@@ -130,7 +130,7 @@ def test_every_result_knows_the_units(every):
         assert result.osc.units() == UNITS, name
     assert every["Branch"][0].osc.units() == UNITS
     assert all(zone.osc.units() == UNITS for zone in every["Atlas"].zones)
-    assert all(motion.osc.units() == UNITS for motion in every["Findings"].motions)
+    assert all(motion.osc.units() == UNITS for motion in every["FoundMotions"])
     assert "force = 6.0" in every["Zone"].to_namelist()
 
 
@@ -287,7 +287,7 @@ def test_parts_of_results(every):
     np.testing.assert_allclose(own.clearance, piece.clearance * 1000 * UNITS.length, rtol=1e-14)
     np.testing.assert_allclose(own.frequency, piece.r * UNITS.frequency, rtol=1e-14)
     # these are x_i/D
-    np.testing.assert_array_equal(own.x, piece.x)
+    np.testing.assert_array_equal(own.x_over_D, piece.x_over_D)
     assert len(own) == len(piece)
 
 

@@ -83,7 +83,7 @@ def test_vertices_against_bisection(equispaced):
             continue
         # away from the ends of pieces, where another condition may end the zone first
         for j in range(5, len(piece) - 5, 12):
-            r, clearance, x = float(piece.r[j]), float(piece.clearance[j]), piece.x[0, j]
+            r, clearance, x = float(piece.r[j]), float(piece.clearance[j]), piece.x_over_D[0, j]
 
             def margin(clearance, r=r, x=x):
                 motions = vi.equispaced(FIGURE6, r, clearance)

@@ -60,7 +60,7 @@ def test_vertices_meet_their_condition(case):
             system = System(
                 case.osc.xi, case.osc.mu, piece.r[j], letters, case.pattern.cycles, walls
             )
-            x, theta = piece.x[:, j], piece.theta[:, j]
+            x, theta = piece.x_over_D[:, j], piece.theta[:, j]
             phases = theta - theta[0]
             forced = (
                 system.amplitude
@@ -180,7 +180,9 @@ def test_grazing_pieces_against_simulation(osc, pattern, r, clearance):
             verdicts = []
             for sign in (1, -1):
                 a, b = np.array([piece.r[j], piece.clearance[j]]) * (1 + sign * step)
-                motion = newton(osc, a, b, 1.0, pattern, piece.x[:, j] * b, piece.theta[:, j])
+                motion = newton(
+                    osc, a, b, 1.0, pattern, piece.x_over_D[:, j] * b, piece.theta[:, j]
+                )
                 assert motion.stable
                 verdicts.append(motion.admissible)
                 if motion.admissible:

@@ -166,7 +166,7 @@ def test_a_rest_splits_on_the_boundary():
         assert abs(int(high) - int(low)) == 1
         way = 1 if high > low else -1
         clearance = edge * (1 + way * 1e-4)
-        release = np.array([[1.0], [piece.theta[0, i]], [piece.x[0, i] * clearance]])
+        release = np.array([[1.0], [piece.theta[0, i]], [piece.x_over_D[0, i] * clearance]])
         motion = release_motion(osc, r, clearance, 1.0, 1, release)
         assert motion.stable
         assert motion.admissible
@@ -322,7 +322,7 @@ def test_vertices_bound_the_stable_motions():
         for i in np.linspace(1, len(piece) - 2, 3).astype(int):
             r, edge = float(piece.r[i]), float(piece.clearance[i])
             for distance in (1e-6, -1e-6):
-                guess = (piece.theta[0, i], piece.x[0, i] * edge)
+                guess = (piece.theta[0, i], piece.x_over_D[0, i] * edge)
                 stable = stable_near(osc, r, edge * (1 + distance), guess)
                 assert stable == bool(zone.contains(r, edge * (1 + distance))), (piece, i, distance)
 

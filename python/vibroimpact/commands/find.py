@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import re
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from ..base.errors import ParameterError, SingularError, StudyInterrupted
 from ..base.progress import Progress
 from ..cases.case import Case, read_namelist
 from ..motions.motion import Motion
-from ..studies.find import Findings, find
+from ..studies.find import find
 from ..systems.oscillator import Oscillator
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .cases import run_kind
@@ -103,10 +104,9 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
         osc, r, clearance, load, limits = point
         with Progress("find") as bar:
             try:
-                found = find(
+                result = find(
                     osc, r, clearance, load=load, progress=bar.show, **(dict(limits) | given)
                 )
-                result = Findings.of(osc, r, clearance, found, load)
             except StudyInterrupted as stop:
                 result, stopped = stop.result, True
         walls = ", ".join(f"{value:g}" for value in osc.restitution)
@@ -114,12 +114,12 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
             f"xi = {osc.xi:g}, mu = {osc.mu:g}, restitution = {walls}, r = {r:g}, clearance = {clearance:.10g}"
             + (f", load = {load:g}" if load != 1 else "")
         )
-        print(table(result.motions))
+        print(table(result))
         print(textwrap.fill(f"searched: {result.search}", 100))
         if stopped:
             print(f"cut short: {result.cut}")
         options.record.add(f"r = {r!r}, clearance = {clearance!r}", result)
-        if not result.motions:
+        if not result:
             status = 1
         elif options.folder is not None:
             folder = Path(options.folder)
@@ -135,7 +135,7 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
     return status
 
 
-def table(found: list[Motion]) -> str:
+def table(found: Sequence[Motion]) -> str:
     """The motions one a line: pattern, multipliers, extreme positions, load phases of the impacts."""
     if not found:
         return "no periodic motion was found"

@@ -15,7 +15,6 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..motions.motion import Motion
 from ..motions.structure_motion import StructureMotion
 from ..results.noun import Noun
-from ..studies.structure_branch import branch_structure
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
 from ..systems.restitution import Restitution
 from ..systems.units import SI as SI_UNITS
@@ -315,14 +314,13 @@ class Identification(Noun, study="identify"):
         found = []
         for parameter, factor in (("clearance", 2.0), ("r", 1.1)):
             here = self._one(parameter, record)
+            name, unit = parameter, 1.0
             if isinstance(motion, StructureMotion):
                 name, unit = {"clearance": ("opening", 2.0), "r": ("frequency", 1.0)}[parameter]
-                path = branch_structure(motion, name, (here / unit / factor, here / unit * factor))
-                values = [(point.type, unit * point.value) for point in path.special_points]
-            else:
-                line = branch(motion, parameter, (here / factor, here * factor))
-                values = [(point.type, getattr(point, parameter)) for point in line.special_points]
-            found += [Boundary(kind, parameter, v, abs(v / here - 1)) for kind, v in values]
+            path = branch(motion, name, (here / unit / factor, here / unit * factor))
+            for point in path.special_points:
+                value = unit * point.value
+                found.append(Boundary(point.type, parameter, value, abs(value / here - 1)))
         return min(found, key=lambda boundary: boundary.distance, default=None)
 
     def plot(self, ax: Any = None, kind: str | None = None, record: int = 0) -> Any:

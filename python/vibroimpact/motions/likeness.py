@@ -6,12 +6,14 @@ The core compares them, with the same tolerance for all studies.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any, overload
 
 from .. import _core
 from ..base import checks
-from ..base.errors import SingularError
+from ..base.errors import ParameterError, SingularError
 from .exact import described_motion, found_motion, parts_of
 from .motion import Motion
+from .structure_motion import StructureMotion
 
 __all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
 
@@ -73,15 +75,32 @@ def _images(motion: Motion) -> Iterator[Motion]:
         yield image
 
 
-def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
+@overload
+def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool: ...
+@overload
+def same_motion(one: StructureMotion, other: StructureMotion) -> bool: ...
+
+
+def same_motion(one: Any, other: Any, *, mirrored: bool = False) -> bool:
     """Whether two motions of one system, or one and the other's mirror image, are the same.
 
-    The impact with which each begins does not matter.
+    The impact with which each begins does not matter. Motions of a structure have the same period, the same gaps
+    in order, phases within 1e-6 rad and speeds within 1e-6 of the largest one; impacts of accumulations count down
+    to 1e-3 of the largest speed.
+
+    Parameters
+    ----------
+    one, other : Motion, or StructureMotion
+        Both of one class.
+    mirrored : bool
+        Of an oscillator: compare with the mirror image of the other.
 
     Raises
     ------
     ParameterTypeError
-        If one is no Motion.
+        If one is no motion, or they are of two classes.
+    ParameterError
+        If `mirrored` is asked for motions of a structure.
 
     Examples
     --------
@@ -90,10 +109,39 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     >>> one, other = vi.equispaced(osc, 0.94, 37.0)
     >>> vi.same_motion(one, other), vi.same_motion(one, one, mirrored=True)
     (False, True)
+
+    A mass that hits one wall:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> load = vi.Load(1.0, cosine=[1])
+    >>> motion = vi.exact(wall, load, ([0.1], [0]))
+    >>> vi.same_motion(motion, vi.exact(wall, load, motion))
+    True
     """
-    checks.instance(one, "one", Motion)
-    checks.instance(other, "other", Motion)
+    of_structure = isinstance(one, StructureMotion)
+    kind = StructureMotion if of_structure else Motion
+    checks.instance(one, "one", kind)
+    checks.instance(other, "other", kind)
     checks.truth(mirrored, "mirrored")
+    if mirrored and of_structure:
+        raise ParameterError("mirrored = True: must be False for motions of a structure")
+    return (
+        same_of_structure(one, other) if of_structure else same_of_oscillator(one, other, mirrored)
+    )
+
+
+def same_of_structure(one: StructureMotion, other: StructureMotion) -> bool:
+    """As `same_motion`, of a structure."""
+    if one.cycles != other.cycles or len(one.rests) != len(other.rests):
+        return False
+    impacts = ((m.gaps, m.phases, m.speeds) for m in (one, other))
+    return bool(
+        _core.same_impacts(*next(impacts), *next(impacts), one.cycles, int(len(one.rests) > 0))
+    )
+
+
+def same_of_oscillator(one: Motion, other: Motion, mirrored: bool) -> bool:
+    """As `same_motion`, of an oscillator."""
     first, second = parts_of(one), parts_of(other)
     if (
         (one.rest_events is None) != (other.rest_events is None)

@@ -11,13 +11,22 @@ from . import style
 
 if TYPE_CHECKING:
     from ..studies.branch import Branch
-    from ..studies.structure_branch import StructureBranch
     from ..systems.units import Units
 
-#: What can be drawn.
+#: What can be drawn of an oscillator, besides the multipliers.
 COLUMNS = (
-    "r", "clearance", "xi", "mu", "R1", "R2", "attenuation", "x_max", "x_min", "tau", "largest", "A",
+    "r", "clearance", "xi", "mu", "R1", "R2", "attenuation", "x_max", "x_min", "tau", "A",
 )  # fmt: skip
+#: Symbols of parameters, and of columns of a branch with a number.
+PARAMETERS = {
+    "frequency": r"$\Omega$", "load": "load factor", "constant": "factor of the constant forces",
+    "damping": "factor of $C$", "stiffness": "factor of $K$", "opening": "$e$", "restitution": "$R$",
+    "mass": "$M$", "function": "parameter",
+}  # fmt: skip
+SYMBOLS = {
+    "q_max": r"$\max q_{%s}$", "q_min": r"$\min q_{%s}$", "speed": "$v_{%s}$", "impulse": r"$\lambda_{%s}$",
+    "phase": r"$\Omega t_{%s}$ (rad)",
+}  # fmt: skip
 MARKERS = {
     "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),
     "neimark_sacker": ("^", style.REST), "grazing": ("D", style.IMPACT), "zero_approach": ("v", "k"),
@@ -26,31 +35,60 @@ MARKERS = {
 STYLES = {"stable": "-", "unstable": "--", "inadmissible": ":"}
 
 
+def parameter_label(name: str) -> str:
+    """The label of an axis along a parameter."""
+    word, *numbers = name.split("_")
+    if not numbers:
+        return PARAMETERS.get(word, name)
+    symbol = {"damping": "C", "stiffness": "K", "mass": "M", "opening": "e", "restitution": "R"}
+    return f"${symbol.get(word, word)}_{{{','.join(numbers)}}}$"
+
+
 def draw_branch(
-    branch: Branch, ax: Any = None, y: str = "attenuation", units: Units | None = None
+    branch: Branch, ax: Any = None, y: str | None = None, units: Units | None = None
 ) -> Any:
     """Draw one column of a branch against its parameter."""
     scales = style.Scales(units)
-    if y == "largest":
-        column = np.abs(branch.multipliers).max(axis=0)
-    elif y in COLUMNS:
-        column = getattr(branch, y)
-    else:
-        names = [name for name in COLUMNS if name != "largest"]
-        raise ParameterError(f"y = {y!r}: must be 'largest' or one of {', '.join(names)}")
+    columns = columns_of(branch, scales)
+    if y is None:
+        y = "q_max_0" if branch.of_structure else "attenuation"
+    if not isinstance(y, str) or y not in columns:
+        raise ParameterError(f"y = {y!r}: must be {', '.join(map(repr, columns))}")
+    column, label = columns[y]
+    along, name = branch.values, parameter_label(branch.parameter)
+    if not branch.of_structure:
+        along, name = scales.of(branch.parameter, along), scales.name(branch.parameter)
     if ax is None:
         with style.pyplot().rc_context(style.SETTINGS):
             _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
-        labelled = ("xi", "mu", "R1", "R2", "r", "clearance")
-        style.identify(
-            ax, scales.given({name: getattr(branch, name) for name in labelled}),
-            f"{branch.pattern.sides}/{branch.pattern.cycles}",
-        )  # fmt: skip
-    draw_curve(branch, ax, scales.of(y, column), scales.of(branch.parameter, branch.values))
-    ax.set_xlabel(scales.name(branch.parameter))
-    ax.set_ylabel(scales.name(y))
+        if not branch.of_structure:
+            labelled = ("xi", "mu", "R1", "R2", "r", "clearance")
+            style.identify(
+                ax, scales.given({name: getattr(branch, name) for name in labelled}),
+                f"{branch.pattern.sides}/{branch.pattern.cycles}",
+            )  # fmt: skip
+    draw_curve(branch, ax, column, along)
+    ax.set_xlabel(name)
+    ax.set_ylabel(label)
     add_legend_once(ax)
     return ax
+
+
+def columns_of(branch: Branch, scales: style.Scales) -> dict[str, tuple[Any, str]]:
+    """What can be drawn of a branch, with the labels of its axes."""
+    largest = np.abs(branch.multipliers).max(axis=0)
+    if not branch.of_structure:
+        columns = {name: getattr(branch, name) for name in COLUMNS} | {"largest": largest}
+        return {
+            name: (scales.of(name, values), scales.name(name)) for name, values in columns.items()
+        }
+    return {
+        "largest": (largest, r"$\max|\lambda|$"),
+        **{f"{name}_{i}": (values, SYMBOLS[name] % i) for name in ("q_max", "q_min")
+           for i, values in enumerate(getattr(branch, name))},
+        **{f"{name}_{i}": (values, SYMBOLS[name] % i) for name in ("speed", "impulse", "phase")
+           for i, values in enumerate(getattr(branch, f"{name}s"), start=1)},
+    }  # fmt: skip
 
 
 def add_legend_once(ax: Any) -> None:
@@ -59,9 +97,8 @@ def add_legend_once(ax: Any) -> None:
     style.add_legend(ax, once.values(), once.keys(), **style.ABOVE)
 
 
-def draw_curve(branch: Branch | StructureBranch, ax: Any, column: Any, along: Any = None) -> None:
-    """Draw a column of any branch, by its verdicts, and mark the special points."""
-    along = branch.values if along is None else along
+def draw_curve(branch: Branch, ax: Any, column: Any, along: Any) -> None:
+    """Draw a column of a branch, by its verdicts, and mark the special points."""
     good, stable = branch.admissible == 1, branch.stable == 1
     kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
     for name, mask in kinds.items():

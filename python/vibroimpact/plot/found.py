@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import history, style
+from .structure_attractor import axes
 
 if TYPE_CHECKING:
     from ..motions.motion import Motion
-    from ..studies.find import Findings
+    from ..studies.find import FoundMotions
     from ..systems.units import Units
 
 #: Panels in a row; largest number of motions drawn.
@@ -24,15 +26,19 @@ STABILITY = (
 )  # fmt: skip
 
 
-def draw_found(found: Findings, ax: Any = None, units: Units | None = None) -> Any:
+def draw_found(found: FoundMotions, ax: Any = None, units: Units | None = None) -> Any:
     """A panel for each motion over its period, and a last one with the multipliers of all.
 
     The motions are numbered as in the table; if there are very many, the first ones are drawn. With `ax` only
-    the multipliers are drawn.
+    the multipliers are drawn, and of a structure always.
     """
-    motions = found.motions[:MOST]
+    motions = found[:MOST]
+    if found.of_structure:
+        ax = axes(ax, found, pad=16.0)
     if ax is not None:
         draw_multipliers(motions, ax)
+        if found.of_structure:
+            style.add_legend(ax, **style.ABOVE)
         return ax
     # the multipliers take the rest of the last row if that is wide enough for a circle
     last, column = divmod(len(motions), COLUMNS)
@@ -50,7 +56,7 @@ def draw_found(found: Findings, ax: Any = None, units: Units | None = None) -> A
             ax.set_title(f"{number}: {name(motion)}", fontsize=8)
         draw_multipliers(motions, panels[-1])
         add_legend(figure, panels)
-        shown = f"; the first {MOST} of {len(found.motions)}" if len(found.motions) > MOST else ""
+        shown = f"; the first {MOST} of {len(found)}" if len(found) > MOST else ""
         values = style.system(found.osc) | {
             name: getattr(found, name) for name in ("r", "clearance", "load")
         }
@@ -75,7 +81,7 @@ def add_legend(figure: Any, panels: Any) -> None:
     )  # fmt: skip
 
 
-def draw_multipliers(motions: list[Motion], ax: Any) -> None:
+def draw_multipliers(motions: Sequence[Any], ax: Any) -> None:
     """All multipliers with the unit circle; the leading one of each motion has the number of the motion.
 
     The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions

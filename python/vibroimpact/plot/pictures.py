@@ -18,24 +18,20 @@ from .structure import animate as animate_structure
 from .structure import draw_structure
 from .structure_attractor import (
     draw_exponents,
-    draw_multipliers,
     draw_structure_bifurcation,
     draw_structure_response,
 )
-from .structure_curves import draw_structure_branch, draw_structure_zone
 from .uncertainty import draw_uncertainty
 from .zone import draw_atlas, draw_zone
 
 #: The function that draws a result, by class, and of a structure; its options are those of `plot`, in order.
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
-    "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "Findings": draw_found,
+    "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "FoundMotions": draw_found,
     "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
     "Response": draw_response, "BifurcationDiagram of structures": draw_structure_bifurcation,
-    "StructureBranch": draw_structure_branch,
-    "Lyapunov of structures": draw_exponents, "StructureMotions": draw_multipliers,
-    "Response of structures": draw_structure_response, "StructureTrajectory": draw_structure,
-    "StructureZone": draw_structure_zone, "Trajectory": draw, "Uncertainty": draw_uncertainty,
+    "Lyapunov of structures": draw_exponents, "Response of structures": draw_structure_response,
+    "StructureTrajectory": draw_structure, "Trajectory": draw, "Uncertainty": draw_uncertainty,
     "Zone": draw_zone,
 }  # fmt: skip
 #: The function that animates a result, by class, in the same way.

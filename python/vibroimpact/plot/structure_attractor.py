@@ -1,4 +1,4 @@
-"""Attractors and motions of structures: exponents, multipliers, basins, sweeps."""
+"""Attractors of structures: exponents, basins, sweeps."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..studies.bifurcation import BifurcationDiagram
     from ..studies.lyapunov import Lyapunov
     from ..studies.response import Response
-    from ..studies.structure_find import StructureMotions
 
 
 def axes(
@@ -60,29 +59,6 @@ def draw_exponents(result: Lyapunov, ax: Any = None) -> Any:
     ax.set_xlim(0.5, numbers[-1] + 0.5)
     ax.set_xlabel("number of the exponent")
     ax.set_ylabel(f"exponent per {result.cycle}")
-    return ax
-
-
-def draw_multipliers(result: StructureMotions, ax: Any = None) -> Any:
-    """The multipliers of all motions in the complex plane: filled marks belong to stable motions."""
-    ax = axes(ax, result, style.ONE_COLUMN + 1.0)
-    turn = np.linspace(0, 2 * np.pi, 200)
-    ax.plot(np.cos(turn), np.sin(turn), color="0.6", lw=0.6)
-    for i, motion in enumerate(result.motions):
-        n, k = len(motion.phases), motion.cycles
-        values = motion.multipliers
-        # far outside the unit circle only the direction counts
-        shown = values / np.maximum(1, np.abs(values) / 3)
-        ax.plot(
-            shown.real, shown.imag, linestyle="", marker="os^vD<>p"[i % 8], ms=4,
-            color=style.AREAS[i % len(style.AREAS)], mfc=None if motion.stable else "none",
-            label=f"{i}: {n} impacts, {k} cycle{'s' if k != 1 else ''}",
-        )  # fmt: skip
-    ax.set_aspect("equal")
-    ax.set_xlabel(r"Re $\lambda$")
-    ax.set_ylabel(r"Im $\lambda$")
-    if len(result):
-        style.add_legend(ax, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False)
     return ax
 
 

@@ -1,4 +1,4 @@
-"""Zones in the plane of frequency ratio and clearance, with boundaries distinguished by line style."""
+"""Zones in the plane of two parameters, with boundaries distinguished by line style."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import ParameterError
 from ..studies.atlas import OUTCOMES, Atlas
 from ..studies.zone import Piece, Zone, default_label
 from ..systems.units import Units
 from . import style
+from .branch import parameter_label
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.
 LINES = {
@@ -39,6 +41,23 @@ FILLS = (style.PRIMARY, style.FREE, style.REST, style.IMPACT, "#E69F00", "#56B4E
 FILL = "_zone"
 
 
+class StructurePlane(style.Plane):
+    """The plane of two parameters of a structure, over the window of a zone."""
+
+    def __init__(self, zone: Zone) -> None:
+        super().__init__(None, False)
+        self.zone = zone
+
+    def gap(self, clearance: Any) -> Any:
+        return clearance
+
+    def label_axes(self, ax: Any) -> None:
+        ax.set_xlim(*self.zone.x)
+        ax.set_ylim(*self.zone.y)
+        ax.set_xlabel(parameter_label(self.zone.x_parameter))
+        ax.set_ylabel(parameter_label(self.zone.y_parameter))
+
+
 def draw_zone(
     zone: Zone, ax: Any = None, inverse: bool = False, label: str | None = None, color: str | None = None,
     legend: bool = True, drawn: dict[str, list[Any]] | None = None, units: Units | None = None,
@@ -50,13 +69,16 @@ def draw_zone(
     A boundary that another zone of the same figure shares, and that `drawn` contains, is not drawn again: the
     gaps of a dashed line would be filled.
     """
-    plane = style.Plane(units, inverse)
+    if zone.of_structure and inverse:
+        raise ParameterError("inverse = True: must be False for a zone of a structure")
+    plane = StructurePlane(zone) if zone.of_structure else style.Plane(units, inverse)
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.ONE_COLUMN, 3.0), layout="constrained")
-        style.log_scale(ax, "y")
-        style.identify(ax, plane.given(style.system(zone.osc)))
+        if not zone.of_structure:
+            style.log_scale(ax, "y")
+            style.identify(ax, plane.given(style.system(zone.osc)))
     before = sum(patch.get_label() == FILL for patch in ax.patches)
     draw_fill(zone, ax, plane, color or FILLS[before % len(FILLS)])
     shown = set(ax.get_legend_handles_labels()[1])
@@ -73,15 +95,15 @@ def draw_zone(
         if not new.any():
             continue
         ax.plot(
-            plane.r(np.where(new, piece.r, np.nan)), plane.gap(piece.clearance), linestyle=line, color=shade,
+            plane.r(np.where(new, piece.x, np.nan)), plane.gap(piece.y), linestyle=line, color=shade,
             linewidth=1.0, label="" if name in shown else name,
         )  # fmt: skip
         shown.add(name)
     for kind, some in lines.items():
         drawn.setdefault(kind, []).extend(some)
-    place_label(
-        zone, ax, plane, default_label(zone.pattern, zone.symmetric) if label is None else label
-    )
+    if label is None:
+        label = "" if zone.of_structure else default_label(zone.pattern, zone.symmetric)
+    place_label(zone, ax, plane, label)
     plane.label_axes(ax)
     if legend and shown:
         style.add_legend(ax, **style.ABOVE)
@@ -154,10 +176,12 @@ def draw_survey(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
 
 
 def scaled(zone: Zone, piece: Piece) -> NDArray[np.float64]:
-    """The vertices (n, 2) of a piece, scaled so that the window is the unit square of r and log clearance."""
-    r = (piece.r - zone.r[0]) / (zone.r[1] - zone.r[0])
-    low, high = np.log(zone.clearance)
-    return np.asarray(np.c_[r, (np.log(piece.clearance) - low) / (high - low)])
+    """The vertices (n, 2) of a piece, scaled so that the window is the unit square, of log clearance upwards."""
+    y, (low, high) = piece.y, zone.y
+    if not zone.of_structure:
+        y, low, high = np.log(y), np.log(low), np.log(high)
+    x = (piece.x - zone.x[0]) / (zone.x[1] - zone.x[0])
+    return np.asarray(np.c_[x, (y - low) / (high - low)])
 
 
 def covered(
@@ -198,14 +222,14 @@ def place_label(zone: Zone, ax: Any, plane: style.Plane, label: str) -> None:
     """Write a name where the largest loop is widest."""
     if not zone.loops or not label:
         return
+    along = np.linspace if zone.of_structure else np.geomspace
     points = interior_points(
-        np.linspace(*zone.r, 42)[1:-1], np.geomspace(*zone.clearance, 62)[1:-1],
-        lambda r, clearance: zone._turns(r, clearance) > 0,
-    )  # fmt: skip
+        np.linspace(*zone.x, 42)[1:-1], along(*zone.y, 62)[1:-1], lambda x, y: zone._turns(x, y) > 0
+    )
     if not len(points):
         return
-    r, clearance = points
-    ax.annotate(label, (plane.r(r), plane.gap(clearance)), ha="center", va="center", fontsize=7)
+    x, y = points
+    ax.annotate(label, (plane.r(x), plane.gap(y)), ha="center", va="center", fontsize=7)
 
 
 def interior_points(

@@ -58,15 +58,10 @@ class column:  # noqa: N801 (a descriptor, written as property is)
     def __get__(self, noun: Noun | None, owner: type) -> Any:
         if noun is None:
             return self
-        result = noun._result
         place = (self.table, self.name)
         if noun.of_structure and self.of_structure:
             place = self.of_structure
-        known = declared(result.study)
-        if place not in known:
-            names = dict.fromkeys(name for _, name in known)
-            raise AttributeError(noun._lack(self.attribute, ", ".join(names)))
-        return self.shaped(noun, result.column(*place).decoded())
+        return self.shaped(noun, noun._values(*place, self.attribute))
 
     def shaped(self, noun: Noun, values: NDArray[Any]) -> NDArray[Any]:
         """The values of the table in the order of the attribute."""
@@ -75,7 +70,8 @@ class column:  # noqa: N801 (a descriptor, written as property is)
 
 
 def key(*names: str) -> Any:
-    """The value of a key of the case as an attribute, read-only; a tuple of the values of several keys."""
+    """The value of a key of the case as an attribute, read-only; a tuple of the values of several keys. A key that
+    cases of structures lack is an AttributeError."""
 
     def value(noun: Noun) -> Any:
         if noun.of_structure:
@@ -84,6 +80,8 @@ def key(*names: str) -> Any:
                 if name not in known:
                     raise AttributeError(noun._lack(name, "structure and load"))
         keys = noun.keys
+        if noun.of_structure and names[0] not in keys:
+            raise AttributeError(noun._lack(names[0], ", ".join(keys)))
         return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
 
     return property(value)
@@ -344,6 +342,14 @@ class Noun(Savable):
             return self.keys["load"]
         load = system_of(self.case)[1]
         return load if isinstance(load, Load) else None  # no study takes a record
+
+    def _values(self, table: str, name: str, attribute: str = "") -> NDArray[Any]:
+        """A column of a table, decoded; an AttributeError if results of its system do not have it."""
+        known = declared(self._result.study)
+        if (table, name) not in known:
+            others = dict.fromkeys(other for _, other in known)
+            raise AttributeError(self._lack(attribute or name, ", ".join(others)))
+        return self._result.column(table, name).decoded()
 
     def _lack(self, name: str, instead: str) -> str:
         """The message for an attribute that results of its system do not have, with what they have instead."""

@@ -25,8 +25,8 @@ from ..results.states import state_by_coordinates
 from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
+from .find import structure_motions_of
 from .lyapunov import Lyapunov, lyapunov
-from .structure_find import motions_of
 
 __all__ = ["Attractor", "Basins", "basins"]
 
@@ -488,7 +488,7 @@ def attractors_of(basins: Basins) -> list[Attractor]:
 
 def attractors_of_structure(basins: Basins) -> list[Attractor]:
     """The attractors of a structure that the core found, with the exact motion of each."""
-    motions = motions_of(basins)
+    motions = structure_motions_of(basins)
     names, numbers = (basins._table("attractors", name) for name in ("name", "number"))
     if numbers.size and numbers.max() >= len(motions):
         raise ParameterError(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import new_counters, stoppable
 from ..results import door
 from ..systems.distribution import ROWS, Uncertain, shares, systems, uncertain_parameters
@@ -160,6 +160,8 @@ def boundary_bands(
     ['pitchfork', 'neimark_sacker', 'fold']
     """
     checks.instance(zone, "zone", Zone)
+    if zone.of_structure:
+        raise ParameterTypeError(f"zone = {zone!r}: must be one of an Oscillator")
     parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
     count = checks.integer(samples, "samples", 1, 100_000)
     random = np.random.default_rng(checks.integer(seed, "seed", 0, 2**31 - 1))
@@ -279,7 +281,7 @@ def shifted(
         _core.shift_boundary, zone.osc.xi, zone.osc.mu, zone.osc.restitution, pattern.cycles, sides,
         symmetric, np.array([zone.r, zone.clearance]).T, np.full(len(here), TYPES.index(kind) + 1, np.int32),
         np.full(len(here), int(number[0]) if number else 0, np.int32),
-        np.array([piece.r[here], piece.clearance[here]]), piece.x[:n, here], piece.theta[:n, here], changes,
+        np.array([piece.r[here], piece.clearance[here]]), piece.x_over_D[:n, here], piece.theta[:n, here], changes,
         workers, counters=new_counters(), progress=progress, note="bands",
     )  # fmt: skip
     if not complete:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, overload
+from typing import Any, ClassVar, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,21 @@ from ..base.errors import ParameterError, SingularError, StudyInterrupted
 from ..base.status import VERDICT
 from ..motions.motion import Motion
 from ..motions.periodic import frozen
-from ..motions.structure_motion import StructureMotion
+from ..motions.structure_motion import StructureMotion, motion_from_phases
+from ..motions.structure_trajectory import structure_of
 from ..results import door, namelist
-from ..results.noun import Noun, column, key
+from ..results.noun import Noun, column
+from ..results.parameters import Parameter, Path, keys_of_parameter
+from ..results.tables import Result
 from ..systems.oscillator import Pattern, plain_pattern
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
-from .structure_branch import branch_structure
 from .switching import KINDS, switched
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
 _Array = NDArray[np.float64]
+_Found = TypeVar("_Found", bound=Noun)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,34 +39,68 @@ class SpecialPoint:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter).
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). Of a structure
+        also branch_point (a pitchfork or transcritical point where impacts at one instant part) and simultaneous
+        (impacts on two gaps at one instant, beyond which their order is another).
     index : int
         Its place among the points of the branch.
-    r, clearance : float
-    motion : Motion
-    impact : int
-        Of grazing: the flight after this impact (from 0) touches; of zero_approach: this impact.
-    side : str
-        Of grazing: the wall that is touched, "R" or "L"; otherwise "".
+    detail : str
+        In words: which flight touches which wall or gap, which impact, which bound.
+    branch : Branch
     parameter : str
         That of the branch.
-    detail : str
-        In words: which flight touches which wall, which impact, which bound.
+    value : float
+        The parameter there.
+    motion : Motion, or StructureMotion
+    r, clearance : float
+        Of an oscillator.
+    impact : int
+        Of an oscillator: of grazing, the flight after this impact (from 0) touches; of zero_approach, this impact.
+    side : str
+        Of an oscillator: of grazing, the wall that is touched, "R" or "L"; otherwise "".
     """
 
     study: ClassVar[str] = "branch"
     type: str
     index: int
-    r: float
-    clearance: float
-    motion: Motion
-    impact: int = -1
-    side: str = ""
-    parameter: str = "clearance"
-    detail: str = ""
+    detail: str
+    branch: Branch
+
+    @property
+    def _result(self) -> Result:
+        """The tables of the branch."""
+        return self.branch._result
+
+    @property
+    def parameter(self) -> str:
+        return self.branch.parameter
+
+    @property
+    def value(self) -> float:
+        return float(self.branch.values[self.index])
+
+    @cached_property
+    def motion(self) -> Any:
+        return self.branch[self.index]
+
+    @property
+    def r(self) -> float:
+        return float(self.branch.r[self.index])
+
+    @property
+    def clearance(self) -> float:
+        return float(self.branch.clearance[self.index])
+
+    @property
+    def impact(self) -> int:
+        return int(self.branch._values("points", "special_impact", "impact")[self.index]) - 1
+
+    @property
+    def side(self) -> str:
+        return str(self.branch._values("points", "special_side", "side")[self.index])
 
     def switch(self) -> list[Motion]:
-        """Motions of the branches that begin here.
+        """Motions of the branches that begin here, of an oscillator.
 
         At a pitchfork the unsymmetric pair, at a flip the motion of doubled period, at a grazing the motion
         whose pattern has the extra impact (of a symmetric motion also with that impact and its mirror image);
@@ -72,37 +110,85 @@ class SpecialPoint:
         -------
         list of Motion
             Empty where no such motion was found near the point. Follow them with `branch`.
+
+        Raises
+        ------
+        AttributeError
+            If it is a point of a structure.
         """
+        if self.branch.of_structure:
+            raise AttributeError(self.branch._lack("switch", "motion"))
         if self.type not in KINDS:
             return []
         return switched(self.motion, self.type, self.impact, self.side, self.parameter)
 
     def __repr__(self) -> str:
-        place = f"r = {self.r:.10g}, d K/F0 = {self.clearance:.10g}"
-        if self.parameter not in ("r", "clearance"):
-            right, left = self.motion.osc.restitution
-            values = {"xi": self.motion.osc.xi, "mu": self.motion.osc.mu, "R2": left}
-            place += f", {self.parameter} = {values.get(self.parameter, right):.10g}"
+        place = f"{self.parameter} = {self.value:.10g}"
+        if not self.branch.of_structure:
+            own = "" if self.parameter in ("r", "clearance") else f", {place}"
+            place = f"r = {self.r:.10g}, d K/F0 = {self.clearance:.10g}{own}"
         return f"<{self.type} at {place}>"
 
 
-class Branch(Noun, study="branch", part=True):
+class Followed(Noun, part=True):
+    """What branches and zones have in common: those of a structure have the motion from which they start."""
+
+    __slots__ = ("__dict__",)
+    #: The table of that motion.
+    _of_start: ClassVar[str]
+
+    @property
+    def gaps(self) -> NDArray[np.int32]:
+        return np.asarray(self._values(self._of_start, "gaps")[0]).astype(np.int32)
+
+    @property
+    def cycles(self) -> int:
+        if self.of_structure:
+            return int(self._values(self._of_start, "cycles")[0])
+        return int(self.keys["cycles"])
+
+    @cached_property
+    def _start(self) -> tuple[Structure, Load]:
+        frequency = float(self._values(self._of_start, "frequency", "structure")[0])
+        structure, load = structure_of(self._result, frequency, True)
+        assert load is not None
+        return structure, load
+
+    def _check_read(self) -> None:
+        super()._check_read()
+        if self.of_structure and not self._result.empty:
+            checks.integer(self.cycles, f"{self._of_start}.cycles", 1, 10_000)
+
+    @property
+    def structure(self) -> Structure:
+        return self._start[0]
+
+    @property
+    def load(self) -> Any:
+        return self._start[1] if self.of_structure else 1.0
+
+
+class Branch(
+    Followed, study="branch", part=True, of_structure="branch_structure", formerly="StructureBranch"
+):
     """A family of exact motions along one parameter, as columns; points on the last axis.
 
-    An index gives the `Motion` of a point. The branch is in order along its curve: the parameter turns back
-    at folds.
+    An index gives the motion of a point. The branch is in order along its curve: the parameter turns back at
+    folds.
 
     Attributes
     ----------
     parameter : str
-    pattern : Pattern
-    symmetric : bool
-        Whether the motions are their own mirror images half a period later (followed as such).
-    r, clearance, xi, mu, R1, R2 : ndarray (M,)
-    phases, X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
-    A, tau, residual, x_min, x_max, attenuation : ndarray (M,)
-    multipliers : ndarray (4, M) of complex
-        NaN at a "zero_approach": [P] does not exist there.
+        Its name; "function" for a function.
+    values : ndarray (M,)
+        The parameter.
+    cycles : int
+        Load cycles in a period.
+    phases : ndarray (N, M)
+        Phases of the impacts (rad): of an oscillator from the first one, of a structure of the load.
+    multipliers : ndarray (4, M) or (2n, M) of complex
+        NaN at a "zero_approach": the derivative of the period does not exist there.
+    residual : ndarray (M,)
     consistent, admissible, stable : ndarray (M,) of int
         1, 0, or -1 where not known.
     special_points : list of SpecialPoint
@@ -111,11 +197,30 @@ class Branch(Noun, study="branch", part=True):
         Why the branch ends, at its first and last point: "bound of the parameter", "meets a motion that repeats
         itself", "two impacts at one instant" (on one wall: the special point there is the last motion that
         rounding leaves exact), "closed", "full", "stopped", or "cannot be followed".
+    osc, pattern : Oscillator, Pattern
+        Of an oscillator.
+    symmetric : bool
+        Of an oscillator: whether the motions are their own mirror images half a period later (followed as such).
+    r, clearance, xi, mu, R1, R2, A, tau, x_min, x_max, attenuation : ndarray (M,)
+        Of an oscillator.
+    X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
+        Of an oscillator, at the impacts.
+    structure : Structure
+        Of a structure: at the start.
+    load : float, or Load
+        1 of an oscillator; of a structure the load at the start.
+    gaps : ndarray (N,)
+        Of a structure: the gap of each impact, from 0.
+    speeds, impulses : ndarray (N, M)
+        Of a structure: approach speeds and impulses.
+    q_min, q_max : ndarray (n, M)
+        Of a structure: least and greatest value of each coordinate over the period.
     case : str
         What was asked for as a namelist.
     """
 
-    __slots__ = ("__dict__",)
+    __slots__ = ()
+    _of_start = "branch"
     r = column("points")
     clearance = column("points")
     xi = column("points")
@@ -135,66 +240,72 @@ class Branch(Noun, study="branch", part=True):
     x_min = column("points")
     x_max = column("points")
     attenuation = column("points")
+    speeds = column("points", first=True)
+    impulses = column("points", first=True)
+    q_min = column("points", first=True)
+    q_max = column("points", first=True)
     multipliers = column("points", first=True)
     consistent = column("points")
     admissible = column("points")
     stable = column("points")
-    parameter: str = key("parameter")
+
+    @property
+    def parameter(self) -> str:
+        return str(self.keys["parameter"])
 
     @property
     def pattern(self) -> Pattern:
-        keys = self.keys
-        return Pattern(keys.get("sides", "RL"), keys["cycles"])
+        if self.of_structure:
+            raise AttributeError(self._lack("pattern", "gaps and cycles"))
+        return Pattern(self.keys.get("sides", "RL"), self.cycles)
 
     @property
     def symmetric(self) -> bool:
-        return bool(self._one("symmetric"))
+        return bool(self._values("branches", "symmetric")[0])
 
     @property
     def ends(self) -> tuple[str, str]:
-        return str(self._one("first_end")), str(self._one("last_end"))
-
-    def _one(self, name: str) -> Any:
-        """A value that describes the whole branch."""
-        return self._result.tables["branches"].columns[name].decoded()[0]
+        table = "branch" if self.of_structure else "branches"
+        first, last = (self._values(table, name)[0] for name in ("first_end", "last_end"))
+        return str(first), str(last)
 
     @property
     def values(self) -> _Array:
         """The parameter along the branch."""
+        if self.of_structure:
+            return self._values("points", "value")
         name = "R1" if self.parameter == "restitution" else self.parameter
         values: _Array = getattr(self, name)
         return values
 
-    @cached_property
+    @property
     def special_points(self) -> list[SpecialPoint]:
-        columns = self._result.tables["points"].columns
-        types, details, impacts, sides = (
-            columns[name].decoded()
-            for name in ("special", "detail", "special_impact", "special_side")
-        )
-        found = []
-        for i in np.flatnonzero(types != "").tolist():
-            here = self[i]
-            found.append(
-                SpecialPoint(
-                    str(types[i]), i, here.r, here.clearance, here, int(impacts[i]) - 1, str(sides[i]),
-                    self.parameter, str(details[i]),
-                )
-            )  # fmt: skip
-        return found
+        types, details = (self._values("points", name) for name in ("special", "detail"))
+        return [
+            SpecialPoint(str(types[i]), i, str(details[i]), self)
+            for i in np.flatnonzero(types != "").tolist()
+        ]
+
+    def at(self, value: float) -> tuple[Structure, Load]:
+        """The structure and the load at a value of the parameter, of a branch of a structure."""
+        value = checks.to_float(value, "value", "a finite number")
+        bounds = [(self.keys["low"], self.keys["high"])]
+        return Path(self._result, *self._start, bounds).at(value)
 
     def __len__(self) -> int:
-        return int(self.r.size)
+        return int(self.values.size)
 
-    @overload
-    def __getitem__(self, index: int) -> Motion: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Motion]: ...
     def __getitem__(self, index: Any) -> Any:
         """The motion at a point; a list of them for a slice."""
         i = checks.place(index, len(self), "point")
         if isinstance(i, range):
             return [self[j] for j in i]
+        if self.of_structure:
+            structure, load = self.at(float(self.values[i]))
+            # of two impacts at one instant rounding may put the second one first
+            phases = np.maximum.accumulate(self.phases[:, i])
+            # at a fold Newton's method has no unique step, while for known phases all else is linear
+            return motion_from_phases(structure, load, self.gaps, phases, self.cycles)
         right, left = float(self.R1[i]), float(self.R2[i])
         pattern = self.pattern
 
@@ -216,14 +327,16 @@ class Branch(Noun, study="branch", part=True):
             float(self.x_min[i]), float(self.x_max[i]),
         )  # fmt: skip
 
-    def plot(self, ax: Any = None, y: str = "attenuation") -> Any:
+    def plot(self, ax: Any = None, y: str | None = None) -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-        y : str
-            A column with one number a point, or "largest" for the largest modulus of the multipliers.
+        y : str, optional
+            "largest" for the largest modulus of the multipliers; of an oscillator a column with one number a
+            point, "attenuation" by default; of a structure "q_max_0" (the default), ... or "q_min_0", ... (of a
+            coordinate, from 0), "speed_1", ..., "impulse_1", ... or "phase_1", ... (of an impact, from 1).
 
         Returns
         -------
@@ -232,16 +345,17 @@ class Branch(Noun, study="branch", part=True):
         return self._draw(ax, y)
 
     def __repr__(self) -> str:
-        types = self._result.tables["points"].columns["special"].decoded().tolist()
+        types = self._values("points", "special").tolist()
         kinds = dict.fromkeys(filter(None, types))
         found = ", ".join(f"{types.count(kind)} {kind}" for kind in kinds) or "no special points"
+        pattern = "" if self.of_structure else f" {self.pattern.sides}/{self.pattern.cycles}"
         return (
-            f"<Branch {self.pattern.sides}/{self.pattern.cycles} along {self.parameter}, "
-            f"{self.values.min():.6g} to {self.values.max():.6g}: {len(self)} points, {found}>"
+            f"<Branch{pattern} along {self.parameter}, {self.values.min():.6g} to {self.values.max():.6g}: "
+            f"{len(self)} points, {found}>"
         )
 
 
-class Branches(Noun, study="branch"):
+class Branches(Noun, study="branch", of_structure="branch_structure"):
     """The branches of a case: one for each motion of its &motion that can be followed.
 
     An index gives a `Branch`; they all have the points of this result, not copied.
@@ -250,8 +364,8 @@ class Branches(Noun, study="branch"):
     __slots__ = ()
 
     def __len__(self) -> int:
-        table = self._result.tables.get("branches")
-        return 0 if table is None else table.dims["branch"]
+        table = self._result.tables.get("branch" if self.of_structure else "branches")
+        return 0 if table is None or self._result.empty else next(iter(table.dims.values()))
 
     @overload
     def __getitem__(self, index: int) -> Branch: ...
@@ -272,6 +386,16 @@ class Branches(Noun, study="branch"):
     def parts(self) -> list[Branch]:
         """The branches."""
         return list(self)
+
+    def require(self) -> None:
+        """SingularError if the motion of a structure could not be followed."""
+        if self.of_structure:
+            self._any()
+
+    def _any(self) -> None:
+        """SingularError if there is none."""
+        if not len(self):
+            raise SingularError(self._result.notes[0][1])
 
     def _case_of(self, i: int) -> str:
         """The case of one branch: it starts from that motion alone."""
@@ -303,6 +427,81 @@ def guess_of(
     }  # fmt: skip
 
 
+def only_branch(compute: Callable[[], Branches]) -> Branch:
+    """The branch of a case with one motion, also of one that was stopped; SingularError if there is none."""
+    try:
+        found = compute()
+    except StudyInterrupted as stop:
+        raise StudyInterrupted(stop.result[0]) from None
+    found._any()
+    return found[0]
+
+
+def branch_structure(
+    motion: StructureMotion,
+    parameter: Parameter,
+    bounds: tuple[float, float] | None = None,
+    longest_step: float = 0.05,
+    max_points: int = 4000,
+    progress: door.Progress | None = None,
+    at: float | None = None,
+) -> Branch:
+    """As `branch`, of a motion of a structure."""
+    checks.instance(motion, "motion", StructureMotion)
+    keys = keys_of_parameter(
+        motion.structure, motion.load, parameter, bounds, at, "parameter"
+    ) | {"longest_step": longest_step, "max_points": max_points}  # fmt: skip
+    names = {"low": "bounds[0]", "high": "bounds[1]"}
+    return only_branch(lambda: run_from(motion, Branches, keys, names, progress))
+
+
+def run_from(
+    motion: StructureMotion, noun: type[_Found], keys: dict[str, Any], names: dict[str, str],
+    progress: door.Progress | None,
+) -> _Found:  # fmt: skip
+    """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
+    study = noun.studies[-1]
+    group = study.removesuffix("_structure")
+    try:
+        return door.run_text(noun, case_from(motion, group, keys), progress=progress, study=study)
+    except ParameterError as error:
+        message = str(error).removeprefix(f"&{group} ")
+        raise ParameterError(door.translated(message, names)) from None
+
+
+def case_from(motion: StructureMotion, group: str, keys: dict[str, Any]) -> str:
+    """The case of a study that starts from a motion."""
+    if len(motion.rests):
+        raise ParameterError(f"motion = {motion!r}: must be one without rest")
+    if motion.consistent is False:
+        raise ParameterError(
+            f"motion = {motion!r}: must be consistent, with a residual of rounding; "
+            "exact(structure, load, motion) gives the exact motion near it"
+        )
+    study = f"{group}_structure"
+    values = {name: door.plain(study, name, value, name) for name, value in keys.items()}
+    start = {
+        "kind": "exact", "cycles": motion.cycles, "gaps": motion.gaps.tolist(),
+        "phases": motion.phases.tolist(),
+    }  # fmt: skip
+    groups = [*motion.structure._groups(), *motion.load._groups(), ("motion", start)]
+    return namelist.text([*groups, (group, values)])
+
+
+@overload
+def branch(
+    motion: Motion, parameter: str = "clearance", bounds: tuple[float, float] | None = None,
+    longest_step: float = 0.05, max_points: int = 4000,
+    progress: Callable[[float, str], None] | None = None,
+) -> Branch: ...  # fmt: skip
+@overload
+def branch(
+    motion: StructureMotion, parameter: Parameter, bounds: tuple[float, float] | None = None,
+    longest_step: float = 0.05, max_points: int = 4000,
+    progress: Callable[[float, str], None] | None = None, at: float | None = None,
+) -> Branch: ...  # fmt: skip
+
+
 @every_system(branch_structure, StructureMotion)
 def branch(
     motion: Motion,
@@ -317,15 +516,22 @@ def branch(
     Pseudo-arclength continuation with Newton's method and the analytic derivative of the equations. Special
     points are located by Newton's method on the equations with one further condition: det(P - I) = 0 at a fold,
     det(P + I) = 0 at a flip, the product of all 1 - lambda_i lambda_j at a Neimark-Sacker point, a touch of a
-    wall, or an approach speed that is zero. A motion that is its own mirror image is followed as such, with
-    the map of half a period, so that the branch continues through a pitchfork.
+    wall, or an approach speed that is zero. A motion that is its own image half a period later, by the mirror or,
+    of a structure, another symmetry such as an exchange of equal units, is followed as such, with the map of half
+    a period, so that the branch continues through a pitchfork. The unknowns of a structure are the approach speeds
+    and load phases of the impacts and the mean positions of modes of frequency 0.
 
     Parameters
     ----------
-    motion : Motion
-        Without rest, with load 1.
-    parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}
-        "restitution" changes R1 = R2 together.
+    motion : Motion, or StructureMotion
+        Without rest, with load 1; of a structure consistent and without rest, with at most 24 impacts (23 if a
+        mode has frequency 0). It need be neither stable nor admissible.
+    parameter : str, or function
+        "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. Of a structure
+        "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
+        and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
+        "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image; all
+        numbers count from 0. Or a smooth function that gives (structure, load) for a value of the parameter.
     bounds : (float, float)
         Lowest and highest value of the parameter; the motion's own value lies between.
     longest_step : float
@@ -335,6 +541,8 @@ def branch(
     progress : callable, optional
         Called a few times a second with the share done and what is being done: the share of the range that lies
         behind, or of the points if that is more.
+    at : float, optional
+        Of a structure: the value of the parameter at the motion, if it is a function.
 
     Returns
     -------
@@ -344,6 +552,9 @@ def branch(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
+    SingularError
+        If the motion cannot be followed. Of a structure: if it rests or repeats itself, or if gaps close at one
+        instant that would not for other values of the parameter or that damping couples.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 
@@ -357,6 +568,14 @@ def branch(
     >>> path = vi.branch(motion, "clearance", bounds=(10, 60))
     >>> [(point.type, round(point.clearance, 6)) for point in path.special_points]
     [('bound', 10.0), ('grazing', 18.085596), ('flip', 34.964757), ('bound', 60.0)]
+
+    A mass on a spring that hits one wall, along the frequency of its load:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    >>> path = vi.branch(motion, "frequency", bounds=(0.6, 3.0))
+    >>> [(point.type, round(point.value, 6)) for point in path.special_points[1:4]]
+    [('grazing', 0.704494), ('fold', 1.750143), ('zero_approach', 1.410674)]
     """
     checks.instance(motion, "motion", Motion)
     plain_pattern(motion.pattern)
@@ -383,13 +602,7 @@ def branch(
         "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,
         "max_points": max_points,
     }  # fmt: skip
-    try:
-        found = door.run(
-            Branches, motion.osc, keys, motion.r, progress=progress, start=start,
-            parameters={"low": "bounds[0]", "high": "bounds[1]"},
-        )  # fmt: skip
-    except StudyInterrupted as stop:
-        raise StudyInterrupted(stop.result[0]) from None
-    if not found:
-        raise SingularError(found._result.notes[0][1])
-    return found[0]
+    return only_branch(lambda: door.run(
+        Branches, motion.osc, keys, motion.r, progress=progress, start=start,
+        parameters={"low": "bounds[0]", "high": "bounds[1]"},
+    ))  # fmt: skip

@@ -1,27 +1,31 @@
-"""Every periodic motion at a point that a systematic search finds, stable and unstable."""
+"""Every periodic motion of a system that a systematic search finds, stable and unstable."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.jupyter import rows_html
-from ..motions.motion import Motion, motions_of
+from ..base.status import VERDICT, sentence
+from ..motions.motion import motions_of
+from ..motions.structure_motion import StructureMotion, _rests, check_numbers
+from ..motions.structure_noun import facts_of, run_structure
 from ..results import door
-from ..results.noun import Noun, key
+from ..results.noun import FORMER, Noun, key
 from ..results.states import state_by_coordinates
-from ..systems.oscillator import Oscillator, of_numbers
+from ..results.tables import Result, runs
+from ..systems.oscillator import Oscillator, Point, of_numbers
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
-from .structure_find import find_structure
 
-__all__ = ["Findings", "FoundMotions", "Search", "find"]
+__all__ = ["FoundMotions", "Search", "find"]
 
 #: Work (impacts squared times guesses, load cycles simulated) that takes only a moment.
 LITTLE = 10_000
@@ -33,7 +37,7 @@ PATTERNS = 0.9
 
 @dataclass(frozen=True)
 class Search:
-    """The extent of a search, from which one can judge how complete its result is.
+    """The extent of a search at a point of an oscillator, from which one can judge how complete its result is.
 
     Each simulated state is counted once: as settled, or under the reason why it did not settle.
 
@@ -87,15 +91,37 @@ class Search:
         return self.text
 
 
-class Findings(Noun, study="find"):
-    """The motions that `find` found at a point, stable ones first, and how they were searched for.
+class FoundMotions(
+    Noun, Sequence[Any], study="find", of_structure="find_structure", formerly="StructureMotions"
+):
+    """The admissible motions that `find` found, in order, and how they were searched for.
+
+    Those of an oscillator are at a point, stable ones first; of the motions of a structure those come first on
+    which simulations settle. An index gives a motion.
 
     Attributes
     ----------
-    osc : Oscillator
-    r, clearance, load : float
-    motions : list of Motion
+    osc, r, clearance : Oscillator, float, float
+        Of an oscillator.
+    structure : Structure
+        Of a structure.
+    load : float, or Load
+        Amplitude of the load of an oscillator, or the load of a structure.
+    motions : tuple of Motion, or of StructureMotion
+    without_impacts : int
+        Simulated states after which no impacts are left.
     search : Search
+        Of an oscillator: the extent of the search.
+    settled : tuple of int
+        Of a structure: how many of the simulated states settle on each motion.
+    chaotic, quasi_periodic : int
+        Of a structure: simulated states whose largest Lyapunov exponent is positive by its error, and those where
+        it is zero by its error and no stable motion is near.
+    unsettled : int
+        Of a structure: simulated states on which none of this is decided within the limits of the search, or whose
+        motion is not stable.
+    failures : dict
+        Of a structure: messages of simulations and iterations that failed, and how often each occurred.
     case : str
         The case as a namelist.
     complete : bool
@@ -107,34 +133,25 @@ class Findings(Noun, study="find"):
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "motions.json"
-    >>> motions.findings.save(path)
+    >>> motions.save(path)
     >>> vi.load(path)
-    <Findings at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>
+    <FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>
     """
 
     __slots__ = ("__dict__",)
     r: float = key("r")
     clearance: float = key("clearance")
-    load: float = key("load")
-
-    @classmethod
-    def of(
-        cls, osc: Oscillator, r: float, clearance: float, motions: FoundMotions, load: float = 1.0
-    ) -> Findings:
-        """What `find` gave for these arguments: `motions.findings`."""
-        findings = motions.findings
-        if findings is None or (findings.osc, findings.r, findings.clearance, findings.load) != (
-            osc, r, clearance, load,
-        ):  # fmt: skip
-            raise ParameterError(f"motions = {motions!r}: must be what find gave at this point")
-        return findings
 
     @cached_property
-    def motions(self) -> list[Motion]:
-        return motions_of(self._result, self.osc)
+    def motions(self) -> tuple[Any, ...]:
+        if self.of_structure:
+            return tuple(structure_motions_of(self))
+        return tuple(motions_of(self._result, self.osc))
 
     @cached_property
     def search(self) -> Search:
+        if self.of_structure:
+            raise AttributeError(self._lack("search", "settled, unsettled and failures"))
         counts = {
             name: int(column.values)
             for name, column in self._result.tables["search"].columns.items()
@@ -142,8 +159,45 @@ class Findings(Noun, study="find"):
         (text,) = (line for line in self._result.remarks if line.startswith("searched: "))
         return Search(**counts, text=text.removeprefix("searched: "))
 
+    @property
+    def settled(self) -> tuple[int, ...]:
+        return tuple(self._values("motions", "settled").tolist())
+
+    @property
+    def without_impacts(self) -> int:
+        return int(self._values("search", "without_impacts"))
+
+    @property
+    def chaotic(self) -> int:
+        return int(self._values("search", "chaotic"))
+
+    @property
+    def quasi_periodic(self) -> int:
+        return int(self._values("search", "quasi_periodic"))
+
+    @property
+    def unsettled(self) -> int:
+        return int(self._values("search", "unsettled"))
+
+    @property
+    def failures(self) -> dict[str, int]:
+        codes = self._values("failures", "status", "failures").tolist()
+        counts = self._values("failures", "count").tolist()
+        return {sentence(code): count for code, count in zip(codes, counts, strict=True)}
+
+    def __len__(self) -> int:
+        return len(self.motions)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.motions[index]
+
+    def require(self) -> None:
+        """SingularError if the search of a structure could not begin."""
+        if self.of_structure and self._result.empty:
+            raise SingularError(self._result.notes[0][1])
+
     def plot(self, ax: Any = None) -> Any:
-        """Draw the history of each motion over a period, and the multipliers of all (extra `plot`).
+        """Draw the multipliers of all motions, and of an oscillator the history of each over a period.
 
         Parameters
         ----------
@@ -156,46 +210,30 @@ class Findings(Noun, study="find"):
         """
         return self._draw(ax)
 
-    def __repr__(self) -> str:
-        stable = sum(motion.stable is True for motion in self.motions)
-        there = f"{len(self.motions)} motion{'' if len(self.motions) == 1 else 's'}"
-        cut = "" if self.complete else f"; cut short, {self.cut}"
-        return (
-            f"<Findings at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}: {there}, {stable} of them stable"
-            f"{cut}>"
-        )
-
-
-class FoundMotions(list[Motion]):
-    """A list of motions with the record of the search that found them.
-
-    Attributes
-    ----------
-    search : Search
-        The extent of the search.
-    findings : Findings
-        The complete result, which can be saved, drawn, or converted to tables.
-    """
-
-    search: Search
-    findings: Findings | None
-
-    def __init__(
-        self, motions: Iterable[Motion], search: Search, findings: Findings | None = None
-    ) -> None:
-        super().__init__(motions)
-        self.search = search
-        self.findings = findings
+    def _facts(self) -> dict[str, str]:
+        return facts_of(self.structure) if self.of_structure else {}
 
     def __repr__(self) -> str:
         stable = sum(motion.stable is True for motion in self)
         there = f"{len(self)} motion{'' if len(self) == 1 else 's'}, {stable} of them stable"
-        if not self or self.findings is None:
-            return f"<FoundMotions: {there}>"
-        return f"<FoundMotions at r = {self[0].r:.6g}, d K/F0 = {self[0].clearance:.6g}: {there}>"
+        cut = "" if self.complete else f"; cut short, {self.cut}"
+        if not self.of_structure:
+            point = f"r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}"
+            return f"<FoundMotions at {point}: {there}{cut}>"
+        counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without impacts")]
+        counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]
+        # all of which are 0 where every state settles
+        others = ", ".join(f"{n} states {what}" for n, what in counts if n or what == "unsettled")
+        lines = (
+            f"\n  {motion!r}: {count} states"
+            for motion, count in zip(self, self.settled, strict=True)
+        )
+        return "".join([f"<FoundMotions: {there}, {others}{cut}>", *lines])
 
     def _repr_html_(self) -> str:
         """The representation in Jupyter: a row for each motion."""
+        if self.of_structure:
+            return super()._repr_html_()
         words = {True: "yes", False: "no", None: "not known"}
         rows = (
             (
@@ -208,6 +246,102 @@ class FoundMotions(list[Motion]):
         return rows_html(
             repr(self), ("", "pattern", "stable", "max|lambda|", "max|X|/A"), rows, str(self.search)
         )
+
+
+#: The class and the study of searches in files that earlier versions wrote.
+FORMER["Findings"] = (FoundMotions, "find")
+
+
+def structure_motions_of(noun: Noun) -> list[StructureMotion]:
+    """The motions of the tables of a result."""
+    result, structure, load = noun._result, noun.structure, noun.load
+    if load is None or not load.frequency:
+        raise ParameterError("case: must have a &load with a frequency")
+    count = len(result.column("motions", "motion").values)
+    return [
+        _structure_motion_of(result, i, structure, load, *(
+            runs(result.tables[name], count)[i] for name in ("impacts", "multipliers", "derivative", "rests")
+        ))
+        for i in range(count)
+    ]  # fmt: skip
+
+
+def _structure_motion_of(
+    result: Result, i: int, structure: Structure, load: Load, impacts: slice, multipliers: slice,
+    derivative: slice, rests: slice,
+) -> StructureMotion:  # fmt: skip
+    """A motion of the tables of a result, from its rows."""
+
+    def rows(table: str, part: slice, *names: str) -> list[Any]:
+        return [result.column(table, name).decoded()[part] for name in names]
+
+    own = {
+        name: result.column("motions", name).decoded()[i].item()
+        for name in ("cycles", "residual", "determinant", "law", "consistent", "admissible", "stable")
+    }  # fmt: skip
+    gaps, phases, speeds, impulses = rows("impacts", impacts, "gap", "phase", "speed", "impulse")
+    states = np.stack(rows("impacts", impacts, "q", "q_dot"), axis=1)
+    gap, begin, end = rows("rests", rests, "gap", "begin", "end")
+    table = _rests(gap, (begin, end))
+    matrix, values = (
+        rows("derivative", derivative, "P")[0],
+        rows("multipliers", multipliers, "multiplier")[0],
+    )
+    check_numbers(own["cycles"], phases, states, values, matrix)
+    for array in (states, table):
+        array.flags.writeable = False
+    request: dict[str, Any] = {"kind": "exact", "gaps": gaps.tolist(), "phases": phases.tolist()}
+    if len(table):
+        request = {
+            "kind": "settled", "settling": 0, "q": states[0, 0].tolist(), "q_dot": states[0, 1].tolist(),
+            "start": float(phases[0] / load.frequency),
+        }  # fmt: skip
+    return StructureMotion(
+        structure, load, gaps, own["cycles"], phases, speeds, impulses, states, own["residual"],
+        matrix, values, own["determinant"], own["law"], VERDICT[own["consistent"]], VERDICT[own["admissible"]],
+        VERDICT[own["stable"]], table, request | {"cycles": own["cycles"]},
+    )  # fmt: skip
+
+
+def find_structure(
+    structure: Structure,
+    load: Load,
+    max_impacts: int = 2,
+    max_cycles: int = 4,
+    guesses: int = 48,
+    states: int = 24,
+    settling: int = 300,
+    seed: int = 0,
+    max_events: int = 10_000_000,
+    threads: int | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> FoundMotions:
+    """As `find`, of a structure."""
+    keys = {
+        "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
+        "settling": settling, "seed": seed, "max_events": max_events,
+    }  # fmt: skip
+    found = run_structure(FoundMotions, structure, load, keys, threads, progress)
+    found.require()
+    return found
+
+
+@overload
+def find(
+    osc: Oscillator, r: float, clearance: float, max_impacts: int = 6, max_cycles: int = 2, load: float = 1.0,
+    guesses: int = 96, states: int = 24, settling: int = 600, releases: int = 32, max_events: int = 10_000_000,
+    progress: Callable[[float, str], None] | None = None,
+) -> FoundMotions: ...  # fmt: skip
+@overload
+def find(
+    structure: Structure, load: Load, max_impacts: int = 2, max_cycles: int = 4, guesses: int = 48,
+    states: int = 24, settling: int = 300, seed: int = 0, max_events: int = 10_000_000,
+    threads: int | None = None, progress: Callable[[float, str], None] | None = None,
+) -> FoundMotions: ...  # fmt: skip
+@overload
+def find(
+    point: Point, /, max_impacts: int = 6, max_cycles: int = 2, **options: Any
+) -> FoundMotions: ...
 
 
 @every_system(find_structure, of_law=state_by_coordinates)
@@ -225,52 +359,72 @@ def find(
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions:
-    """Periodic motions at a point: from all side patterns, from releases, and from simulated attractors.
+    """Periodic motions of a system: from orders of impacts, from releases, and from simulated attractors.
 
-    For each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles, Newton's method
-    starts from guesses whose phases fill the period evenly and whose positions solve the linear equations of
-    1983; motions found repel the later iterations, so none is found twice. Each is followed along the lines of
-    constant r and of constant clearance through the point. Through folds these lines can return to the point on
-    another branch. Newton's method on the return map of releases adds motions with rest, stable or not.
-    Simulations from a spread of initial states add the attractors; a state counts as settled only where Newton's
-    method confirms a stable motion.
+    The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`. Only admissible
+    motions are kept. Simulations from a spread of initial states add the attractors.
+
+    Of an oscillator: for each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles,
+    Newton's method starts from guesses whose phases fill the period evenly and whose positions solve the linear
+    equations of 1983; motions found repel the later iterations, so none is found twice. Each is followed along the
+    lines of constant r and of constant clearance through the point. Through folds these lines can return to the
+    point on another branch. Newton's method on the return map of releases adds motions with rest, stable or not. A
+    simulated state counts as settled only where Newton's method confirms a stable motion.
+
+    Of a structure: for each order of up to max_impacts impacts on the gaps, in up to max_cycles load cycles,
+    Newton's method starts from random impact times; it also finds unstable motions. Motions with accumulation and
+    rest come from the simulations.
 
     Parameters
     ----------
-    osc, r, clearance, load
+    osc, r, clearance
         As in `simulate`.
+    structure, load : Structure, Load
+        In place of them; the load has a frequency.
     max_impacts, max_cycles : int
-        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles. Motions found by simulations and
-        releases are listed whatever their number of impacts and cycles.
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; of the orders of impacts of a
+        structure, 0 to 8 (2 by default) and 1 to 16 (4 by default). Motions found by simulations and releases are
+        listed whatever their number of impacts and cycles; of a structure their period is at most `max_cycles`.
+    load : float
+        Amplitude of the load of an oscillator.
     guesses : int
         Guesses for each pattern. A smaller number also shortens the search along lines: each pattern gets at most
-        the square of this number of steps (and 3000).
+        the square of this number of steps (and 3000). Of a structure: sets of impact times for each order and
+        number of cycles, 1 to 10000, by default 48.
     states : int
-        Initial states simulated, every second one in a box whose size follows from the resonance of both masses
-        moving together.
+        Initial states simulated; of an oscillator every second one in a box whose size follows from the resonance
+        of both masses moving together; of a structure 0 to 100000, the first one at rest at q = 0 if that is
+        possible.
     settling : int
-        Load cycles simulated before the attractor is examined. A state that is then neither on a confirmed motion
-        nor certainly chaotic is examined again up to three times, after 3, 9 and 27 times as many.
+        Load cycles simulated before the attractor is examined; of a structure 0 to 10^6, by default 300. A state
+        of an oscillator that is then neither on a confirmed motion nor certainly chaotic is examined again up to
+        three times, after 3, 9 and 27 times as many.
     releases : int
-        Releases from rest, for each wall and number of cycles, from which Newton's method is started on the
-        return map; this also finds unstable motions with rest.
+        Of an oscillator: releases from rest, for each wall and number of cycles, from which Newton's method is
+        started on the return map; this also finds unstable motions with rest.
+    seed : int
+        Of a structure: of the random numbers; the result depends on nothing else.
     max_events : int
-        Events (impacts, rests, releases) after which one simulation is stopped, as one of `Search.unfinished`.
+        Events (impacts, rests, releases) after which the simulation of a state is given up; of an oscillator it
+        then counts as one of `Search.unfinished`.
+    threads : int, optional
+        Of a structure: by default as many as there are processors. The result does not depend on it.
     progress : callable, optional
         Called with the share done and the present task; an exception that it raises ends the search.
 
     Returns
     -------
     FoundMotions
-        A list of admissible motions, stable ones first; its attribute `search` gives the extent of the search, and
-        `findings` the complete result, which can be saved.
+        A sequence of the motions, with the extent of the search.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
+    SingularError
+        If a gap of a structure is closed at q = 0 and states are to be simulated.
     StudyInterrupted
-        After Ctrl-C, if motions were found: its attribute `result` is the `Findings` so far.
+        After Ctrl-C, if motions were found: its attribute `result` holds them.
 
     Examples
     --------
@@ -282,6 +436,13 @@ def find(
     >>> motions = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1)
     >>> [(motion.pattern.sides, motion.stable) for motion in motions]
     [('RL', True), ('RL', True), ('RRLRLRLLRLRL', True), ('RL', False), ('RL', False)]
+
+    A mass that hits one wall:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> motions = vi.find(wall, vi.Load(1.0, cosine=[1]), max_cycles=1, states=4)
+    >>> len(motions), motions[0].stable, motions.settled
+    (1, True, (4,))
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
@@ -294,12 +455,10 @@ def find(
     if clearance is None:
         raise ParameterTypeError("clearance = None: must be a number")
     report = None if progress is None else _PatternProgress(osc, max_impacts, max_cycles, progress)
-    findings = door.run(
-        Findings, osc, keys, r, progress=report,
+    return door.run(
+        FoundMotions, osc, keys, r, progress=report,
         little=progress is None and _is_little(max_impacts, max_cycles, guesses, states, settling, releases),
     )  # fmt: skip
-    motions = motions_of(findings._result, osc)
-    return FoundMotions(motions, findings.search, findings)
 
 
 def _is_little(

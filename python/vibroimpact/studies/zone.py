@@ -1,4 +1,4 @@
-"""Zones of stable, admissible motions in the plane (r, d K/F0), with exact boundaries."""
+"""Zones of stable, admissible motions in the plane of two parameters, with exact boundaries."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,21 +16,24 @@ from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeErro
 from ..motions.exact import newton
 from ..motions.likeness import is_symmetric, standard_motion
 from ..motions.motion import Motion
-from ..motions.structure_motion import StructureMotion
+from ..motions.structure_motion import StructureMotion, exact_structure
 from ..results import door
 from ..results.namelist import symmetric_word
-from ..results.noun import Noun, key
+from ..results.parameters import Parameter, Path, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
+from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
+from .branch import Followed, run_from
 from .geometry import signed_area, winding
-from .structure_zone import zone_structure
 
 __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 
 _Array = NDArray[np.float64]
 #: (lowest, highest) of r and of the clearance.
 Window = tuple[tuple[float, float], tuple[float, float]]
+#: The columns of vertices: their places, and the motions there.
+VERTICES = {True: ("x", "y", "speeds", "phases"), False: ("r", "clearance", "x", "theta")}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,42 +43,86 @@ class Piece:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, rest_vanishes, rest_splits (beyond it
-        the rest is two), or window (the edge of the window); or joint, a straight piece of at most 1e-4 of the
-        window between two loose ends of the boundary, where it could not be followed; or cut, the straight edge
-        of a strip of the window that is set apart, since the boundary could not be closed in it.
-    r, clearance : ndarray (M,)
-        Vertices in order; the first and the last are corners, where the next piece begins, unless the
-        whole boundary is one piece.
-    x, theta : ndarray (N, M)
-        x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest (1, M) the
-        velocity over D and the load phase at the last release.
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); of an
+        oscillator also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
+        (a pitchfork or transcritical point where impacts at one instant part) and simultaneous (impacts on two
+        gaps at one instant); or joint, a straight piece of at most 1e-4 of the window between two loose ends of
+        the boundary, where it could not be followed; or cut, the straight edge of a strip of the window of an
+        oscillator that is set apart, since the boundary could not be closed in it.
+    x, y : ndarray (M,)
+        Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
+        begins, unless the whole boundary is one piece.
     loop : int
         The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
-        Of grazing: which flight touches which wall; of window: which edge; of cut: which parameter is constant.
+        Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is constant; of
+        a structure also which impact.
     symmetric : bool
-        Whether it bounds motions that are their own mirror image.
+        Whether it bounds motions that are their own image half a period later.
+    r, clearance : ndarray (M,)
+        Of an oscillator: x and y.
+    x_over_D, theta : ndarray (N, M)
+        Of an oscillator: x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest (1,
+        M) the velocity over D and the load phase at the last release.
+    speeds, phases : ndarray (N, M)
+        Of a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex.
     """
 
     study: ClassVar[str] = "zone"
     type: str
-    r: _Array
-    clearance: _Array
     x: _Array
-    theta: _Array
+    y: _Array
     loop: int
-    detail: str = ""
-    symmetric: bool = False
+    detail: str
+    symmetric: bool
+    _motions: tuple[_Array, _Array]
+    _of_structure: bool
+
+    @property
+    def r(self) -> _Array:
+        return self._own("r", self.x)
+
+    @property
+    def clearance(self) -> _Array:
+        return self._own("clearance", self.y)
+
+    @property
+    def x_over_D(self) -> _Array:
+        return self._own("x_over_D", self._motions[0])
+
+    @property
+    def theta(self) -> _Array:
+        return self._own("theta", self._motions[1])
+
+    @property
+    def speeds(self) -> _Array:
+        return self._own("speeds", self._motions[0], True)
+
+    @property
+    def phases(self) -> _Array:
+        return self._own("phases", self._motions[1], True)
+
+    def _own(self, name: str, values: _Array, of_structure: bool = False) -> _Array:
+        """The values of an attribute that pieces of one kind of system have."""
+        if of_structure == self._of_structure:
+            return values
+        system, instead = (
+            ("a Structure", "speeds and phases") if self._of_structure
+            else ("an Oscillator", "x_over_D and theta")
+        )  # fmt: skip
+        raise AttributeError(
+            f"{name}: a Piece of {system} does not have it; it has x, y, {instead}"
+        )
 
     def __len__(self) -> int:
-        return len(self.r)
+        return len(self.x)
 
     def __repr__(self) -> str:
         detail = f" ({self.detail})" if self.detail else ""
+        x, y = ("x", "y") if self._of_structure else ("r", "d K/F0")
         return (
-            f"<{self.type}{detail}: {len(self)} points, r {self.r.min():.6g} to {self.r.max():.6g}, "
-            f"d K/F0 {self.clearance.min():.6g} to {self.clearance.max():.6g}>"
+            f"<{self.type}{detail}: {len(self)} points, {x} {self.x.min():.6g} to {self.x.max():.6g}, "
+            f"{y} {self.y.min():.6g} to {self.y.max():.6g}>"
         )
 
 
@@ -92,11 +139,11 @@ class ZoneSearch:
     untraced : int
         Number of places on a boundary from which it could not be followed.
     lines : (int, int)
-        Lattice lines of constant r and of constant d K/F0: parts of a zone between them that touch no line may
+        Lattice lines of constant x and of constant y: parts of a zone between them that touch no line may
         have been missed.
     open_seeds : list of (float, float)
-        r and d K/F0 of the seeds that are stable, admissible and inside the window, but around which no
-        boundary could be closed.
+        Of an oscillator: r and d K/F0 of the seeds that are stable, admissible and inside the window, but around
+        which no boundary could be closed.
     """
 
     motions: int
@@ -106,19 +153,21 @@ class ZoneSearch:
     open_seeds: list[tuple[float, float]] = field(default_factory=list)
 
 
-class Zone(Noun, study="zone"):
-    """The region of a window of the plane (r, d K/F0) where a pattern's motions are stable and admissible.
+class Zone(Followed, study="zone", of_structure="zone_structure", formerly="StructureZone"):
+    """The region of a window of the plane of two parameters where motions are stable and admissible.
+
+    Of an oscillator the plane is (r, d K/F0), and the motions are all those of a pattern; of a structure any two
+    parameters, and the motions those connected with the one from which the search started.
 
     Attributes
     ----------
-    osc, pattern
-    r, clearance : (float, float)
+    x_parameter, y_parameter : str
+        "r" and "clearance" of an oscillator; "function" for a function.
+    x, y : (float, float)
         The window.
-    symmetric : bool or None
-        Only motions that are their own mirror images (True), only others (False), or both (None).
     boundary : list of Piece
     loops : list of ndarray (M, 2)
-        Closed rings of (r, clearance), counter-clockwise around a zone and clockwise around a hole, so
+        Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole; of an oscillator so
         fine that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
     closed : bool
         Whether every boundary that was found could be closed, and every seed is enclosed. The known parts of a
@@ -126,42 +175,92 @@ class Zone(Noun, study="zone"):
         zone is closed along their edges. Nothing is said about zones that were not
         found: see `search`.
     search : ZoneSearch
+    cycles : int
+        Load cycles in a period.
+    osc, pattern : Oscillator, Pattern
+        Of an oscillator.
+    r, clearance : (float, float)
+        Of an oscillator: x and y.
+    symmetric : bool or None
+        Of an oscillator: only motions that are their own mirror images (True), only others (False), or both
+        (None).
+    structure : Structure
+        Of a structure: of the motion from which the search started.
+    load : float, or Load
+        1 of an oscillator; of a structure that of the motion from which the search started.
+    gaps : ndarray (N,)
+        Of a structure: the gap of each impact, from 0.
     case : str
         The case as a namelist; of a zone of an atlas, the search for its pattern alone.
     """
 
-    __slots__ = ("__dict__",)
-    r: tuple[float, float] = key("r_min", "r_max")
-    clearance: tuple[float, float] = key("clearance_min", "clearance_max")
+    __slots__ = ()
+    _of_start = "motion"
+
+    @property
+    def x_parameter(self) -> str:
+        return str(self.keys["x"]) if self.of_structure else "r"
+
+    @property
+    def y_parameter(self) -> str:
+        return str(self.keys["y"]) if self.of_structure else "clearance"
+
+    @property
+    def x(self) -> tuple[float, float]:
+        return (self.keys["x_low"], self.keys["x_high"]) if self.of_structure else self.r
+
+    @property
+    def y(self) -> tuple[float, float]:
+        return (self.keys["y_low"], self.keys["y_high"]) if self.of_structure else self.clearance
+
+    @property
+    def r(self) -> tuple[float, float]:
+        return self._key("r", "r_min"), self._key("r", "r_max")
+
+    @property
+    def clearance(self) -> tuple[float, float]:
+        return self._key("clearance", "clearance_min"), self._key("clearance", "clearance_max")
 
     @property
     def pattern(self) -> Pattern:
-        return Pattern(self.keys["sides"], self.keys["cycles"])
+        return Pattern(self._key("pattern", "sides"), self.keys["cycles"])
 
     @property
     def symmetric(self) -> bool | None:
-        return {"yes": True, "no": False, "both": None}[self.keys["symmetric"]]
+        return {"yes": True, "no": False, "both": None}[self._key("symmetric", "symmetric")]
+
+    def _key(self, attribute: str, name: str) -> Any:
+        """The value of a key of a zone of an oscillator."""
+        if self.of_structure:
+            raise AttributeError(self._lack(attribute, "x, y, gaps and cycles"))
+        return self.keys[name]
 
     @cached_property
     def boundary(self) -> list[Piece]:
         pieces, vertices = (self._result.tables[name] for name in ("pieces", "vertices"))
         labels = {name: item.decoded() for name, item in pieces.columns.items()}
-        values = [vertices.columns[name].values for name in ("r", "clearance", "x", "theta")]
-        n = 1 if self.pattern.has_rest else len(self.pattern)
+        values = [vertices.columns[name].values for name in VERTICES[self.of_structure]]
+        n = None
+        if not self.of_structure:
+            n = 1 if self.pattern.has_rest else len(self.pattern)
         found = []
         for i, here in enumerate(runs(vertices)):
-            r, clearance, x, theta = (item[here] for item in values)
+            x, y, *motions = (item[here] for item in values)
+            first, second = (item[:, :n].T for item in motions)
             loop, symmetric = int(labels["loop"][i]) - 1, bool(labels["symmetric"][i])
-            x, theta = x[:, :n].T, theta[:, :n].T
             kind, detail = str(labels["type"][i]), str(labels["detail"][i])
-            found.append(Piece(kind, r, clearance, x, theta, loop, detail, symmetric))
+            found.append(
+                Piece(kind, x, y, loop, detail, symmetric, (first, second), self.of_structure)
+            )
         return found
 
     @cached_property
     def loops(self) -> list[_Array]:
         rings = self._result.tables["rings"]
-        points = np.stack([rings.columns[name].values for name in ("r", "clearance")], axis=1)
-        if not np.all(points[:, 1] > 0):  # in a file that is broken
+        points = np.stack(
+            [rings.columns[name].values for name in VERTICES[self.of_structure][:2]], axis=1
+        )
+        if not self.of_structure and not np.all(points[:, 1] > 0):  # in a file that is broken
             raise ParameterError(f"rings.clearance = {points[:, 1].min()}: must be above 0")
         return [points[here] for here in runs(rings, self._result.tables["loops"].dims["ring"])]
 
@@ -187,93 +286,115 @@ class Zone(Noun, study="zone"):
         """A value of the table of the search."""
         return self._result.tables["families"].columns[name].values[0]
 
-    def contains(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
-        """Whether there is a stable, admissible motion of the pattern at points.
+    def contains(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
+        """Whether there is a stable, admissible motion of the pattern, or of the family of a structure, at points.
 
         Only closed loops count. Where an open boundary leaves it undecided (`undecided`), the result is False,
         with an `OpenBoundaryWarning`.
 
         Parameters
         ----------
-        r, clearance : array_like
-            Broadcast against each other.
+        x, y : array_like
+            Values of the two parameters, r and d K/F0 of an oscillator; broadcast against each other.
 
         Returns
         -------
         ndarray of bool
             False outside the window.
         """
-        return self._counted(r, clearance) > 0
+        return self._counted(x, y) > 0
 
-    def count(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
-        """Number of stable, admissible motions of the pattern at points; mirror images count once.
+    def count(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
+        """Number of stable, admissible motions of the pattern or family at points; mirror images count once.
 
         A lower bound where an open boundary leaves it undecided, with an `OpenBoundaryWarning`.
         """
-        return self._counted(r, clearance)
+        return self._counted(x, y)
 
-    def _counted(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
+    def _counted(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """The result of `count`; a warning refers to the caller of the calling method."""
-        if not self.closed and (number := int(np.sum(self.undecided(r, clearance)))):
+        if not self.closed and (number := int(np.sum(self.undecided(x, y)))):
             warnings.warn(
                 f"{self!r}: whether it contains {number} of the points is not decided, since a boundary could "
                 "not be closed; see Zone.undecided",
                 OpenBoundaryWarning,
                 stacklevel=3,
             )
-        return self._turns(r, clearance)
+        return self._turns(x, y)
 
-    def _turns(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.int64]:
+    def _turns(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Winding numbers of the closed loops around points."""
-        r, clearance = places(r, clearance)
-        points = np.stack([r.ravel(), clearance.ravel()], axis=1)
+        x, y = self._places(x, y)
+        points = self._square(np.stack([x.ravel(), y.ravel()], axis=1))
         total = np.zeros(len(points), dtype=np.int64)
         for ring in self.loops:
-            total += winding(ring, points)
-        return total.reshape(r.shape)
+            total += winding(self._square(ring), points)
+        return total.reshape(x.shape)
+
+    def _places(self, x: ArrayLike, y: ArrayLike) -> tuple[_Array, _Array]:
+        """Points as two arrays of one shape."""
+        names = ("x", "y") if self.of_structure else ("r", "clearance")
+        x, y = checks.one_shape(**dict(zip(names, (x, y), strict=True)))
+        return x, y
+
+    def _square(self, points: _Array) -> _Array:
+        """Points (M, 2) in the form of `winding`: those of a structure in the unit square, with the exponential of
+        the second coordinate."""
+        if not self.of_structure:
+            return points
+        # a point may be as far outside the window as numbers go
+        with np.errstate(over="ignore", invalid="ignore"):
+            scaled = (points - (self.x[0], self.y[0])) / (np.ptp(self.x), np.ptp(self.y))
+            return np.stack([scaled[:, 0], np.exp(scaled[:, 1])], axis=1)
 
     @property
     def open_boundary(self) -> list[Piece]:
         """The pieces of boundaries that could not be closed."""
         return [piece for piece in self.boundary if piece.loop < 0]
 
-    def undecided(self, r: ArrayLike, clearance: ArrayLike) -> NDArray[np.bool_]:
+    def undecided(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
         """Whether an open boundary leaves it undecided whether there is a stable, admissible motion at points.
 
-        This is so at points of the window in no closed loop whose line of constant r or of constant d K/F0
-        meets an open piece or a seed that is not enclosed. If no part of the open boundary is known, it is so
-        everywhere outside closed loops.
+        This is so at points of the window in no closed loop whose line of constant x or of constant y meets an
+        open piece or a seed that is not enclosed. If no part of the open boundary is known, it is so everywhere
+        outside closed loops.
 
         Parameters
         ----------
-        r, clearance : array_like
-            Broadcast against each other.
+        x, y : array_like
+            Values of the two parameters, r and d K/F0 of an oscillator; broadcast against each other.
 
         Returns
         -------
         ndarray of bool
             False everywhere if the zone is closed.
         """
-        turns = self._turns(r, clearance)
-        r, clearance = places(r, clearance)
+        turns = self._turns(x, y)
+        x, y = self._places(x, y)
         if self.closed:
-            return np.zeros(r.shape, dtype=bool)
-        low, high = zip(self.r, self.clearance, strict=True)
-        window = (low[0] <= r) & (r <= high[0]) & (low[1] <= clearance) & (clearance <= high[1])
-        known = [(piece.r, piece.clearance) for piece in self.open_boundary]
+            return np.zeros(x.shape, dtype=bool)
+        low, high = zip(self.x, self.y, strict=True)
+        window = (low[0] <= x) & (x <= high[0]) & (low[1] <= y) & (y <= high[1])
+        known = [(piece.x, piece.y) for piece in self.open_boundary]
         known += [(np.array(a), np.array(b)) for a, b in self.search.open_seeds]
-        met = np.full(r.shape, not known or self.search.untraced > 0)
+        met = np.full(x.shape, not known or self.search.untraced > 0)
         for a, b in known:
-            met |= (a.min() <= r) & (r <= a.max())
-            met |= (b.min() <= clearance) & (clearance <= b.max())
+            met |= (a.min() <= x) & (x <= a.max())
+            met |= (b.min() <= y) & (y <= b.max())
         return np.asarray(window & met & (turns <= 0))
 
-    def motion(self, r: float, clearance: float) -> Motion | None:
-        """The motion at a point, followed from the nearest vertex of each piece of the boundary, then from others.
+    def at(self, x: float, y: float) -> tuple[Structure, Load]:
+        """The structure and the load at values of both parameters, of a zone of a structure."""
+        place = [checks.to_float(value, "x, y", "finite numbers") for value in (x, y)]
+        return Path(self._result, *self._start, [self.x, self.y]).at(*place)
 
-        The first one that is stable and admissible; otherwise, or where no closed loop encloses the point, the
-        first admissible one of the nearest pieces. None if none can be followed so far, and for patterns with
-        rest.
+    def motion(self, x: float, y: float) -> Any:
+        """The motion at a point, followed from the boundary.
+
+        It is followed from the nearest vertex of each piece, then from others: the first one that is stable and
+        admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible one
+        of the nearest pieces. None if none can be followed so far, and for patterns with rest.
+
 
         Examples
         --------
@@ -283,7 +404,12 @@ class Zone(Noun, study="zone"):
         >>> zone.motion(1.1, 25.0)
         <Motion RL/1 at r = 1.1, d K/F0 = 25: admissible, stable (max|lambda| = 0.9262)>
         """
-        r, clearance = checks.number(r, "r"), checks.number(clearance, "clearance")
+        if self.of_structure:
+            return self._motion_of_structure(x, y)
+        return self._motion_of_oscillator(checks.number(x, "r"), checks.number(y, "clearance"))
+
+    def _motion_of_oscillator(self, r: float, clearance: float) -> Motion | None:
+        """As `motion`, of an oscillator."""
         if self.pattern.has_rest:
             return None
         r_size, d_size = np.ptp(self.r), np.ptp(np.log(self.clearance))
@@ -316,7 +442,7 @@ class Zone(Noun, study="zone"):
 
     def _followed(self, piece: Piece, j: int, r: float, clearance: float) -> Motion | None:
         """The motion at a point, followed from a vertex; None if it cannot be followed so far."""
-        x, theta = piece.x[:, j], piece.theta[:, j]
+        x, theta = piece.x_over_D[:, j], piece.theta[:, j]
         begin, last = float(piece.clearance[j]), None
         for part in np.linspace(0, 1, 7)[1:].tolist():
             there = begin * (clearance / begin) ** part if part < 1 else clearance
@@ -328,20 +454,81 @@ class Zone(Noun, study="zone"):
             x, theta = last.X / there, last.phases + last.tau
         return last
 
+    def _motion_of_structure(self, x: float, y: float) -> StructureMotion | None:
+        """As `motion`, of a structure."""
+        target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
+        size = np.array([np.ptp(self.x), np.ptp(self.y)])
+        vertices = []
+        for piece in self.boundary:
+            apart = np.linalg.norm((np.c_[piece.x, piece.y] - target) / size, axis=1)
+            nearest = int(np.argmin(apart))
+            # later others: Newton's method can fail from where two impacts come together
+            for j in {nearest, *np.linspace(0, len(piece) - 1, 5).astype(int).tolist()}:
+                vertices.append((j != nearest, float(apart[j]), piece, j))
+        other = None
+        for _, _, piece, j in sorted(vertices, key=lambda vertex: vertex[:2]):
+            found = self._followed_structure(
+                np.array([piece.x[j], piece.y[j]]), piece.phases[:, j], target
+            )
+            if found is not None and found.stable:
+                return found
+            other = other or found
+        return other
+
+    def _followed_structure(
+        self, start: _Array, phases: _Array, target: _Array
+    ) -> StructureMotion | None:
+        """The admissible motion at a point, followed from another point."""
+        found, gaps = None, self.gaps
+        for share in np.linspace(0, 1, 7)[1:]:
+            place = start + share * (target - start) if share < 1 else target
+            # impacts on two gaps may change their order, also across the end of the period
+            phases = phases % (2 * np.pi * self.cycles)
+            order = np.argsort(phases, kind="stable")
+            gaps = gaps[order]
+            guess = phases[order], gaps.tolist(), self.cycles
+            try:
+                found = exact_structure(*self.at(*place.tolist()), guess)
+            except (ParameterError, SingularError):
+                # two impacts on one gap at the same instant, or no motion near the guess
+                return None
+            phases = found.phases
+        return found if found is not None and found.consistent and found.admissible else None
+
     @property
     def area(self) -> float:
-        """Area in the plane (r, log D); zones of motions that coexist are added."""
-        return sum(signed_area(np.c_[ring[:, 0], np.log(ring[:, 1])]) for ring in self.loops)
+        """Area in the plane (r, log D), or of both parameters of a structure; zones of motions that coexist are
+        added."""
+        rings = self.loops
+        if not self.of_structure:
+            rings = [np.c_[ring[:, 0], np.log(ring[:, 1])] for ring in rings]
+        return sum(map(signed_area, rings))
+
+    def require(self) -> None:
+        """SingularError if the search of a structure failed."""
+        if self.of_structure and "pieces" not in self._result.tables:
+            raise SingularError(self._result.notes[0][1])
+
+    def parts(self) -> list[Any]:
+        """The zone, unless the search of a structure failed."""
+        return [] if self._none else [self]
+
+    @property
+    def _none(self) -> bool:
+        """Whether the search of a structure failed."""
+        return self.of_structure and self._result.empty
 
     def __bool__(self) -> bool:
-        return bool(self.loops)
+        return not self._none and bool(self.loops)
 
-    _log_clearance = True
+    @property
+    def _log_clearance(self) -> bool:  # type: ignore[override]
+        return not self.of_structure
 
     @property
     def drawable(self) -> bool:  # type: ignore[override]
         """Whether it has a loop."""
-        return bool(self.loops)
+        return bool(self)
 
     def plot(self, ax: Any = None, inverse: bool = False, label: str | None = None) -> Any:
         """Draw the zone with its boundary pieces distinguished by line style and colour.
@@ -350,9 +537,9 @@ class Zone(Noun, study="zone"):
         ----------
         ax : matplotlib Axes, optional
         inverse : bool
-            F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
+            Of an oscillator: F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         label : str, optional
-            Written into the zone; by default the pattern.
+            Written into the zone; by default the pattern of an oscillator.
 
         Returns
         -------
@@ -361,19 +548,19 @@ class Zone(Noun, study="zone"):
         return self._draw(ax, inverse, label)
 
     def __repr__(self) -> str:
+        if self._none:
+            return "<Zone: none>"
         kinds = list(dict.fromkeys(piece.type for piece in self.boundary if piece.type != "window"))
-        kind = {True: ", symmetric", False: ", unsymmetric", None: ""}[self.symmetric]
         loops = f"{len(self.loops)} loop{'s' if len(self.loops) != 1 else ''}"
+        if self.of_structure:
+            what = f"over {self.x_parameter} and {self.y_parameter}"
+        else:
+            kind = {True: ", symmetric", False: ", unsymmetric", None: ""}[self.symmetric]
+            what = f"{self.pattern.sides}/{self.pattern.cycles}{kind}"
         return (
-            f"<Zone {self.pattern.sides}/{self.pattern.cycles}{kind}: {loops}, "
-            f"bounded by {', '.join(kinds) or 'nothing'}{'' if self.closed else ', NOT closed'}>"
+            f"<Zone {what}: {loops}, bounded by {', '.join(kinds) or 'nothing'}"
+            f"{'' if self.closed else ', NOT closed'}>"
         )
-
-
-def places(r: ArrayLike, clearance: ArrayLike) -> tuple[_Array, _Array]:
-    """Points as two arrays of one shape."""
-    r, clearance = checks.one_shape(r=r, clearance=clearance)
-    return r, clearance
 
 
 def default_label(pattern: Pattern, symmetric: bool | None) -> str:
@@ -410,6 +597,48 @@ NAMES = {
 WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 
+def zone_structure(
+    motion: StructureMotion,
+    x: tuple[Parameter, float, float],
+    y: tuple[Parameter, float, float],
+    lines: int = 17,
+    max_points: int = 20_000,
+    progress: door.Progress | None = None,
+    x_at: float | None = None,
+    y_at: float | None = None,
+) -> Zone:
+    """As `zone`, of a motion of a structure."""
+    checks.instance(motion, "motion", StructureMotion)
+    keys: dict[str, Any] = {}
+    names: dict[str, str] = {}
+    for name, axis, start in (("x", x, x_at), ("y", y, y_at)):
+        wanted = "(parameter, lowest, highest)"
+        if not isinstance(axis, tuple) or len(axis) != 3:
+            raise ParameterError(f"{name} = {axis!r}: must be {wanted}")
+        keys |= keys_of_parameter(
+            motion.structure, motion.load, axis[0], axis[1:], start, name, f"{name}_"
+        )
+        names |= {name: f"{name}[0]", f"{name}_low": f"{name}[1]", f"{name}_high": f"{name}[2]"}
+    keys |= {"lines": lines, "max_points": max_points}
+    found = run_from(motion, Zone, keys, names, progress)
+    found.require()
+    return found
+
+
+@overload
+def zone(
+    osc: Oscillator, pattern: Pattern | str, r: tuple[float, float], clearance: tuple[float, float],
+    symmetric: bool | None = None, lines: int = 17, guesses: int = 12, seeds: Sequence[Motion] = (),
+    max_points: int = 20_000, progress: door.Progress | None = None,
+) -> Zone: ...  # fmt: skip
+@overload
+def zone(
+    motion: StructureMotion, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    lines: int = 17, max_points: int = 20_000, progress: door.Progress | None = None,
+    x_at: float | None = None, y_at: float | None = None,
+) -> Zone: ...  # fmt: skip
+
+
 @every_system(zone_structure, StructureMotion)
 def zone(
     osc: Oscillator,
@@ -423,11 +652,11 @@ def zone(
     max_points: int = 20_000,
     progress: door.Progress | None = None,
 ) -> Zone:
-    """The zones of stable, admissible motions of a pattern, as closed curves of named pieces.
+    """The zones of stable, admissible motions in a window of two parameters, as closed curves of named pieces.
 
-    Motions of a pattern with rest are continued in the same way. Where a rest vanishes, the accumulation of
-    impacts just fails to complete before the acceleration that closes the gap changes its sign; that boundary
-    is accurate to about 1e-10.
+    Of an oscillator: those of all motions of a pattern, in the plane (r, d K/F0). Motions of a pattern with rest
+    are continued in the same way. Where a rest vanishes, the accumulation of impacts just fails to complete before
+    the acceleration that closes the gap changes its sign; that boundary is accurate to about 1e-10.
 
     Motions are searched by Newton's method at the nodes of a lattice over the window and, for patterns without
     rest, by simulation at points between them; the more impacts and the fewer motions found, the longer. The
@@ -437,6 +666,11 @@ def zone(
     there (fold, flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another
     condition becomes zero there is a corner, and the boundary is followed along that one.
 
+    Of a motion of a structure: the zone around it, in the plane of any two parameters. The lines of a lattice over
+    the window are followed through the motion and through each motion where two lines cross, on every sheet that
+    they reach; boundaries are traced in the same way. Motions with other impacts, and sheets that are not
+    connected to the motion, have zones of their own.
+
     Parameters
     ----------
     osc : Oscillator
@@ -444,6 +678,12 @@ def zone(
         At most 24 impacts.
     r, clearance : (float, float)
         The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
+    motion : StructureMotion
+        In place of the oscillator and the pattern: consistent and without rest, with at most 24 impacts (23 if a
+        mode has frequency 0). It need be neither stable nor admissible.
+    x, y : (parameter, float, float)
+        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
+        value.
     symmetric : bool, optional
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).
@@ -452,7 +692,8 @@ def zone(
         100 in
         d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
         asinh(10 (r - 1)), and one more at each resonance r = 1/n; at least 33 are taken for a pattern with rest.
-        Parts of a zone that touch no line can be missed: more lines find more.
+        Parts of a zone that touch no line can be missed: more lines find more. Of a structure: in each direction,
+        whatever the window.
     guesses : int
         Guesses for motions at every second node in each direction; a quarter of this number at the others. Both
         are searched again with further guesses as long as these find new sheets of motions of many impacts.
@@ -467,6 +708,8 @@ def zone(
         Most vertices of a loop.
     progress : callable, optional
         Called a few times a second with the share done and the present task; an exception of it ends the search.
+    x_at, y_at : float, optional
+        Of a structure: the value of a parameter at the motion, if it is a function.
 
     Returns
     -------
@@ -477,6 +720,8 @@ def zone(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed, or the pattern can have no such motions.
+    SingularError
+        If the motion of a structure rests, or repeats itself.
 
     Examples
     --------
@@ -489,6 +734,17 @@ def zone(
     <Zone RL/1, symmetric: 1 loop, bounded by pitchfork, neimark_sacker, fold>
     >>> equispaced.contains(1.04, [25.0, 3.0]).tolist()
     [True, False]
+
+    The motion of the third column of Table 1 of the 1983 paper, by the matrices of its two masses:
+
+    >>> import math
+    >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
+    >>> phases = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
+    >>> motion = vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, [0, 1]))
+    >>> zone = vi.zone(motion, x=("frequency", 0.8, 1.2), y=("opening", 2.0, 40.0))
+    >>> zone, zone.contains(0.94, [10.0, 18.5])
+    (<Zone over frequency and opening: 1 loop, bounded by flip, pitchfork>, array([False,  True]))
     """
     pattern = pattern_of(pattern)
     keys = {
