@@ -16,7 +16,7 @@ from ..base.jupyter import rows_html
 from ..base.status import VERDICT, sentence
 from ..motions.motion import motions_of
 from ..motions.structure_motion import StructureMotion, _rests, check_numbers
-from ..motions.structure_noun import facts_of, run_structure
+from ..motions.structure_noun import run_structure
 from ..results import door
 from ..results.noun import FORMER, Noun, key
 from ..results.states import state_by_coordinates
@@ -209,9 +209,6 @@ class FoundMotions(
         Axes, or an array of Axes
         """
         return self._draw(ax)
-
-    def _facts(self) -> dict[str, str]:
-        return facts_of(self.structure) if self.of_structure else {}
 
     def __repr__(self) -> str:
         stable = sum(motion.stable is True for motion in self)
