@@ -43,9 +43,8 @@ ANIMATIONS: dict[str, Callable[..., Any]] = {
 def draw_result(result: Any, *options: Any) -> Any:
     """Draw a result, with the options of its function in order."""
     name = type(result).__name__
-    of_structures = f"{name} of structures"
-    known = result.of_structure and of_structures in PICTURES
-    return PICTURES[of_structures if known else name](result, *options)
+    own = f"{name} of structures" if getattr(result, "of_structure", False) else name
+    return PICTURES[own if own in PICTURES else name](result, *options)
 
 
 def animate_result(result: Any, *options: Any) -> Any:
