@@ -82,13 +82,14 @@ def places(data, above=()):
 
 
 def used(result, folder):
-    """Read all public attributes of a result, which are there or named as lacking, and write it in several forms."""
+    """Read all public attributes of a result, which are there or said to lack, and write it in several forms."""
     for name in dir(result):
         if not name.startswith("_"):
             try:
                 getattr(result, name)
             except AttributeError as error:
-                assert " does not have it; it has " in str(error)
+                if " does not have it; it has " not in str(error):
+                    raise
     result.to_xarray()
     result.save(folder / "out.csv")
     result.save(folder / "out.json")
