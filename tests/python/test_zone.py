@@ -362,7 +362,7 @@ def test_a_boundary_that_folds_along_its_whole_length():
     r, clearance = 0.7162756352311942, 15.123462167343908
     found = []
     for piece in zone.boundary:
-        for x, theta in zip(piece.x.T, piece.theta.T, strict=True):
+        for theta in piece.theta.T:
             try:
                 motion = vi.exact(osc, r, clearance, (theta - theta[0], zone.pattern))
             except vi.errors.SingularError:

@@ -20,7 +20,7 @@ module vi_net
    public :: new_net, add_seed, cover, cover_from, follow_both, reach_border
 
    !> Room for crossings of one line with those of the lattice.
-   integer, parameter :: crossing_capacity = 256
+   integer, parameter :: crossing_capacity = 1024
 
    !> A point on the boundary of a zone, and the condition that is zero there.
    type, public :: border_type
