@@ -624,7 +624,8 @@ def test_zones_of_both_systems_have_one_class(zones):
     assert (theirs.x_parameter, theirs.y_parameter) == ("r", "clearance")
     assert (theirs.x, theirs.y) == (theirs.r, theirs.clearance)
     piece = theirs.boundary[0]
-    assert (piece.x is piece.r) and (piece.y is piece.clearance)
+    assert piece.x is piece.r
+    assert piece.y is piece.clearance
     # the other loop of the oscillator is not connected with the motion
     other = max(theirs.loops, key=lambda loop: loop[:, 0].max())[:, 0].min()
     x, y = np.linspace(ours.x[0], other, 30), np.linspace(*ours.y, 20)[:, None]
@@ -638,7 +639,7 @@ def test_zones_of_both_systems_have_one_class(zones):
         for name in names:
             with pytest.raises(AttributeError, match=f"^{name}: a (Zone|Piece) of an? .* it has "):
                 getattr(found, name)
-    with pytest.raises(ParameterTypeError, match="^zone = <Zone over .*must be one of an Osc"):
+    with pytest.raises(ParameterTypeError, match=r"^zone = <Zone over .*must be one of an Osc"):
         vi.boundary_bands(ours, {"xi": (0.004, 0.006)})
 
 

@@ -359,7 +359,7 @@ def test_zones_are_drawn_whole(motion):
     assert (ax.get_xlim(), ax.get_ylim()) == ((0.9, 1.1), (5.0, 25.0))
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\Omega$", "$e$")
     # a second zone in the same axes has another colour, and no second entries
-    with pytest.raises(vi.ParameterError, match="^inverse = True: must be False"):
+    with pytest.raises(vi.ParameterError, match=r"^inverse = True: must be False"):
         zone.plot(inverse=True)
     zone.plot(ax)
     assert not same_color(ax.patches[1].get_facecolor(), fill.get_facecolor())

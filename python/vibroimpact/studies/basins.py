@@ -328,8 +328,8 @@ def basins(
     until it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent tells
     that it is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near
     it). It must then have gone on for many times as long as volumes need to contract and free vibrations to decay,
-    and go on for another million events or 200,000 load cycles, so that no transient is taken for an attractor. What
-    remains is not decided.
+    and go on for another million events or 200,000 load cycles, so that no transient is taken for an attractor.
+    What remains is not decided.
 
     Each state of a structure is simulated until it repeats to rounding near a motion that Newton's method confirms
     as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:

@@ -55,8 +55,8 @@ class Piece:
     loop : int
         The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
-        Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is constant; of
-        a structure also which impact.
+        Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is constant;
+        of a structure also which impact.
     symmetric : bool
         Whether it bounds motions that are their own image half a period later.
     r, clearance : ndarray (M,)
@@ -392,8 +392,8 @@ class Zone(Followed, study="zone", of_structure="zone_structure", formerly="Stru
         """The motion at a point, followed from the boundary.
 
         It is followed from the nearest vertex of each piece, then from others: the first one that is stable and
-        admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible one
-        of the nearest pieces. None if none can be followed so far, and for patterns with rest.
+        admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible
+        one of the nearest pieces. None if none can be followed so far, and for patterns with rest.
 
 
         Examples
