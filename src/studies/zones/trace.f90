@@ -47,9 +47,13 @@ contains
       type(place_type) :: before, now, next, corner
       type(condition_type) :: active
       real(wp) :: reach
-      integer :: which
+      !> Steps tried for each point, and in addition; near a singular point steps can be repeated
+      !! without end.
+      integer, parameter :: tries = 5, extra = 300
+      integer :: which, tried
       logical :: good, met, earlier
 
+      tried = 0
       allocate (loop%points(size(point), most), loop%tangents(size(point), most), &
          loop%conditions(most), loop%corner(most))
       active = condition
@@ -60,6 +64,8 @@ contains
       before = now
       do while (loop%n < most)
          if (is_stopped(progress)) return
+         tried = tried + 1
+         if (tried > tries*loop%n + extra) return
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
          if (curve%frame%resting) then
