@@ -220,7 +220,9 @@ def test_a_bounce_that_touches_bounds_a_zone():
         impacts = []
         for there in (clearance * (1 - 1e-6), clearance * (1 + 1e-6)):
             x = math.sin(phase) - 2 * osc.xi * v * there
-            run = vi.simulate(osc, r, there, 1, state(phase / r, x, v * there, x - there / 2, v * there))
+            run = vi.simulate(
+                osc, r, there, 1, state(phase / r, x, v * there, x - there / 2, v * there)
+            )
             events = run.events[run.events["kind"] == "impact"]
             push = -(np.sin(events["phase"]) - 2 * osc.xi * events["x_dot_after"] - events["x"])
             speed = events["x_dot_after"] - events["z_dot_after"]

@@ -498,8 +498,8 @@ contains
 
    !> All impacts that accumulate on a wall, and the rest there, from the first impact on.
    !!
-   !! The number of impacts is not given. Near an end of the family the same first impact has several
-   !! continuations (see `follow_course`); of these the one is meant that ends as the unknowns do.
+   !! The number of impacts is not given. Near an end of the family the same first impact has
+   !! several continuations (see `follow_course`); the one is taken that ends as the unknowns do.
    pure subroutine accumulate(system, last, here, rest, gap, touched, touched_at, good, end_of)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
@@ -727,7 +727,8 @@ contains
             step = min(growth*step, longest/max(1.0_wp, system%r))
             if (t > limit) return
             d = derivatives(flight, t)
-            if (side*(flight_position(flight, t) - d(0)) > (0.5_wp + deepest)*system%clearance) return
+            if (side*(flight_position(flight, t) - d(0)) > (0.5_wp + deepest)*system%clearance) &
+               return
             found = side*(flight%z_dot - d(1)) < 0
             if (opens .and. .not. found) exit
             opens = found

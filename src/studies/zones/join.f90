@@ -1,5 +1,5 @@
-!> What is done about the loose ends of boundaries that could not be closed: they are joined, or set
-!> apart in strips of the window, so that the rest of the boundary closes along these.
+!> The loose ends of boundaries that could not be closed: they are joined, or set apart in strips of
+!! the window, so that the rest of the boundary closes along these.
 module vi_join
    use vi_borders, only: find_border, trace_border, zone_type
    use vi_frame, only: condition_type, frame_type, joint, wrap_phases
@@ -143,13 +143,13 @@ contains
       end if
    end subroutine add_joint
 
-   !> Sets loose ends apart in strips of the window, and traces the boundary anew in the parts between
-   !! the strips, each of which is a window of its own.
+   !> Sets loose ends apart in strips of the window, and traces the boundary anew in the parts
+   !! between the strips, each of which is a window of its own.
    !!
    !! In the strips the open boundary is kept as it is.
    subroutine set_apart(zone, borders, is_open, most, progress)
-      !> In and out: the loops; open ones are replaced by closed ones, and by the parts that are left
-      !! of them.
+      !> In and out: the loops; open ones are replaced by closed ones, and by the parts that are
+      !! left of them.
       type(zone_type), intent(inout) :: zone
       !> Places on the boundary, and whether each is on no closed loop.
       type(border_type), intent(in) :: borders(:)

@@ -280,8 +280,8 @@ contains
       end subroutine trace_further
    end subroutine trace_borders
 
-   !> Keeps boundaries that cannot be closed. Their loose ends are joined; those of motions with rest
-   !! are set apart.
+   !> Keeps boundaries that cannot be closed. Their loose ends are joined; those of motions with
+   !! rest are set apart.
    subroutine keep_open(request, net, is_open, zone, progress)
       !> The request.
       type(zone_request_type), intent(in) :: request
