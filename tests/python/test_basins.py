@@ -187,6 +187,14 @@ def test_a_long_chaotic_transient_with_slow_phases_is_no_attractor():
     assert (result.labels == 0).all()
 
 
+def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
+    """Its motions have few impacts for thousands of load cycles, at times."""
+    osc = vi.Oscillator(xi=0.1203, mu=0.5491, restitution=0.4072)
+    result = vi.basins(osc, 0.8893, 13.27, states=9, seed=4, cycles=80)
+    assert [item.kind for item in result.attractors] == ["chaotic"]
+    assert (result.labels == 0).all()
+
+
 def test_chaotic_attractors_that_are_mirror_images_are_two():
     """The mirror image of a state on one, half a load period later, is on the other, for any number of states."""
     r, clearance = 0.92, 14.674134539926223

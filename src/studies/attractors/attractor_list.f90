@@ -467,13 +467,14 @@ contains
          if (is_stopped(progress)) return
          if (status /= stat%ok .or. label /= 0) return
          if (any(kind == [chaotic, quasi_periodic])) then
+            ! here, where there are impacts: it may end in a phase without them
+            new%state = end
             call wait_for(list, end, int(min(real(most_followed, wp), min(watched, 1.0_wp*left)* &
                average/max(1, lost - left))), left, spent, label, progress)
             if (label /= 0) return
             if (is_stopped(progress)) return
             spent = settling
             new%kind = kind
-            new%state = end
             call add_group(list, new, left, label, progress)
             return
          end if
