@@ -55,8 +55,8 @@ class Piece:
     loop : int
         The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
-        Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is constant;
-        of a structure also which impact.
+        Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is
+        constant; of a structure also which impact.
     symmetric : bool
         Whether it bounds motions that are their own image half a period later.
     r, clearance : ndarray (M,)
