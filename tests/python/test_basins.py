@@ -223,7 +223,7 @@ def test_what_never_settles_is_not_decided():
     ],
 )  # fmt: skip
 def test_free_vibration_that_decays_for_a_million_cycles_is_no_attractor(xi, walls, r, clearance):
-    """With a heavy free mass both masses swing together for 1/xi million cycles, which looks quasi-periodic."""
+    """With a heavy free mass both masses swing for 1/xi million cycles, which looks quasi-periodic."""
     osc = vi.Oscillator(xi=xi, mu=1e6, restitution=walls)
     result = vi.basins(osc, r, clearance, states=2)
     assert (result.labels == -1).all()
