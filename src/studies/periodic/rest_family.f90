@@ -709,7 +709,7 @@ contains
       real(wp), parameter :: first = 1.0e-3_wp, longest = 0.05_wp, growth = 1.1_wp
       type(flight_type) :: flight
       type(contact_type) :: contact
-      real(wp) :: limit, step, t, depth, d(0:5)
+      real(wp) :: limit, step, t, depth, touch, d(0:5)
       logical :: found, opens, passes
 
       associate (here => course%here, side => course%here%at%side)
@@ -717,7 +717,7 @@ contains
          flight = flight_from(system, here%at, limit)
          d = derivatives(flight, time)
          if (.not. side*d(2) > 0) return
-         depth = speed**2/(2*side*d(2))/system%clearance
+         touch = speed**2/(2*side*d(2))/system%clearance
          ! the gap, which is negative, first closes further and then opens
          step = first/max(1.0_wp, system%r)
          t = time
@@ -727,8 +727,8 @@ contains
             step = min(growth*step, longest/max(1.0_wp, system%r))
             if (t > limit) return
             d = derivatives(flight, t)
-            if (side*(flight_position(flight, t) - d(0)) > (0.5_wp + deepest)*system%clearance) &
-               return
+            depth = side*(flight_position(flight, t) - d(0))/system%clearance - 0.5_wp
+            if (depth > deepest) return
             found = side*(flight%z_dot - d(1)) < 0
             if (opens .and. .not. found) exit
             opens = found
@@ -736,7 +736,7 @@ contains
          if (side*(flight_position(flight, t) - d(0)) >= 0.5_wp*system%clearance) return
          call next_contact(system, flight, here, side, limit, contact, found, t)
          if (.not. found) return
-         passes = depth < none .or. (touches .and. depth < shallow)
+         passes = touch < none .or. (touches .and. touch < shallow)
          if (.not. passes) then
             passes = btest(choices, course%forks)
             course%forks = course%forks + 1
