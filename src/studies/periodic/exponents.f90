@@ -111,14 +111,14 @@ contains
       !> Number of periods of the average.
       integer, intent(in) :: periods
       !> Standard errors that count as a certain difference; logarithm of a growth as a power of the
-      !! time, and of one that is none; largest error of a zero.
-      real(wp), parameter :: certain = 4, slow = 8, still = 1, coarse = 2.0e-3_wp
+      !! time, and of one that is none; largest error of a zero, with the growth and without.
+      real(wp), parameter :: certain = 4, slow = 8, still = 1, coarse = 2.0e-3_wp, fine = 1.0e-4_wp
 
       if (exponent > certain*deviation + slow/periods) then
          sign_of_it = positive
       else if (exponent < -certain*deviation - still/periods) then
          sign_of_it = negative
-      else if (certain*deviation + slow/periods < coarse) then
+      else if (certain*deviation < fine .and. slow/periods < coarse) then
          sign_of_it = zero
       else
          sign_of_it = unclear
