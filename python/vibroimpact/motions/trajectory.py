@@ -315,6 +315,10 @@ class Trajectory(Savable, study="simulate"):
             raise ParameterError(
                 f"moments of shapes {numbers.shape}, {flags.shape}: must be (4, 7), (4, 3)"
             )
+        if not np.isfinite(numbers[::2, :6]).all():
+            raise ParameterError(
+                f"moments.quantities = {numbers[::2, :6].tolist()}: must be finite at the start and at the end"
+            )
         start, begun, end, last = zip(numbers, flags, strict=True)
         request = None
         if result.case:
