@@ -44,7 +44,7 @@ module vi_zone
       logical :: there = .false., inside = .false., at_node = .false.
       !> Of a seed inside a zone: the place at which a line from it leaves the zone, and whether the
       !! loop there is closed.
-      type(border_type) :: border
+      type(border_type), allocatable :: border
       logical :: enclosed = .false.
    end type seed_type
 
@@ -177,7 +177,7 @@ contains
          if (items(i)%enclosed) cycle
          if (zone%surface%frame%resting) items(i)%enclosed = is_enclosed(request, zone, items(i))
          ! curves have been joined
-         if (allocated(items(i)%border%point)) items(i)%enclosed = items(i)%enclosed .or. &
+         if (allocated(items(i)%border)) items(i)%enclosed = items(i)%enclosed .or. &
             is_on_closed_loop(items(i)%border, zone)
       end do
       do i = 1, zone%n
