@@ -216,7 +216,7 @@ def test_a_bounce_that_touches_bounds_a_zone():
     (piece,) = (p for p in zone.open_boundary if p.type == "grazing")
     for i in (2, len(piece) // 2, len(piece) - 3):
         r, clearance = float(piece.r[i]), float(piece.clearance[i])
-        phase, v = float(piece.theta[0, i]), float(piece.x[0, i])
+        phase, v = float(piece.theta[0, i]), float(piece.x_over_D[0, i])
         impacts = []
         for there in (clearance * (1 - 1e-6), clearance * (1 + 1e-6)):
             x = math.sin(phase) - 2 * osc.xi * v * there

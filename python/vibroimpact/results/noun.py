@@ -75,13 +75,11 @@ def key(*names: str) -> Any:
 
     def value(noun: Noun) -> Any:
         if noun.of_structure:
-            known = {item["name"] for item in language()["groups"][noun._result.study]}
+            known = [item["name"] for item in language()["groups"][noun._result.study]]
             for name in names:
                 if name not in known:
-                    raise AttributeError(noun._lack(name, "structure and load"))
+                    raise AttributeError(noun._lack(name, ", ".join(known)))
         keys = noun.keys
-        if noun.of_structure and names[0] not in keys:
-            raise AttributeError(noun._lack(names[0], ", ".join(keys)))
         return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
 
     return property(value)
