@@ -440,9 +440,10 @@ contains
          k = k + 1
       end do
       ! each 0 is paired with a real eigenvalue, and any combination of modes of frequency 0 is at
-      ! rest: best the one which a drag slows down, unless it is lost in rounding or not a new one
+      ! rest: best the one which a drag slows down, unless it is lost in rounding or not a new one.
+      ! More zeros than such modes are eigenvalues that a much greater one has swallowed
       allocate (known(size(free), size(free)))
-      do m = 1, min(count(zero), size(reals))
+      do m = 1, min(count(zero), size(free), size(reals))
          j = reals(maxloc(norm2(vectors(free, reals), 1), 1))
          reals = pack(reals, reals /= j)
          part = vectors(free, j)
@@ -461,7 +462,7 @@ contains
          k = k + 1
       end do
       if (k + size(reals)/2 /= n + 1) then
-         status = stat%defective
+         status = merge(stat%too_stiff, stat%defective, count(zero) > size(free))
          return
       end if
       ! the other real eigenvalues are paired: the slowest with the fastest

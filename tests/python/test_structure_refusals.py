@@ -255,3 +255,12 @@ def test_a_load_that_does_not_act_on_a_mode_does_not_resonate_with_it():
         assert q[0] == pytest.approx(q[2], rel=1e-9)
         with pytest.raises(vi.SingularError, match="resonates"):
             vi.simulate(s, vi.Load(load.frequency, sine=force * [1, 1, 1 + 1e-9]), cycles=3)
+
+
+def test_damping_that_swallows_a_slow_motion_is_refused():
+    """A dashpot of 1e100 leaves of the slow eigenvalue of its mode a 0 that belongs to no mode of frequency 0."""
+    with pytest.raises(vi.SingularError, match="stiff"):
+        vi.simulate(
+            vi.Structure([1, 1], [0.97, 1e100], [[2, -1], [-1, 1]], [vi.Gap([1, 0], 0.5, 0.8)]),
+            duration=1, state=([0, 0], [5, 2]),
+        )  # fmt: skip
