@@ -309,8 +309,8 @@ contains
          request%points, progress)
    end subroutine keep_open
 
-   !> Whether closed loops enclose a seed. Those of a zone with rest may be parts of it, with a border
-   !! that no line from the seed meets.
+   !> Whether closed loops enclose a seed. Those of a zone with rest may be parts of it, with a
+   !! border that no line from the seed meets.
    pure logical function is_enclosed(request, zone, seed)
       !> The request; its window is used.
       type(zone_request_type), intent(in) :: request
