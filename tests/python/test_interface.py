@@ -279,3 +279,67 @@ def test_results_that_are_sequences_take_slices():
         ):
             with pytest.raises(vi.ParameterTypeError, match=r"^index = "):
                 items[wrong]
+
+
+OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+LAW = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
+WALL = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+GUESS = ([0, 4.3], "RL")
+
+
+def test_a_point_stands_for_its_arguments():
+    """With its load, in each verb that looks at one point; the structure and load of the point move alike."""
+    point = OSC.at(0.94, 37.0, 2.0)
+    place, state = (OSC, 0.94, 37.0), {"x_dot": 60.0}
+    few = {"cycles": 8, "batches": 2, "discard": 5, "state": state}
+    for ours, theirs in (
+        (vi.simulate(point, 5, state), vi.simulate(*place, 5, state, 2.0)),
+        (vi.exact(point, GUESS), vi.exact(*place, GUESS, 2.0)),
+        (vi.lyapunov(point, **few), vi.lyapunov(*place, load=2.0, **few)),
+        (vi.basins(point, states=2, seed=1), vi.basins(*place, states=2, seed=1, load=2.0)),
+        (vi.response(point, [0.93, 0.94], states=2), vi.response(OSC, [0.93, 0.94], 37.0, states=2, load=2.0)),
+    ):  # fmt: skip
+        assert ours.to_dict() == theirs.to_dict()
+    run = vi.simulate(point, 5, state)
+    moved = vi.simulate(point.structure, point.load, cycles=5, state=([0, 0], [60.0, 0]))
+    np.testing.assert_allclose(moved.events["time"], run.events["time"], rtol=1e-9)
+    motion = vi.exact(point, GUESS)
+    same = vi.exact(point.structure, point.load, (motion.phases + motion.load_phase, [0, 1]))
+    np.testing.assert_allclose(same.q, [motion.X[0], motion.Z[0]], rtol=1e-9)
+    rig = vi.Oscillator(xi=0.0114, mu=0.04, restitution=0.7, M=2.7, K=42e3, F0=6.0)
+    scales = rig.at(1.04, 25.0).scales
+    assert scales["length"] == pytest.approx(6.0 / 42e3)
+    assert scales["time"] == pytest.approx((2.7 / 42e3) ** 0.5)
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda point: vi.exact(point, GUESS, 2.0), "exact.*2 arguments given by position; these are guess"),
+    (lambda point: vi.lyapunov(point, 0.94, cycles=40), "cycles is given twice, 0.94 and 40"),
+    (lambda point: vi.find(point, r=0.9), "r = 0.9: must be left out; <Oscillator"),
+    (lambda point: vi.response(point, [0.9, 1.1], inverse_clearance=0.1), "inverse_clearance = 0.1: must be left"),
+    (lambda point: vi.find(OSC, 0.94, 37.0, load=point), "load = <.*>: must not be a point"),
+    (lambda point: vi.periodic(point, *GUESS), "must not be a point; the clearance is a result"),
+    (lambda point: vi.zone(point, "RL", (0.8, 1.2), (2, 200)), "must not be a point; give its osc"),
+    (lambda point: vi.branch(point, "clearance", (10, 60)), "must not be a point; give a motion there"),
+    (lambda point: vi.simulate(LAW, 0.94, r=0.5, clearance=37.0, cycles=1), "r is given twice"),
+    (lambda point: vi.exact(LAW, 0.94, 37.0, GUESS, 1.0, 9), "6 arguments given by position"),
+    (lambda point: vi.lyapunov(LAW), "lyapunov.*missing a required argument: 'r'"),
+    (lambda point: vi.lyapunov(LAW.at(0.94, 37.0), state={}, start=3.0), "start = 3.0: must be left out"),
+    (lambda point: vi.basins(WALL, states=2), "basins.*missing.*'load'; of a structure the arguments are"),
+    (lambda point: vi.bifurcation_diagram(WALL, vi.Load(1, sine=[1]), lambda v: 3, [0, 1]), "must be .Structure,"),
+])  # fmt: skip
+def test_arguments_of_systems_are_neither_dropped_nor_given_twice(call, message):
+    """Of a point, a structure, and an oscillator whose restitution depends on the speed."""
+    with pytest.raises((TypeError, vi.ParameterError), match=message):
+        call(OSC.at(0.94, 37.0))
+
+
+def test_records_with_the_case_of_another_system():
+    """A record of an oscillator with the case of a structure is refused."""
+    few = {"cycles": 8, "batches": 2, "discard": 5}
+    ours = vi.lyapunov(OSC, 0.94, 37.0, state={"x_dot": 60.0}, **few)
+    theirs = vi.lyapunov(WALL, vi.Load(1.0, cosine=[1]), **few)
+    with pytest.raises(vi.ParameterError, match="must be that of an oscillator"):
+        vi.Lyapunov.from_dict(ours.to_dict() | {"case": theirs.case})
+    with pytest.raises(vi.ParameterError, match="must be that of a structure"):
+        vi.Lyapunov.from_dict(theirs.to_dict() | {"case": ours.case})

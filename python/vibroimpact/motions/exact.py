@@ -84,7 +84,7 @@ def exact(
 
     Returns
     -------
-    Motion
+    Motion, or StructureMotion of a structure
         `admissible` is False if the solution of the equations would pass through a wall.
 
     Raises

@@ -39,7 +39,7 @@ def periodic(
 ) -> StructureMotion: ...
 
 
-@every_system(periodic_structure)
+@every_system(periodic_structure, no_point="the clearance is a result here: give its osc and r")
 def periodic(
     osc: Oscillator,
     r: float,
@@ -76,7 +76,7 @@ def periodic(
 
     Returns
     -------
-    Motion
+    Motion, or StructureMotion of a structure
         Its clearance d K/F0 is part of the result; d is the whole travel between the walls.
 
     Raises

@@ -462,7 +462,9 @@ def simulate(
     under a `Load`, a `Record` (after its last sample the force is 0) or none. At an impact on one of its gaps the
     velocities jump by the impulse (1 + R) m v along M^-1 G, with v the approach speed and 1/m = G.M^-1 G. Of a
     structure `cycles` or `duration`, in time, is given by name, and neither for a whole record; `state` is
-    (coordinates, velocities) at the time `start`; `max_events` is a million by default, without `progress`.
+    (coordinates, velocities) at the time `start`; `max_events` is a million by default, without `progress`. Where
+    the restitution of an oscillator depends on the speed it is simulated as a structure, too: its `final_state`
+    continues from ``start=run.end``.
 
     Parameters
     ----------
@@ -492,7 +494,7 @@ def simulate(
 
     Returns
     -------
-    Trajectory
+    Trajectory, or StructureTrajectory of a structure
 
     Raises
     ------

@@ -288,6 +288,10 @@ class Noun(Savable):
         return self._result.column(table, name).decoded()
 
     def _check_read(self) -> None:
+        groups = self.case and {name for name, _ in parts_of(self.case)}
+        if groups and self.studies[1:] and ("structure" in groups) != self.of_structure:
+            system = "a structure" if self.of_structure else "an oscillator"
+            raise ParameterError(f"case = {self.case[:60]!r}: must be that of {system}")
         if self.of_structure and not self._result.empty:
             check_gap_numbers(self._result, self.structure)
 
@@ -323,7 +327,7 @@ class Noun(Savable):
             raise AttributeError(self._lack("osc", "structure and load"))
         keys = self.keys
         if "xi" not in keys:
-            raise AttributeError(f"{self!r}: is a result of a Structure, which has no Oscillator")
+            raise AttributeError(f"osc: the case of this {type(self).__name__} has no &system")
         return Oscillator._of_keys(keys)
 
     @property

@@ -148,6 +148,20 @@ def keys_of_parameter(
     }  # fmt: skip
 
 
+def checked_pair(pair: Any, p: float) -> tuple[Structure, Load]:
+    """What a function of a parameter gives at a value, if it is a structure with its load."""
+    if not (
+        isinstance(pair, tuple)
+        and len(pair) == 2
+        and isinstance(pair[0], Structure)
+        and isinstance(pair[1], Load)
+    ):
+        raise ParameterTypeError(
+            f"the parameter gives {pair!r} at {p!r}: must be (Structure, Load)"
+        )
+    return pair
+
+
 def series_of(
     structure: Structure, load: Load, function: Callable[[float], Any], low: float, high: float, at: float
 ) -> tuple[NDArray[np.int64], _Array]:  # fmt: skip
@@ -155,16 +169,7 @@ def series_of(
     places, expected = entries_of(structure, load)
 
     def values(p: float) -> _Array:
-        pair = function(p)
-        if not (
-            isinstance(pair, tuple)
-            and len(pair) == 2
-            and isinstance(pair[0], Structure)
-            and isinstance(pair[1], Load)
-        ):
-            raise ParameterTypeError(
-                f"the parameter gives {pair!r} at {p!r}: must be (Structure, Load)"
-            )
+        pair = checked_pair(function(p), p)
         found, numbers = entries_of(*pair)
         if found.shape != places.shape or (found != places).any():
             raise ParameterError(

@@ -129,6 +129,8 @@ def state_by_coordinates(given: dict[str, Any]) -> None:
     """Turns the argument `state` of a study of an oscillator into those of a structure, if it is a mapping."""
     state = given.get("state")
     if isinstance(state, Mapping):
+        if "start" in given:
+            raise ParameterError(f"start = {given['start']!r}: must be left out; the state gives t")
         numbers = completed_state(state)
         given["start"] = numbers["t"]
         given["state"] = ([numbers["x"], numbers["z"]], [numbers["x_dot"], numbers["z_dot"]])

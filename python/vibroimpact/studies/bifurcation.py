@@ -16,7 +16,7 @@ from ..base.status import NOT_COMPUTED, sentence
 from ..motions.structure_noun import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column, key
-from ..results.parameters import Parameter, keys_of_parameter
+from ..results.parameters import Parameter, checked_pair, keys_of_parameter
 from ..results.states import NEEDED, checked_state
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
@@ -172,6 +172,8 @@ class BifurcationDiagram(
 
     def _beside(self, name: str) -> float | _Array:
         """A number, or one for each value; for the parameter itself the first value."""
+        if self.of_structure:
+            raise AttributeError(self._lack(name, "parameter, values"))
         keys = self.keys
         value = self.values[0] if keys["parameter"] == name else keys[name]
         return np.array(value) if isinstance(value, list) else float(value)
@@ -327,7 +329,7 @@ def bifurcation_structure(
     at = None
     if callable(parameter):
         at = low
-        structure, load = parameter(low)
+        structure, load = checked_pair(parameter(low), low)
     checks.instance(structure, "structure", Structure)
     checks.instance(load, "load", Load)
     chosen = keys_of_parameter(structure, load, parameter, (low, high), at, "parameter")

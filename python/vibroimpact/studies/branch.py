@@ -502,7 +502,9 @@ def branch(
 ) -> Branch: ...  # fmt: skip
 
 
-@every_system(branch_structure, StructureMotion)
+@every_system(
+    branch_structure, StructureMotion, no_point="give a motion there, as exact(point, guess)"
+)
 def branch(
     motion: Motion,
     parameter: str = "clearance",

@@ -173,7 +173,7 @@ def response(
 def response(point: Point, /, r: ArrayLike, **options: Any) -> Response: ...
 
 
-@every_system(response_structure, along="r")
+@every_system(response_structure, along=("r", "inverse_clearance"))
 def response(
     osc: Oscillator,
     r: ArrayLike,

@@ -639,7 +639,11 @@ def zone(
 ) -> Zone: ...  # fmt: skip
 
 
-@every_system(zone_structure, StructureMotion)
+@every_system(
+    zone_structure,
+    StructureMotion,
+    no_point="give its osc, a pattern, and ranges of r and clearance",
+)
 def zone(
     osc: Oscillator,
     pattern: Pattern | str,

@@ -368,7 +368,7 @@ class Oscillator:
         )
 
     def at(self, r: float, clearance: float, load: float = 1.0) -> Point:
-        """The oscillator at a point, which every verb takes in place of the oscillator, r and clearance.
+        """The oscillator at a point, which verbs take in place of the oscillator, r, clearance and load.
 
         Parameters
         ----------
@@ -428,7 +428,8 @@ class Oscillator:
 class Point:
     """An oscillator at a point: the same system as a structure with its load, and the scales of both.
 
-    It comes from `Oscillator.at`; every verb takes it.
+    It comes from `Oscillator.at`. `simulate`, `exact`, `find`, `basins`, `lyapunov`, `response` and
+    `bifurcation_diagram` take it; its structure and load go wherever those of a structure do.
 
     Attributes
     ----------

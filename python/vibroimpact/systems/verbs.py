@@ -17,67 +17,117 @@ OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude
 
 def every_system(
     of_structure: Callable[..., Any], kind: type | None = None,
-    of_law: Callable[[dict[str, Any]], None] | None = None, along: str = "",
+    of_law: Callable[[dict[str, Any]], None] | None = None, along: tuple[str, ...] = (), no_point: str = "",
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
     """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
 
-    A point stands for the oscillator and the arguments that it has, except `along`, which the procedure varies.
-    With `of_law` oscillators whose restitution depends on the speed are handed over, too: it turns further
-    arguments, by name, into those for structures.
+    Parameters
+    ----------
+    of_structure : callable
+        The procedure for structures.
+    kind : type, optional
+        The class of its first argument, if that is not `Structure`.
+    of_law : callable, optional
+        Oscillators whose restitution depends on the speed are handed over, too; it turns further arguments, by
+        name, into those for structures.
+    along : tuple of str
+        The parameter that the procedure varies, and others that a point makes superfluous. A point stands for the
+        oscillator and the other arguments that it has.
+    no_point : str
+        What to give instead of a point, where none is taken.
     """
 
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
-        parameters = list(inspect.signature(of_oscillator).parameters)
+        signature = inspect.signature(of_oscillator).parameters
+        parameters, name = list(signature), of_oscillator.__name__
 
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
-            given = (*args[:1], *kwargs.values())
-            if any(isinstance(x, kind or Structure) for x in given):
-                return of_structure(*args, **kwargs)
-            if kind and any(isinstance(x, Structure) for x in given):
+            given = dict(zip(["the first argument"], args, strict=False)) | kwargs
+            if any(isinstance(x, kind or Structure) for x in given.values()):
+                return called(args, kwargs)
+            first = args[0] if args else kwargs.get(parameters[0])
+            if kind and any(isinstance(x, Structure) for x in given.values()):
                 raise ParameterTypeError(
-                    f"motion = {given[0]!r}: must be a vibroimpact.{kind.__name__}, not Structure"
+                    f"motion = {first!r}: must be a vibroimpact.{kind.__name__}, not Structure"
                 )
-            if any(isinstance(x, Point) for x in given):
-                kwargs = spread_out(args, kwargs)
+            for key, value in given.items():
+                if isinstance(value, Point) and (value is not first or no_point):
+                    wanted = no_point or "an oscillator at a point is the first argument"
+                    raise ParameterTypeError(f"{key} = {value!r}: must not be a point; {wanted}")
+            if isinstance(first, Point):
+                kwargs = spread_out(first, args[1:], kwargs)
                 args = ()
             if of_law and getattr(args[0] if args else kwargs.get("osc"), "_has_law", False):
-                names = dict(zip(parameters, args, strict=False))
-                return handed_over(names | kwargs)
+                return handed_over(named(parameters, args, kwargs))
             return of_oscillator(*args, **kwargs)
 
-        def spread_out(args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:
-            """The arguments by name, of which a point, the first one, gives several."""
-            point = kwargs.pop("osc", None) if not args else args[0]
-            if not isinstance(point, Point):
-                raise ParameterTypeError(
-                    f"{point!r}: must be the oscillator; a point is the first argument"
+        def called(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
+            """The procedure for structures; errors in the number and names of arguments have the public name."""
+            own = inspect.signature(of_structure)
+            try:
+                own.bind(*args, **kwargs)
+            except TypeError as error:
+                raise TypeError(
+                    f"{name}(): {error}; of a structure the arguments are {', '.join(own.parameters)}"
+                ) from None
+            return of_structure(*args, **kwargs)
+
+        def named(
+            names: list[str], args: tuple[Any, ...], kwargs: dict[str, Any]
+        ) -> dict[str, Any]:
+            """All arguments by their names."""
+            if len(args) > len(names):
+                raise TypeError(
+                    f"{name}(): {len(args)} arguments given by position; these are {', '.join(names)}"
                 )
+            found = dict(zip(names, args, strict=False))
+            for key in found.keys() & kwargs.keys():
+                raise TypeError(
+                    f"{name}(): {key} is given twice, {found[key]!r} and {kwargs[key]!r}"
+                )
+            return found | kwargs
+
+        def spread_out(
+            point: Point, args: tuple[Any, ...], kwargs: dict[str, Any]
+        ) -> dict[str, Any]:
+            """The arguments by name, of which a point gives several."""
             of_point = {
-                name: getattr(point, key)
-                for name, key in OF_POINT.items() if name in parameters and name != along
+                key: getattr(point, attribute)
+                for key, attribute in OF_POINT.items() if key in parameters and key not in along[:1]
             }  # fmt: skip
-            free = [name for name in parameters if name not in of_point]
-            named = dict(zip(free, args[1:], strict=False))
-            varied = named.get("parameter", kwargs.get("parameter"))
-            of_point.pop(str(varied), None)
-            for name in kwargs:
-                if name in of_point or name in named:
-                    raise ParameterTypeError(f"{name} = {kwargs[name]!r}: is given by {point!r}")
-            return of_point | named | kwargs
+            names = [key for key in parameters if key not in of_point and key not in along[1:]]
+            further = {key: value for key, value in kwargs.items() if value is not point}
+            found = named(names, args, further)
+            of_point.pop(str(found.get("parameter")), None)
+            for key in [*of_point, *along[1:]]:
+                if key in found:
+                    raise ParameterTypeError(
+                        f"{key} = {found[key]!r}: must be left out; {point!r} gives it"
+                    )
+            return of_point | found
 
         def handed_over(given: dict[str, Any]) -> Any:
-            osc = given.pop("osc")
-            point = osc.at(**{name: given.pop(name) for name in OF_POINT if name in given})
+            missing = [key for key in ("r", "clearance") if key not in given]
+            if missing:
+                raise TypeError(f"{name}(): missing a required argument: {missing[0]!r}")
+            point = given.pop("osc").at(**{
+                key: given.pop(key) for key in list(OF_POINT)[1:] if key in given
+            })  # fmt: skip
             assert of_law
             of_law(given)
             (_, _, *known) = inspect.signature(of_structure).parameters
-            for name, value in given.items():
-                if name not in known:
-                    raise ParameterTypeError(
-                        f"{name} = {value!r}: must be left out where restitution depends on the speed; further "
-                        f"arguments are {', '.join(known)}"
-                    )
+            for key, value in list(given.items()):
+                if key in known:
+                    continue
+                plain = value is None or isinstance(value, (bool, int, float, str))
+                if plain and key in signature and value == signature[key].default:
+                    del given[key]
+                    continue
+                raise ParameterTypeError(
+                    f"{key} = {value!r}: must be left out where restitution depends on the speed; further "
+                    f"arguments are {', '.join(known)}"
+                )
             return of_structure(point.structure, point.load, **given)
 
         return either
