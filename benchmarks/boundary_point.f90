@@ -130,7 +130,7 @@ contains
       integer :: k, m, node
 
       call new_net(zone%surface, new_lattice(request%lines, [request%r, log(request%clearance)], &
-         zone%surface%scale), net)
+         zone%surface%scale), net, .false.)
       c = zone%surface%c
       m = request%lines/2 + 1
       c([by_r, by_clearance]) = zone%surface%origin + zone%surface%scale*0.5_wp

@@ -312,7 +312,7 @@ contains
          allocate (net)
          lines = even_lattice(3)
          ! more lines than there is room for crossings
-         if (limit == 4) lines%axes(1)%at = [(node/300.0_wp, node=0, 300)]
+         if (limit == 4) lines%axes(1)%at = [(node/1200.0_wp, node=0, 1200)]
          call new_net(surface, lines, net, .false.)
          if (limit == 1) net%n = size(net%follower)
          if (limit == 2) net%n_borders = size(net%borders)

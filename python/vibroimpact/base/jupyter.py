@@ -13,7 +13,7 @@ def facts_html(text: str, facts: Mapping[str, str], after: str = "") -> str:
 
     Examples
     --------
-    >>> from vibroimpact.jupyter import facts_html
+    >>> from vibroimpact.base.jupyter import facts_html
     >>> facts_html("<Units>", {})
     '<div><code>&lt;Units&gt;</code></div>'
     """

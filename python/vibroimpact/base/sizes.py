@@ -50,7 +50,7 @@ def check_size(size: int, each: int, what: str) -> None:
 
     Examples
     --------
-    >>> from vibroimpact.sizes import TEXT, check_size
+    >>> from vibroimpact.base.sizes import TEXT, check_size
     >>> check_size(1000, TEXT, "it")
     >>> check_size(10**18, TEXT, "its record")
     Traceback (most recent call last):
@@ -87,7 +87,7 @@ def memory_for(what: str) -> Iterator[None]:
 
     Examples
     --------
-    >>> from vibroimpact.sizes import memory_for
+    >>> from vibroimpact.base.sizes import memory_for
     >>> with memory_for("all of it"):
     ...     raise MemoryError("Unable to allocate 1 PiB")
     Traceback (most recent call last):

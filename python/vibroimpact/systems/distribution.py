@@ -124,7 +124,7 @@ def uncertain(value: Any, name: str) -> Uncertain:
 
     Examples
     --------
-    >>> from vibroimpact.distribution import uncertain
+    >>> from vibroimpact.systems.distribution import uncertain
     >>> uncertain((0.6, 0.8), "restitution").middle
     0.7
     """
@@ -244,7 +244,7 @@ def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, f
 
     Examples
     --------
-    >>> from vibroimpact.distribution import interval
+    >>> from vibroimpact.systems.distribution import interval
     >>> [round(end, 4) for end in interval(95, 100)]
     [0.8872, 0.9836]
     """
