@@ -4,7 +4,7 @@ module vi_borders
    use vi_family, only: image_of
    use vi_frame, only: condition_type, repetition, wrap_phases
    use vi_kinds, only: wp
-   use vi_loop, only: chained, loop_type, picked, reversed
+   use vi_loop, only: begins, chained, loop_type, picked, reversed
    use vi_net, only: border_type
    use vi_outline, only: zone_side
    use vi_steps, only: stride_type
@@ -13,7 +13,7 @@ module vi_borders
    implicit none (type, external)
    private
 
-   public :: find_border, is_on_closed_loop, trace_border
+   public :: find_border, is_on_closed_loop, is_own_way_back, trace_border
 
    !> Largest number of loops, and number of points after which no further loop is begun.
    integer, parameter, public :: most_loops = 400
@@ -113,6 +113,7 @@ contains
             loop = chained(reversed(picked(other, [(i, i=2, other%n)])), loop)
          end if
       end if
+      if (surface%frame%resting) loop%closed = loop%closed .and. .not. is_own_way_back(loop)
       closed = loop%closed
       if (.not. (closed .or. keep_open)) then
          if (present(tried) .and. curve_at == 0 .and. loop%n > 1) call remember(loop, tried)
@@ -134,6 +135,27 @@ contains
       zone%loops(zone%n) = picked(loop, [(i, i=1, loop%n)])
       if (closed) zone%loops(zone%n)%side = zone_side(surface, loop)
    end subroutine trace_border
+
+   !> Whether a closed curve passes one of its corners twice: where motions with rest end without a
+   !! condition it may have turned round, and encloses nothing.
+   pure logical function is_own_way_back(loop)
+      !> The curve.
+      type(loop_type), intent(in) :: loop
+      !> Corners this near in the window are one.
+      real(wp), parameter :: rounding = 1.0e-6_wp
+      integer, allocatable :: corners(:)
+      integer :: i, j, m
+
+      corners = pack([(i, i=1, loop%n)], loop%corner(:loop%n) == begins)
+      m = size(loop%points, 1) - 2
+      is_own_way_back = .false.
+      do i = 2, size(corners)
+         do j = 1, i - 1
+            is_own_way_back = is_own_way_back .or. norm2(loop%points(m + 1:, corners(i)) &
+               - loop%points(m + 1:, corners(j))) < rounding
+         end do
+      end do
+   end function is_own_way_back
 
    !> Adds a curve that could not be closed to those that are known.
    pure subroutine remember(loop, tried)

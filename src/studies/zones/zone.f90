@@ -4,8 +4,8 @@
 !! surface on which they lie. Where a line enters or leaves a zone the boundary is traced, unless it
 !! is known.
 module vi_zone
-   use vi_borders, only: distances, is_on_closed_loop, most_loops, open_curves_type, trace_border, &
-      zone_type
+   use vi_borders, only: distances, is_on_closed_loop, is_own_way_back, most_loops, &
+      open_curves_type, trace_border, zone_type
    use vi_conditions, only: all_conditions
    use vi_curve, only: correct, curve_type, parameters_of
    use vi_family, only: repetition_distance
@@ -305,8 +305,12 @@ contains
       end do
       if (zone%n == before) return
       call join_loose_ends(zone)
-      if (net%surface%frame%resting) call set_apart(zone, net%borders(:size(is_open)), is_open, &
-         request%points, progress)
+      if (.not. net%surface%frame%resting) return
+      call set_apart(zone, net%borders(:size(is_open)), is_open, request%points, progress)
+      do i = 1, zone%n
+         ! a joint may have closed a curve that has turned round
+         zone%loops(i)%closed = zone%loops(i)%closed .and. .not. is_own_way_back(zone%loops(i))
+      end do
    end subroutine keep_open
 
    !> Whether closed loops enclose a seed. Those of a zone with rest may be parts of it, with a
