@@ -52,7 +52,7 @@ def test_each_kind_of_change(tmp_path):
 @pytest.mark.parametrize("folder", ROOMS)
 def test_one_line_of_one_file(folder):
     files = [
-        str(path.relative_to(ROOT)) for path in sorted((ROOT / "src" / folder).glob("[p-s]*.f90"))
+        str(path.relative_to(ROOT)) for path in sorted((ROOT / "src" / folder).rglob("[p-s]*.f90"))
     ]
     drawn = sample(files, 20, 5)
     assert drawn == sample(files, 20, 5) != sample(files, 20, 6)

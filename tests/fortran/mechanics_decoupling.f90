@@ -199,7 +199,7 @@ contains
             call check(alike(reshape(scaled%stiffness, [n, 1]), unit**2* &
                reshape(parts%stiffness, [n, 1])) .and. alike(reshape(scaled%damping, [n, 1]), &
                unit*reshape(parts%damping, [n, 1])), 'units of time: rates')
-            ! the unit of a pair itself may be any: what it gives of positions and velocities is the same
+            ! the unit of a pair may be any: what it gives of positions and velocities is the same
             do j = 1, n
                call check(alike(share(scaled%qx, scaled%xq, j), share(parts%qx, parts%xq, j)) &
                   .and. alike(share(scaled%dv, scaled%vd, j), share(parts%dv, parts%vd, j)) .and. &

@@ -90,6 +90,7 @@ contains
    end function r_lines
 
    !> The lines, and one on each resonance r = 1/n: with little damping, zones are narrow there.
+   !! Where there are more resonances than lines, the lines alone.
    pure function with_resonances(at, low, high) result(all)
       !> Places of the lines of constant r from 0 to 1.
       real(wp), intent(in) :: at(:)
@@ -102,6 +103,7 @@ contains
       integer :: i, n
 
       all = at
+      if (1/low - 1/high > size(at)) return
       do n = floor(1/low), ceiling(1/high), -1
          place = (1.0_wp/n - low)/(high - low)
          if (minval(abs(all - place)) < same) cycle
