@@ -20,8 +20,8 @@ from hypothesis.extra import numpy as arrays
 
 #: Examples of a whole run for each function.
 COUNT = 200
-#: Methods that need a display, a browser or a film.
-LEFT_OUT = {"animate", "plot"}
+#: Methods that need a display, a browser or a film, and those of sequences of Python.
+LEFT_OUT = {"animate", "plot", "count", "index"}
 
 
 def fuzz(report, options):
@@ -312,7 +312,8 @@ def fault_of(function, arguments, parameters, counts, errors):
             list(zip(range(10), answer, strict=False))
 
     error = limited(call)
-    if error is None or isinstance(error, KeyboardInterrupt):
+    lacks = isinstance(error, AttributeError) and " does not have it; it has " in str(error)
+    if error is None or lacks or isinstance(error, KeyboardInterrupt):
         counts[1] += 1
         return None
     if isinstance(error, own_error):

@@ -154,10 +154,12 @@ def check_sizes(tables: dict[str, Table]) -> None:
     for name, table in tables.items():
         if not table.columns and table.owners is None:
             raise ParameterError(f"{name}.columns: must hold at least one column")
-        own = {
-            column.each: column.values.shape[-1] for column in table.columns.values() if column.each
-        }
-        for dim, size in [*table.dims.items(), *own.items()]:
+        own = [
+            (column.each, column.values.shape[-1])
+            for column in table.columns.values()
+            if column.each
+        ]
+        for dim, size in [*table.dims.items(), *own]:
             if sizes.setdefault(dim, size) != size:
                 raise ParameterError(
                     f"{name}: {dim} = {size}: must be {sizes[dim]}, its size elsewhere in the record"

@@ -327,7 +327,7 @@ class Noun(Savable):
             raise AttributeError(self._lack("osc", "structure and load"))
         keys = self.keys
         if "xi" not in keys:
-            raise AttributeError(f"osc: the case of this {type(self).__name__} has no &system")
+            raise AttributeError(self._lack("osc", "a case without &system"))
         return Oscillator._of_keys(keys)
 
     @property
