@@ -283,10 +283,6 @@ class Noun(Savable):
         structure = self.structure
         return {"coordinates": str(structure.coordinates), "gaps": str(len(structure.gaps))}
 
-    def _table(self, table: str, name: str) -> NDArray[Any]:
-        """A column of a table."""
-        return self._result.column(table, name).decoded()
-
     def _check_read(self) -> None:
         groups = self.case and {name for name, _ in parts_of(self.case)}
         if groups and self.studies[1:] and ("structure" in groups) != self.of_structure:

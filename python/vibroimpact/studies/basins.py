@@ -16,8 +16,8 @@ from ..base.errors import ParameterError, SingularError, VibroimpactError
 from ..base.spacing import Axis
 from ..motions.exact import attractor_at_end
 from ..motions.motion import Motion
+from ..motions.structure_case import run_structure, start_keys
 from ..motions.structure_motion import StructureMotion
-from ..motions.structure_noun import run_structure, start_keys
 from ..motions.trajectory import simulate
 from ..results import door
 from ..results.noun import Noun, column, key
@@ -141,9 +141,11 @@ class Basins(Noun, study="basins", of_structure="basins_structure", formerly="St
     @property
     def states(self) -> _Array:
         if self.of_structure:
-            parts = [self._table("states", name) for name in ("q", "q_dot")]
+            parts = [self._values("states", name) for name in ("q", "q_dot")]
             return np.stack([np.moveaxis(part, -1, 0) for part in parts])
-        return np.stack([self._table("states", name) for name in ("t", "x", "x_dot", "z", "z_dot")])
+        return np.stack(
+            [self._values("states", name) for name in ("t", "x", "x_dot", "z", "z_dot")]
+        )
 
     @property
     def axes(self) -> tuple[Axis, Axis] | None:
@@ -489,7 +491,7 @@ def attractors_of(basins: Basins) -> list[Attractor]:
 def attractors_of_structure(basins: Basins) -> list[Attractor]:
     """The attractors of a structure that the core found, with the exact motion of each."""
     motions = structure_motions_of(basins)
-    names, numbers = (basins._table("attractors", name) for name in ("name", "number"))
+    names, numbers = (basins._values("attractors", name) for name in ("name", "number"))
     if numbers.size and numbers.max() >= len(motions):
         raise ParameterError(
             f"attractors.number = {numbers.max()}: must be below {len(motions)}, the number of motions"

@@ -13,7 +13,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.spacing import spacing_of
 from ..base.status import NOT_COMPUTED, sentence
-from ..motions.structure_noun import run_structure, start_keys
+from ..motions.structure_case import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.parameters import Parameter, checked_pair, keys_of_parameter
@@ -73,7 +73,7 @@ class SettledMotions(Noun):
     @cached_property
     def _cells(self) -> tuple[_Array, list[str], NDArray[Any], NDArray[Any]]:
         """Of a structure: the values that were reached, rising, the runs, and the place of each row in both."""
-        value, run = (self._table("cells", name) for name in ("value", "run"))
+        value, run = (self._values("cells", name) for name in ("value", "run"))
         values, index = np.unique(value, return_inverse=True)
         runs = list(dict.fromkeys(run.tolist()))
         return values, runs, np.array([runs.index(name) for name in run.tolist()], "i4"), index
@@ -160,7 +160,7 @@ class BifurcationDiagram(
     def values(self) -> _Array:
         if self.of_structure:
             return self._cells[0]
-        return self._table("values", "value")
+        return self._values("values", "value")
 
     @property
     def r(self) -> float | _Array:
@@ -182,7 +182,7 @@ class BifurcationDiagram(
     def runs(self) -> list[str]:
         if self.of_structure:
             return self._cells[1]
-        runs: list[str] = self._table("runs", "run").tolist()
+        runs: list[str] = self._values("runs", "run").tolist()
         return runs
 
     @cached_property
@@ -203,7 +203,7 @@ class BifurcationDiagram(
             run, index = (place[owners] for place in self._cells[2:])
         else:
             run, index = np.divmod(owners, self.values.size)
-        columns = [self._table(name, each) for each in names]
+        columns = [self._values(name, each) for each in names]
         kinds = [
             (each, item.dtype, item.shape[1:]) for each, item in zip(names, columns, strict=True)
         ]

@@ -15,8 +15,8 @@ from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.jupyter import rows_html
 from ..base.status import VERDICT, sentence
 from ..motions.motion import motions_of
+from ..motions.structure_case import run_structure
 from ..motions.structure_motion import StructureMotion, _rests, check_numbers
-from ..motions.structure_noun import run_structure
 from ..results import door
 from ..results.noun import FORMER, Noun, key
 from ..results.states import state_by_coordinates

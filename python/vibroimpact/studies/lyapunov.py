@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
-from ..motions.structure_noun import run_structure, start_keys
+from ..motions.structure_case import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.errors import ParameterError
-from ..motions.structure_noun import run_structure, start_keys
+from ..motions.structure_case import run_structure, start_keys
 from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point

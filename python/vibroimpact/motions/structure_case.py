@@ -1,4 +1,4 @@
-"""What the studies of structures have in common: their cases as namelists, and their results."""
+"""Cases of structures for the studies of the core."""
 
 from __future__ import annotations
 
@@ -10,22 +10,11 @@ import numpy as np
 from ..base import checks
 from ..base.errors import ParameterError
 from ..results import door, namelist
-from ..results.noun import Noun
 from ..results.tables import language
 from ..systems.structure import Load, Structure
 from .structure_trajectory import _state
 
 _Found = TypeVar("_Found")
-
-
-class StructureNoun(Noun):
-    """A result of a study of structures alone."""
-
-    __slots__ = ()
-
-    @property
-    def of_structure(self) -> bool:
-        return True
 
 
 def run_structure(
