@@ -26,8 +26,13 @@ class Progress:
         return self
 
     def __exit__(self, *error: object) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Remove the bar until it is drawn again, so that a line can be printed in its place."""
         if self.shown:
             print("\r" + " " * (len(self.label) + WIDTH + 70) + "\r", end="", file=sys.stderr)
+            self.shown = False
 
     def show(self, share: float, note: str = "") -> None:
         """Draw the bar for a share of the work between 0 and 1, with the estimated remaining time.

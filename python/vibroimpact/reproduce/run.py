@@ -1,5 +1,4 @@
-"""Performs the requested tasks that are not yet done, several at a time, with a bar that shows the remaining
-time."""
+"""Performs the requested tasks, several at a time, each after those that it needs."""
 
 from __future__ import annotations
 
@@ -9,42 +8,15 @@ import os
 import signal
 import sys
 import threading
-import time
-from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from graphlib import TopologicalSorter
 from pathlib import Path
-from typing import TextIO
+from typing import Any
 
 from ..base.errors import ParameterError, VibroimpactError
-from .tasks import NAMES, TASKS, Done, fingerprint, perform, recall, with_needs
-
-
-class Bar:
-    """A line on a terminal with the share done and the estimated remaining time."""
-
-    def __init__(self, names: Iterable[str], stream: TextIO) -> None:
-        self.left = {name: TASKS[name].weight for name in names}
-        self.whole = sum(self.left.values()) or 1.0
-        self.stream, self.begin = stream, time.monotonic()
-        self.shown = bool(self.left) and stream.isatty()
-
-    def draw(self) -> None:
-        """Redraw the line."""
-        if not self.shown:
-            return
-        share = 1 - sum(self.left.values()) / self.whole
-        passed = time.monotonic() - self.begin
-        time_left = f"{passed * (1 / share - 1):.0f} s left" if share > 0.03 else "..."
-        cells = round(30 * share)
-        line = f"[{'#' * cells}{'.' * (30 - cells)}] {share:4.0%}  {time_left}"
-        self.stream.write(f"\r{line}\x1b[K")
-        self.stream.flush()
-
-    def clear(self) -> None:
-        """Remove the line."""
-        if self.shown:
-            self.stream.write("\r\x1b[K")
-            self.stream.flush()
+from ..base.progress import Progress
+from .tasks import NAMES, TASKS, Done, perform, with_needs
 
 
 def reproduce(
@@ -55,8 +27,8 @@ def reproduce(
 ) -> int:
     """Recompute the named items (all, if none is named) and write them to a folder.
 
-    Existing results of this version from the same sources are kept. Items run in processes of
-    their own (started by "spawn": a script that calls this needs ``if __name__ == "__main__":``).
+    Items run in processes of their own (started by "spawn": a script that calls this needs
+    ``if __name__ == "__main__":``).
 
     Parameters
     ----------
@@ -80,103 +52,90 @@ def reproduce(
             raise ParameterError(f"NAME = {name!r}: must be one of {', '.join(NAMES)}")
     folder = Path(folder)
     (folder / "data").mkdir(parents=True, exist_ok=True)
-    prints = {name: fingerprint(name, resolution) for name in with_needs(wanted)}
-    finished: dict[str, Done] = {}
-    for name, print_ in prints.items():
-        known = recall(folder, name, print_)
-        if known is not None and all(need in finished for need in TASKS[name].needs):
-            finished[name] = known
-            if name in wanted:
-                print(known.messages, end="")
-                print(f"{name}: up to date")
-    missing = {name: print_ for name, print_ in prints.items() if name not in finished}
-    bar = Bar(missing, sys.stderr)
-    agree = [done.agrees for done in finished.values()]
+    needed = with_needs(wanted)
     if workers is None:
-        workers = min(len(missing), len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity")
+        workers = min(len(needed), len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity")
                       else os.cpu_count() or 1)  # fmt: skip
-    for name, done in _perform_all(missing, folder, resolution, max(1, workers), bar):
-        bar.clear()
-        if isinstance(done, Done):
-            print(done.messages, end="")
-            if name in wanted:
-                written = ", ".join(str(folder / output) for output in TASKS[name].outputs)
-                print(f"{name}: written: {written}", flush=True)
-            agree.append(done.agrees)
-        else:
-            print(f"{name}: {done}", file=sys.stderr)
-            agree.append(False)
-        bar.draw()
-    bar.clear()
+    agree = []
+    with Progress("reproduce") as bar:
+        for name, done in _perform_all(needed, folder, resolution, workers, bar.show):
+            if isinstance(done, Done):
+                bar.clear()
+                print(done.messages, end="")
+                if name in wanted:
+                    written = ", ".join(str(folder / output) for output in TASKS[name].outputs)
+                    print(f"{name}: written: {written}", flush=True)
+            else:
+                bar.clear()
+                print(f"{name}: {done}", file=sys.stderr)
+            agree.append(isinstance(done, Done) and done.agrees)
     return 0 if all(agree) else 1
 
 
+class _InThisProcess(Executor):
+    """Performs each call as it comes."""
+
+    def submit(self, call: Callable[..., Any], /, *arguments: Any, **_: Any) -> Future[Any]:
+        """The call, done."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(call(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
 def _perform_all(
-    missing: dict[str, str], folder: Path, resolution: float, workers: int, bar: Bar
+    names: list[str], folder: Path, resolution: float, workers: int, show: Callable[[float], None]
 ) -> Iterator[tuple[str, Done | str]]:
-    """Perform tasks as soon as their dependencies are done; a failure affects only the tasks that depend on
+    """Perform each task as soon as those that it needs are done; a failure affects only the tasks that need
     it."""
-    waiting = dict(missing)
+    order = TopologicalSorter({name: TASKS[name].needs for name in names})
+    order.prepare()
+    left = {name: TASKS[name].weight for name in names}
+    whole = sum(left.values())
     failed: set[str] = set()
-
-    def settle(name: str, future: Future[Done] | None) -> tuple[str, Done | str]:
-        bar.left.pop(name, None)
-        try:
-            return name, future.result() if future else perform(
-                name, folder, resolution, missing[name]
-            )
-        except VibroimpactError as error:
-            failed.add(name)
-            return name, str(error)
-        except OSError as error:
-            failed.add(name)
-            where = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-            return name, f"{where}; must be a folder and disk that can be written"
-
-    def ready() -> Iterator[str]:
-        for name in list(waiting):
-            pending = [
-                need for need in TASKS[name].needs if need in waiting or need in running_names
-            ]
-            if not pending:
-                del waiting[name]
-                yield name
-
-    running_names: set[str] = set()
-    if workers == 1:
-        for name in list(missing):
-            bar.draw()
-            if failed & set(TASKS[name].needs):
-                failed.add(name)
-                yield name, "left out: something that it needs failed"
-            else:
-                yield settle(name, None)
-        return
-    context = multiprocessing.get_context("spawn")
+    running: dict[Future[Done], str] = {}
     # Ctrl-C is handled by this process: running tasks are finished, so that all written results are complete
-    with ProcessPoolExecutor(workers, context, _start_worker) as pool:
-        running: dict[Future[Done], str] = {}
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, _start_worker) if workers > 1 else _InThisProcess()
+    with pool:
         try:
-            while waiting or running:
-                for name in ready():
+            while order.is_active():
+                for name in order.get_ready():
                     if failed & set(TASKS[name].needs):
-                        failed.add(name)
-                        bar.left.pop(name, None)
-                        yield name, "left out: something that it needs failed"
-                        continue
-                    with _interrupt_waits():
-                        future = pool.submit(perform, name, folder, resolution, missing[name])
+                        future: Future[Done] = Future()
+                        future.set_exception(
+                            VibroimpactError("left out: something that it needs failed")
+                        )
+                    else:
+                        with _interrupt_waits():
+                            future = pool.submit(perform, name, folder, resolution)
                     running[future] = name
-                    running_names.add(name)
-                done, _ = wait(running, timeout=0.5, return_when=FIRST_COMPLETED)
-                for future in done:
+                finished, _ = wait(running, timeout=0.5, return_when=FIRST_COMPLETED)
+                for future in finished:
                     name = running.pop(future)
-                    running_names.discard(name)
-                    yield settle(name, future)
-                bar.draw()
+                    order.done(name)
+                    del left[name]
+                    done = _outcome(future)
+                    if not isinstance(done, Done):
+                        failed.add(name)
+                    yield name, done
+                show(1 - sum(left.values()) / whole)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
+
+
+def _outcome(future: Future[Done]) -> Done | str:
+    """What a task came to, or why it failed."""
+    try:
+        return future.result()
+    except VibroimpactError as error:
+        return str(error)
+    except OSError as error:
+        where = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        return f"{where}; must be a folder and disk that can be written"
 
 
 @contextlib.contextmanager

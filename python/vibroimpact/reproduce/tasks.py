@@ -1,20 +1,15 @@
-"""The tasks of the recomputation, each with its dependencies, its outputs, and its fingerprint."""
+"""The tasks of the recomputation, each with its dependencies and its outputs."""
 
 from __future__ import annotations
 
-import ast
 import contextlib
-import hashlib
 import io
 import json
 import time
 from collections.abc import Iterable
-from functools import cache
 from importlib import import_module
-from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..base.files import write_text
 from .paper import RATIOS
@@ -91,53 +86,6 @@ def with_needs(names: Iterable[str]) -> list[str]:
     return [name for name in TASKS if name in wanted]
 
 
-def _digest(paths: Iterable[Path]) -> str:
-    total = hashlib.sha256()
-    for path in sorted(paths):
-        total.update(path.name.encode() + b"\0" + path.read_bytes())
-    return total.hexdigest()
-
-
-def _imports(module: str, seen: set[str]) -> set[str]:
-    """The modules of this folder that a module uses, including itself."""
-    if module not in seen:
-        seen.add(module)
-        source = (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(source)):
-            if isinstance(node, ast.ImportFrom) and node.level == 1:
-                for name in [node.module] if node.module else [x.name for x in node.names]:
-                    _imports(name, seen)
-    return seen
-
-
-def _core() -> Path:
-    """The compiled core."""
-    spec = find_spec("vibroimpact._core")
-    if spec is None or spec.origin is None:
-        raise ModuleNotFoundError("vibroimpact._core")
-    return Path(spec.origin)
-
-
-@cache
-def _sources(module: str) -> str:
-    """Digest of everything on which a module's results depend: its sources, those of the package, the compiled
-    core."""
-    here = Path(__file__).parent
-    package = {path for path in here.parent.rglob("*.py") if path.parent != here}
-    package.discard(here.parent / "command.py")  # computes nothing
-    used = _imports(module, set()) - {"tasks"}
-    return _digest({_core(), *package, *(p for name in used for p in here.glob(f"{name}.*"))})
-
-
-def fingerprint(name: str, resolution: float) -> str:
-    """Digest of everything on which the outputs of a task depend: version, sources, resolution, and
-    dependencies."""
-    task = TASKS[name]
-    parts = [name, version("vibroimpact"), _sources(task.module), repr(resolution)]
-    parts += [fingerprint(need, resolution) for need in task.needs]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
-
-
 def _stamp(folder: Path, name: str) -> Path:
     return folder / "data" / f".{name}.done"
 
@@ -147,20 +95,8 @@ def seconds(folder: Path, name: str) -> float:
     return float(json.loads(_stamp(folder, name).read_text(encoding="utf-8"))["seconds"])
 
 
-def recall(folder: Path, name: str, print_: str) -> Done | None:
-    """The finished task, if its fingerprint and its outputs are still the same."""
-    try:
-        stamp: dict[str, Any] = json.loads(_stamp(folder, name).read_text(encoding="utf-8"))
-        same = stamp["fingerprint"] == print_ and stamp["outputs"] == {
-            output: _digest([folder / output]) for output in TASKS[name].outputs
-        }
-        return Done(name, stamp["agrees"], stamp["messages"], stamp["seconds"]) if same else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-
-
-def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
-    """Perform one task, write its outputs, and finally its stamp."""
+def perform(name: str, folder: Path, resolution: float) -> Done:
+    """Perform one task, write its outputs, and finally what came of it."""
     begin = time.process_time()
     task, messages = TASKS[name], io.StringIO()
     with contextlib.redirect_stdout(messages):
@@ -173,7 +109,5 @@ def perform(name: str, folder: Path, resolution: float, print_: str) -> Done:
         else:
             agrees = import_module(f".{task.module}", __package__).reproduce(folder, resolution)
     done = Done(name, bool(agrees), messages.getvalue(), time.process_time() - begin)
-    outputs = {output: _digest([folder / output]) for output in task.outputs}
-    stamp = {"fingerprint": print_, "outputs": outputs, **done._asdict()}
-    write_text(_stamp(folder, name), json.dumps(stamp) + "\n")
+    write_text(_stamp(folder, name), json.dumps(done._asdict()) + "\n")
     return done
