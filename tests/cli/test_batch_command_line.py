@@ -96,7 +96,7 @@ def test_example_of_the_program(batch):
 
 
 # examples that write: test_help.py; explore, which does not end by itself: test_explorer.py
-@pytest.mark.parametrize("sub", [[], ["doctor"], ["bench"], ["completion"]])
+@pytest.mark.parametrize("sub", [[], ["doctor"], ["completion"]])
 def test_example_of_the_command(sub, tmp_path):
     """The example in the help of each command works as written."""
     run = Runner([find_command()], tmp_path)

@@ -118,13 +118,12 @@ def masks_of_workers(parent):
 
 
 @pytest.mark.parametrize(("words", "left"), [
-    (["bench"], ""),
     (["find", "--xi", ".1", "--mu", ".1", "--restitution", ".5", "--r", ".9", "--clearance", "9"],
      "; nothing was finished"),
     (["find", "case.nml", "--max-impacts", "2"], "; what was finished was printed"),
 ])  # fmt: skip
 def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
-    """The message of an interrupted command says whether results were printed; `bench` has none."""
+    """The message of an interrupted command says whether results were printed."""
     monkeypatch.chdir(tmp_path)
     pair = "&motion kind = 'equispaced', clearance = {} /\n"
     write(tmp_path / "case.nml", EQUAL + pair.format(20) + pair.format(21))
@@ -136,11 +135,7 @@ def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
         calls.append(1)
         return ours(*arguments, **options)
 
-    def best(work):
-        raise KeyboardInterrupt
-
     monkeypatch.setattr("vibroimpact.commands.find.find", find)
-    monkeypatch.setattr("vibroimpact.commands.bench.best", best)
     assert main(words) == 1
     assert capsys.readouterr().err == f"vibroimpact {words[0]}: interrupted{left}\n"
 

@@ -70,7 +70,7 @@ def public_calls(folder):
     vi.same_motion(motion, motion)
     vi.standard_motion(motion)
     vi.motion_images(motion)
-    # asked for by `vibroimpact bench`, for the progress of a search, and once in a process
+    # asked for by benchmarks, for the progress of a search, and once in a process
     _core.equispaced_chart(RIG.xi, RIG.mu, RIG.restitution, [0.9, 1.0], [20.0, 30.0], 1, 1, 1)
     shares_of(2, 1, True)
     _core.describe_language(1_000_000)

@@ -29,9 +29,9 @@ INTERRUPT = "Ctrl-C: what is finished is kept, status 1"
 UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
 )
-WITHOUT_UNITS = ("explore", "identify", "reproduce", "init", "doctor", "bench", "completion")
+WITHOUT_UNITS = ("explore", "identify", "reproduce", "init", "doctor", "completion")
 #: Commands that compute nothing that is saved.
-WITHOUT_FILES = ("explore", "init", "doctor", "bench", "completion")
+WITHOUT_FILES = ("explore", "init", "doctor", "completion")
 
 
 #: A negative number in any notation.
