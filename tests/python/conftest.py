@@ -8,6 +8,7 @@ import pytest
 pytest.register_assert_rewrite("shared_laws", "shared_simulations", "shared_structures")
 
 import vibroimpact as vi  # noqa: E402
+from shared_answers import load  # noqa: E402
 from shared_explorer import browser, page, server  # noqa: E402, F401
 from shared_motions import COLUMN, rest_motion  # noqa: E402
 from shared_results import STUDIES_NAMED, example  # noqa: E402
@@ -35,6 +36,12 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if "browser" in item.fixturenames:
             item.add_marker("browser")
+
+
+@pytest.fixture(scope="session")
+def kept_cases(pytestconfig):
+    """The kept cases with their answers; with --once, every fifth."""
+    return load()[:: 5 if pytestconfig.getoption("--once") else 1]
 
 
 @pytest.fixture(scope="session")

@@ -10,15 +10,12 @@ import os
 from shared_answers import DECLARED, answer, declarations, differences, load, put_files
 
 
-def test_answers(tmp_path, monkeypatch, pytestconfig):
-    """Two compilers and two LAPACK libraries have the kept answers in common, but for rounding.
-
-    With --once, every third case is run.
-    """
+def test_answers(kept_cases, tmp_path, monkeypatch):
+    """Two compilers and two LAPACK libraries have the kept answers in common, but for rounding."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
     changed = []
-    for kept in load()[:: 3 if pytestconfig.getoption("--once") else 1]:
+    for kept in kept_cases:
         found = json.loads(json.dumps(answer(kept["text"])))
         changed += [f"{name} of\n{kept['text']}" for name in differences(kept["answer"], found)]
         # a test of the tests asks only whether there is any
