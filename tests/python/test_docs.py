@@ -75,9 +75,9 @@ def test_blocks(page, tmp_path, monkeypatch):
 
 
 def test_readme_shows_what_it_says():
-    """README.md has one block each of Python and namelist, which print the output shown."""
+    """README.md has two blocks of Python and one namelist, which print the output shown."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     languages = [language for language, _, _ in BLOCK.findall(text)]
-    assert languages == ["python", "text", "fortran", "console"]
+    assert languages == ["python", "text", "python", "text", "fortran", "console"]
     for path in re.findall(r"\]\(([^)#:]+)\)", text):
         assert (ROOT / path).exists(), path
