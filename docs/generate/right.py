@@ -37,7 +37,7 @@ def maps_of(motion):
     """Derivatives of the maps between impacts by complex step, from first principles."""
     return fp.impact_jacobians(
         system_of(motion),
-        motion.phases,
+        motion.alpha,
         motion.X,
         motion.X_dot_after,
         motion.Z_dot_after,
@@ -50,13 +50,13 @@ def newtons_law(motion):
     lengths = np.divide(
         [motion.X, *(np.full(len(motion.X), w) for w in waves(motion))], motion.clearance
     )
-    off = fp.mismatch(system_of(motion), motion.phases, lengths[0], lengths[1][0], lengths[2][0])
+    off = fp.mismatch(system_of(motion), motion.alpha, lengths[0], lengths[1][0], lengths[2][0])
     return np.abs(off).max()
 
 
 def linear_problem(motion):
     """Clearance and positions of the linear problem (DGELS) with exact phases, relative to the clearance."""
-    linear = vi.periodic(motion.osc, motion.r, motion.phases, motion.pattern)
+    linear = vi.periodic(motion.osc, motion.r, motion.alpha, motion.pattern)
     apart = [linear.clearance - motion.clearance, *(linear.X - motion.X)]
     return np.abs(apart).max() / motion.clearance
 
@@ -93,9 +93,9 @@ def simulated(motion):
         periods * motion.pattern.cycles - 0.01,
         after_impact(motion),
     )
-    n = len(motion.phases)
+    n = len(motion.alpha)
     turns = np.arange(1, len(run.events) + 1)
-    wanted = motion.phases[turns % n] + 2 * math.pi * motion.pattern.cycles * (turns // n)
+    wanted = motion.alpha[turns % n] + 2 * math.pi * motion.pattern.cycles * (turns // n)
     return np.abs(run.events["time"] * motion.r - motion.load_phase - wanted).max()
 
 
@@ -167,7 +167,7 @@ def rows():
     all_motions = [motion for point in POINTS for motion in motions(*point)]
     isolated = [
         motion for motion in all_motions
-        if len(motion.pattern) != 2 or abs(motion.phases[1] - math.pi * motion.pattern.cycles) > 1e-6
+        if len(motion.pattern) != 2 or abs(motion.alpha[1] - math.pi * motion.pattern.cycles) > 1e-6
     ]  # fmt: skip
     stable = [motion for motion in all_motions if motion.stable and motion.admissible]
     points = [(RIG, 0.9, 6.0), (FIRST, 0.94, 37.0), (FIRST, 1.1, 4.0)]

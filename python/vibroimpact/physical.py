@@ -36,7 +36,7 @@ UNITS = {
     "x": "F0/K", "z": "F0/K", "X": "F0/K", "Z": "F0/K", "Y": "F0/K", "clearance": "F0/K",
     "x_dot": "omega F0/K", "z_dot": "omega F0/K", "X_dot": "omega F0/K", "Z_dot": "omega F0/K",
     "X_ddot": "omega^2 F0/K", "Z_ddot": "omega^2 F0/K", "load": "F0", "phase": "rad", "phases": "rad",
-    "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
+    "alpha": "rad",    "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
     "xi": "", "mu": "", "R1": "", "R2": "", "restitution": "", "x_over_D": "",
 } | Quantities.units  # fmt: skip
 
@@ -150,6 +150,8 @@ class Physical:
         if name == "frequency":
             return self.result.r * self.units.frequency
         value = getattr(self.result, name)
+        if name.startswith("_"):
+            return value
         if callable(value):
             raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
         return self._converted(name, value)
@@ -228,11 +230,12 @@ class Physical:
         """The animation of the result in physical units; arguments as of its own `animate`."""
         return type(self.result).animate(self, *args, **options)
 
-    def _animate(self, path: Any, cycles: float, seconds: float) -> Any:
+    def _animate(self, *options: Any) -> Any:
         """The animation, for `animate` of the class of the result."""
         from .plot import animate
 
-        return animate(self.result, path, cycles, seconds, self.units)
+        film: Any = animate
+        return film(self.result, *options, self.units)
 
     def __bool__(self) -> bool:
         return True  # most results have no length

@@ -204,7 +204,7 @@ def test_given_numbers_stand_in_the_rows(word, cases, results):
             continue
         motion, expected = motions(results / f"{name}.csv")[0], by_api(case, precision)
         assert floats(motion, "r")[0] == expected.r
-        assert floats(motion, "phase") == expected.phases.tolist()
+        assert floats(motion, "phase") == expected.alpha.tolist()
         assert floats(motion, "restitution") == expected.restitution.tolist()
 
 

@@ -84,7 +84,7 @@ def test_exact_motion(batch, same_build):
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     guess = ([0, 1.37 * np.pi], vi.Pattern("RL"))
     motion = vi.exact(osc, 0.94, 37.0, guess)
-    assert column(table, "phase").tolist() == motion.phases.tolist()
+    assert column(table, "phase").tolist() == motion.alpha.tolist()
     assert column(table, "X").tolist() == motion.X.tolist()
     assert column(table, "clearance").tolist() == [37.0, 37.0]
     assert column(table, "residual").max() < 1e-13

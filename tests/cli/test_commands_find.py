@@ -121,7 +121,7 @@ def test_table_of_motions(tool, found):
     for motion, expected in zip(table, found, strict=True):
         assert_same(motion, expected)
         assert motion["side"] == expected.pattern.symbols
-        assert floats(motion, "phase") == expected.phases.tolist()
+        assert floats(motion, "phase") == expected.alpha.tolist()
     head = [line for line in (tool.cwd / "out/find.csv").read_text().split("\n") if line[:1] == "#"]
     assert head[-1] == f"# ! searched: {found.search}"
     (case,) = vi.read_namelist(tool.cwd / "out/find.csv")

@@ -109,7 +109,7 @@ def samples(vi):
         "vertices": 3,
     }  # fmt: skip
     annotated = {
-        "Load": load, "Structure": structure, "StructureMotion": moving, "tuple[float, float]": (0.9, 1.1),
+        "Load": load, "Structure": structure, "tuple[float, float]": (0.9, 1.1),
         "Trajectory": vi.simulate(osc, 0.94, 37.0, 3),
     }  # fmt: skip
     zone = vi.zone(osc, "RL", (0.93, 0.95), (36.0, 38.0), lines=5, guesses=1)

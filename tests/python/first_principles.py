@@ -64,7 +64,7 @@ class Motion:
     """A periodic motion in F0/K, 1/omega; one entry an impact."""
 
     system: System
-    phases: np.ndarray
+    alpha: np.ndarray
     clearance: float
     c: float
     s: float

@@ -7,14 +7,14 @@ from first_principles import fly, steady, velocities
 def flight(motion, t):
     """X, X_dot, Z, Z_dot of a motion at times t within one period, right-continuous."""
     system, t = motion.system, np.asarray(t, float)
-    i = np.searchsorted(motion.phases / system.r, t, side="right") - 1
-    time = t - (motion.phases / system.r)[i]
+    i = np.searchsorted(motion.alpha / system.r, t, side="right") - 1
+    time = t - (motion.alpha / system.r)[i]
     x, v = fly(
         system.xi,
         system.r,
         motion.c,
         motion.s,
-        motion.phases[i],
+        motion.alpha[i],
         motion.X[i],
         motion.X_dot_after[i],
         time,
@@ -32,10 +32,10 @@ def flights(motion, samples):
         acceleration of M: position^2 + velocity^2 of the free part never grows.
     """
     system = motion.system
-    time, *_ = velocities(system, motion.phases, motion.X, motion.clearance)
+    time, *_ = velocities(system, motion.alpha, motion.X, motion.clearance)
     for i, period in enumerate(time):
         t = np.linspace(0.0, period, samples)
-        angle, X, V = motion.phases[i], motion.X[i], motion.X_dot_after[i]
+        angle, X, V = motion.alpha[i], motion.X[i], motion.X_dot_after[i]
         x, v = fly(system.xi, system.r, motion.c, motion.s, angle, X, V, t)
         x0, v0 = steady(system.r, motion.c, motion.s, angle)
         bound = (1 + 2 * system.xi) * np.hypot(X - x0, V - v0) + system.amplitude * system.r**2

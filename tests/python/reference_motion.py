@@ -42,7 +42,7 @@ class ReferenceMotion:
         self.amplitude = (motion.load + by["load"]) / mp.sqrt(
             (1 - self.r**2) ** 2 + (2 * self.xi * self.r) ** 2
         )
-        start = [*motion.X, *(motion.phases + motion.tau)]
+        start = [*motion.X, *(motion.alpha + motion.tau)]
         self.u = self.solved([mpf(float(value)) for value in start])
 
     def speeds(self, u):
@@ -147,8 +147,10 @@ class ReferenceMotion:
             for side in gaps:
                 inside = [abs(self.half[0]) - side * y for y in slot]
                 gaps[side].append(min(inside, default=mp.nan))
+        whole = 2 * mp.pi * mp.floor((u[n] + lag) / (2 * mp.pi))
         return {
-            "phases": [u[n + i] - u[n] for i in range(n)],
+            "alpha": [u[n + i] - u[n] for i in range(n)],
+            "phases": [u[n + i] + lag - whole for i in range(n)],
             "X": u[:n],
             "Z": [u[i] + self.half[i] for i in range(n)],
             "X_dot_before": before,

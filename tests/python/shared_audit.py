@@ -304,7 +304,7 @@ def section_of(motion):
     times = np.mod(phases - start, ls.TURN * k) / motion.r
     history = motion.sample(times)
     if motion.rest_events is None:
-        happened, resting = np.asarray(motion.phases) / motion.r, np.zeros(times.size, bool)
+        happened, resting = np.asarray(motion.alpha) / motion.r, np.zeros(times.size, bool)
     else:
         events = motion.events
         happened = np.asarray(events["time"])
@@ -326,7 +326,7 @@ def matches(motion, orbit_, tolerance=1e-8):
     tolerance = max(tolerance, 100 * error)
     if n != len(orbit_.letters) or motion.pattern.cycles != orbit_.cycles:
         return False
-    phase = np.asarray(motion.phases) + motion.load_phase
+    phase = np.asarray(motion.alpha) + motion.load_phase
     own = np.c_[phase, motion.X, motion.X_dot_after, motion.Z_dot_after]
     limits = tolerance * np.array([1.0, *3 * [max(1.0, motion.clearance)]])
     for shift in range(n):

@@ -69,9 +69,9 @@ def exact(case):
     assume(np.ptp(case.system.signs) > 0)
     motion = fp.newton(case.system, case.phases)
     assume(motion is not None)
-    condition = np.linalg.cond(fp.linear_system(case.system, motion.phases)[0])
+    condition = np.linalg.cond(fp.linear_system(case.system, motion.alpha)[0])
     assume(condition < 1e6)
-    return replace(case, phases=motion.phases), motion
+    return replace(case, phases=motion.alpha), motion
 
 
 def spread(case):
@@ -110,7 +110,7 @@ def rebuild(motion, system):
     """Return the reference's motion with the package's numbers in it."""
     return fp.Motion(
         system,
-        motion.phases,
+        motion.alpha,
         motion.clearance,
         motion.A * np.cos(motion.tau),
         motion.A * np.sin(motion.tau),
@@ -133,9 +133,9 @@ def scaled(maps, motion):
 def event_condition(motion, system):
     """Return the largest ratio of the speeds to an approach speed, times the condition of the phases."""
     c, s = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
-    end = np.append(motion.phases[1:], TURN * system.cycles)
-    time = (end - motion.phases) / system.r
-    _, v = fp.fly(system.xi, system.r, c, s, motion.phases, motion.X, motion.X_dot_after, time)
+    end = np.append(motion.alpha[1:], TURN * system.cycles)
+    time = (end - motion.alpha) / system.r
+    _, v = fp.fly(system.xi, system.r, c, s, motion.alpha, motion.X, motion.X_dot_after, time)
     speed = (
         np.abs(motion.Z_dot_after)
         + np.abs(v)
@@ -144,7 +144,7 @@ def event_condition(motion, system):
         + np.abs(motion.X)
     )
     approach = np.maximum(np.abs(motion.Z_dot_after - v), 1e-300)
-    return (speed / approach).max() * spread(Case(system, motion.phases, ()))
+    return (speed / approach).max() * spread(Case(system, motion.alpha, ()))
 
 
 def assert_multipliers(multipliers, maps, motion, condition):

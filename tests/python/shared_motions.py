@@ -45,7 +45,7 @@ def system_of(motion):
 def after_impact(motion, i=0):
     """State just after an impact of a motion, as `simulate` takes it."""
     return state(
-        (motion.phases[i] + motion.load_phase) / motion.r,
+        (motion.alpha[i] + motion.load_phase) / motion.r,
         motion.X[i],
         motion.X_dot_after[i],
         motion.Z[i],

@@ -50,7 +50,7 @@ def check_laws(run, tolerance=1e-10):
     directions = np.array([gap.direction for gap in s.gaps])
     openings = np.array([gap.opening for gap in s.gaps])
     inverse = np.linalg.inv(s.mass)
-    t, state, resting = run.start, np.array(run.first_state), set()
+    t, state, resting = run.start, np.array(run.initial_state), set()
     for event, after in zip(run.events, run.states, strict=True):
         if event["kind"] == "impact" and not resting:
             duration = event["time"] - t

@@ -61,7 +61,7 @@ def test_residual_along_the_branch(path):
 def test_start_lies_on_the_branch(path):
     motion, branch = path
     offset = np.abs(branch.X - motion.X[:, None]).max(axis=0) / motion.clearance
-    offset += np.abs(branch.phases - motion.phases[:, None]).max(axis=0)
+    offset += np.abs(branch.alpha - motion.alpha[:, None]).max(axis=0)
     parameters = np.array([motion.r, motion.clearance, motion.osc.xi, motion.osc.mu])
     along = np.array([branch.r, branch.clearance, branch.xi, branch.mu])
     offset += np.abs(along / parameters[:, None] - 1).max(axis=0)
@@ -119,7 +119,7 @@ def touch(motion, point):
     """Greatest |Y|/D towards a wall inside a flight: dense sampling, then bounded minimisation."""
     from scipy.optimize import minimize_scalar
 
-    ends = np.r_[motion.phases, 2 * np.pi * motion.pattern.cycles] / motion.r
+    ends = np.r_[motion.alpha, 2 * np.pi * motion.pattern.cycles] / motion.r
     begin, end = ends[point.impact : point.impact + 2]
     side = 1 if point.side == "R" else -1
     times = np.linspace(begin, end, 2001)
@@ -236,7 +236,7 @@ def test_mirror_image_gives_the_same_branch():
     image = next(
         m
         for m in vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, states=0)
-        if m.stable and abs(m.phases[1] - motion.phases[1]) > 1e-3
+        if m.stable and abs(m.alpha[1] - motion.alpha[1]) > 1e-3
     )
     one, other = (vi.branch(m, "clearance", (10, 60)) for m in (motion, image))
     for a, b in zip(one.special_points, other.special_points, strict=True):
@@ -287,7 +287,7 @@ def test_columns_and_table():
     table = branch.to_xarray()
     np.testing.assert_array_equal(table["clearance"], branch.clearance)
     assert table["phases"].dims == ("point", "impact")
-    np.testing.assert_array_equal(table["phases"].T, branch.phases)
+    np.testing.assert_array_equal(table["phases"].T, branch.alpha)
     assert sorted(set(table["special"].values.tolist()) - {""}) == sorted(
         {p.type for p in branch.special_points}
     )
@@ -415,7 +415,7 @@ def test_stopped_branch(share, monkeypatch):
         for name, item in vars(vi.Branch).items()
         if isinstance(item, column) and hasattr(whole, name)
     ]
-    assert len(columns) == 23
+    assert len(columns) == 22
     for name in columns:
         assert getattr(part, name).tobytes() == getattr(whole, name)[..., there].tobytes()
     points = [point for point in whole.special_points if first <= point.index < there.stop]
@@ -489,7 +489,7 @@ def test_branch_ends_where_two_impacts_on_a_wall_come_together(seed):
         except VibroimpactError:
             continue
         assert np.isfinite(path.X).all()
-        assert np.isfinite(path.phases).all()
+        assert np.isfinite(path.alpha).all()
         for end, i in zip(path.ends, (0, len(path) - 1), strict=True):
             if end != "two impacts at one instant":
                 continue
@@ -497,6 +497,6 @@ def test_branch_ends_where_two_impacts_on_a_wall_come_together(seed):
             special = [p for p in path.special_points if p.index == i]
             assert [p.type for p in special] == ["zero_approach"]
             # the impact in question follows the one before it at once, on the same wall
-            later = np.diff(np.append(path.phases[:, i], 2 * math.pi))
+            later = np.diff(np.append(path.alpha[:, i], 2 * math.pi))
             assert later.min() < 1e-3
             assert path.admissible[i] == 0

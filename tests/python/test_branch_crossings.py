@@ -31,7 +31,7 @@ CROSSING = {"fold": 1, "pitchfork": 1, "flip": 1, "neimark_sacker": 2}
 def multipliers_of(motion):
     """Eigenvalues of the product of the derivatives of all impact maps, with many digits if it is large."""
     maps = fp.impact_jacobians(
-        system_of(motion), motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after,
+        system_of(motion), motion.alpha, motion.X, motion.X_dot_after, motion.Z_dot_after,
         motion.A * math.cos(motion.tau), motion.A * math.sin(motion.tau),
     )  # fmt: skip
     whole = np.linalg.multi_dot(maps[::-1]) if len(maps) > 1 else maps[0]
@@ -283,7 +283,7 @@ def test_two_neimark_sacker_points_within_one_step():
         (1.654267791276224, 2.5847934238691),
     )
     starts = [
-        m for m in vi.find(osc, r, clearance, max_impacts=5, max_cycles=1) if len(m.phases) == 5
+        m for m in vi.find(osc, r, clearance, max_impacts=5, max_cycles=1) if len(m.alpha) == 5
     ]
     assert len(starts) == 4
     for motion in starts:

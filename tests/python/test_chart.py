@@ -76,7 +76,7 @@ def test_equispaced_points(seed):
             assert math.remainder(float(item.tau) - motion.tau, 2 * math.pi) == pytest.approx(
                 0, abs=1e-12
             )
-            assert item.phases.values == pytest.approx(motion.phases)
+            assert item.alpha.values == pytest.approx(motion.alpha)
             leading = modulus(motion)[0]
             assert item.multiplier_modulus.values == pytest.approx(
                 modulus(motion), rel=1e-7, abs=1e-10 * leading
@@ -93,7 +93,7 @@ def test_exact_points(three):
         r, clearance = float(item.r), float(item.clearance)
         guess = newton(
             OSC, r, clearance, 1.0, vi.Pattern("RRL"), item.X.values,
-            item.phases.values + float(item.tau),
+            item.alpha.values + float(item.tau),
         )  # fmt: skip
         assert guess.X == pytest.approx(item.X.values, rel=1e-9, abs=1e-9 * clearance)
         assert guess.residual < 1e-9

@@ -55,7 +55,7 @@ def test_the_best_motion_at_resonance_is_equispaced():
     best = min(motions, key=lambda one: one.attenuation)
     assert best.attenuation == pytest.approx(found.level, rel=1e-6)
     assert best.pattern == vi.Pattern("RL", 1)
-    gap = np.diff(best.phases)[0]
+    gap = np.diff(best.alpha)[0]
     assert gap == pytest.approx(math.pi, abs=1e-9)
     # no equispaced motion at another clearance is better
     others = [

@@ -131,9 +131,7 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
         assert motion.clearance == pytest.approx(clearance, rel=1e-12)
         assert motion.pattern.sides == "RL"
         assert motion.X[1] == pytest.approx(-motion.X[0], abs=1e-11 * (1 + abs(motion.X[0])))
-        value = fp.mismatch(
-            system, motion.phases, motion.X / clearance, *(unknowns_of(motion)[-2:])
-        )
+        value = fp.mismatch(system, motion.alpha, motion.X / clearance, *(unknowns_of(motion)[-2:]))
         assert np.abs(value).max() <= 1e-12 * np.linalg.norm(unknowns_of(motion)) * (1 + r)
     if len(found) == len(expected) == 2:
         gap = abs(expected[0].tau - expected[1].tau) % TURN

@@ -62,7 +62,7 @@ def test_converges_quadratically(point):
     seen = 0
     for motion in motions(*point)[:6]:
         system, draw = system_of(motion), np.random.default_rng(7)
-        exact = np.concatenate([motion.X, motion.phases + motion.tau])
+        exact = np.concatenate([motion.X, motion.alpha + motion.tau])
         for size in (1e-2, 1e-3, 1e-4):
             scale = np.repeat([motion.clearance, 1.0], motion.X.size)
             u = exact + size * scale * draw.uniform(-1, 1, exact.size) / motion.pattern.cycles
@@ -77,7 +77,7 @@ def test_converges_quadratically(point):
             )
             assert status == 0
             assert abs(count - (len(small) + 2)) <= 1
-            assert phases == pytest.approx(motion.phases, abs=1e-11)
+            assert phases == pytest.approx(motion.alpha, abs=1e-11)
             assert impacts[:, 0] == pytest.approx(motion.X, abs=1e-11 * motion.clearance)
             assert core_exact(motion, u[: u.size // 2], u[u.size // 2 :], count - 1)[2] != 0
             seen += 1
@@ -92,9 +92,9 @@ def test_both_halves_agree(point):
     for motion in found:
         assert motion.residual <= 1e-12
         half = math.pi * motion.pattern.cycles
-        if len(motion.pattern) == 2 and abs(motion.phases[1] - half) < 1e-9:
+        if len(motion.pattern) == 2 and abs(motion.alpha[1] - half) < 1e-9:
             continue  # equispaced: the amplitude is free there
-        linear = vi.periodic(motion.osc, motion.r, motion.phases, motion.pattern)
+        linear = vi.periodic(motion.osc, motion.r, motion.alpha, motion.pattern)
         assert linear.residual <= 1e-12
         assert linear.clearance == pytest.approx(motion.clearance, rel=1e-8)
         assert linear.X == pytest.approx(motion.X, abs=1e-8 * motion.clearance)
@@ -111,11 +111,11 @@ def test_reference_agrees(point):
         system = system_of(motion)
         wave = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
         off = fp.mismatch(
-            system, motion.phases, motion.X / motion.clearance, *np.divide(wave, motion.clearance)
+            system, motion.alpha, motion.X / motion.clearance, *np.divide(wave, motion.clearance)
         )
         assert np.abs(off).max() <= 1e-12
         maps = fp.impact_jacobians(
-            system, motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after, *wave
+            system, motion.alpha, motion.X, motion.X_dot_after, motion.Z_dot_after, *wave
         )
         product = np.linalg.multi_dot([np.eye(4), *maps[::-1]])
         determinant = math.exp(-4 * math.pi * osc.xi * motion.pattern.cycles / r)
@@ -137,14 +137,14 @@ def test_every_kind_of_guess_leads_to_the_same_motion():
     settled_run = vi.exact(TABLE, 0.94, 37.0, run)
     for other in (near, paper, settled_run):
         shift = int(other.pattern.symbols[0] != first.pattern.symbols[0])
-        phases = np.append(other.phases, other.phases[0] + TURN)[shift : shift + 2]
-        assert phases - phases[0] == pytest.approx(first.phases, abs=1e-10)
+        phases = np.append(other.alpha, other.alpha[0] + TURN)[shift : shift + 2]
+        assert phases - phases[0] == pytest.approx(first.alpha, abs=1e-10)
         assert np.roll(other.X, -shift) == pytest.approx(first.X, abs=1e-9)
         assert other.residual <= 1e-12
         assert other.stable
         assert other.admissible
         assert other.multipliers == pytest.approx(first.multipliers, abs=1e-8)
-    assert first.phases[1] / math.pi == pytest.approx(1.382026, abs=1e-6)
+    assert first.alpha[1] / math.pi == pytest.approx(1.382026, abs=1e-6)
 
 
 @pytest.mark.parametrize("part", [0.0, 1e-13, -1e-13, 0.25, 0.5, 0.9])
@@ -203,7 +203,7 @@ def test_load_scales_the_motion(factor):
     one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     other = vi.exact(TABLE, 0.94, 37.0 * factor, COLUMN, load=factor)
     assert other.load == factor
-    assert other.phases == pytest.approx(one.phases, abs=1e-12)
+    assert other.alpha == pytest.approx(one.alpha, abs=1e-12)
     assert other.multipliers == pytest.approx(one.multipliers, abs=1e-9)
     assert other.X / factor == pytest.approx(one.X, abs=1e-10)
     assert other.A == pytest.approx(factor * one.A)
@@ -244,8 +244,8 @@ def test_no_convergence_says_so():
         failed += "converge" in str(caught.value) or "no" in str(caught.value)
     assert failed == 2
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
-    assert core_exact(motion, motion.X + 0.3, motion.phases + motion.tau, 1)[2] != 0
-    assert np.isnan(core_exact(motion, motion.X + 0.3, motion.phases + motion.tau, 1)[1]).all()
+    assert core_exact(motion, motion.X + 0.3, motion.alpha + motion.tau, 1)[2] != 0
+    assert np.isnan(core_exact(motion, motion.X + 0.3, motion.alpha + motion.tau, 1)[1]).all()
 
 
 @pytest.mark.parametrize("guess", [None, 3, "RL", [0.0, 4.0], ([0.0, 4.0], 7), (1, 2, 3), {}])

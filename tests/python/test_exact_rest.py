@@ -109,7 +109,7 @@ def test_rest_motion_from_a_motion_nearby_and_at_another_load():
     near = vi.exact(RIG, 0.901, 6.02, motion)
     back = vi.exact(RIG, 0.9, 6.0, near)
     assert near.pattern == motion.pattern
-    assert back.phases == pytest.approx(motion.phases, abs=1e-9)
+    assert back.alpha == pytest.approx(motion.alpha, abs=1e-9)
     assert back.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
     double = vi.exact(
         RIG, 0.9, 12.0, vi.simulate(RIG, 0.9, 12.0, 8, load=2.0, discard=300), load=2.0
@@ -125,7 +125,7 @@ def test_guesses_with_rest_scale_with_the_load(factor):
     for guess in (motion, vi.simulate(RIG, 0.9, 6.0, 8, discard=300)):
         other = vi.exact(RIG, 0.9, 6.0 * factor, guess, load=factor)
         assert other.pattern == motion.pattern
-        assert other.phases == pytest.approx(motion.phases, abs=1e-9)
+        assert other.alpha == pytest.approx(motion.alpha, abs=1e-9)
         assert other.X / factor == pytest.approx(motion.X, abs=1e-8)
         assert other.multipliers == pytest.approx(motion.multipliers, abs=1e-7)
 

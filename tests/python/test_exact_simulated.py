@@ -23,7 +23,7 @@ def test_stays_on_a_stable_motion_for_ten_thousand_cycles():
     run = vi.simulate(TABLE, 0.94, 37.0, 10_000, after_impact(motion))
     assert run.events.size in (19_999, 20_000)
     rows = by_period(run, motion, 9_999)
-    phases = np.mod(motion.phases[[1, 0]] + motion.load_phase, TURN)
+    phases = np.mod(motion.alpha[[1, 0]] + motion.load_phase, TURN)
     assert np.abs(np.mod(rows["phase"] - phases + 1, TURN) - 1).max() < 1e-11
     assert np.abs(rows["x"] - motion.X[[1, 0]]).max() < 1e-11
     assert np.abs(rows["z_dot_after"] - motion.Z_dot_after[[1, 0]]).max() < 1e-11
@@ -111,7 +111,7 @@ def test_period_that_has_just_doubled():
         assert min(off) < 1e-9
     # the nearby motion of half the period exists too, and is unstable
     n = len(motion.pattern) // 2
-    half = (motion.phases[:n], vi.Pattern(motion.pattern.sides[:n], 1))
+    half = (motion.alpha[:n], vi.Pattern(motion.pattern.sides[:n], 1))
     short = vi.exact(osc, r, clearance, half)
     assert short.stable is False
     # a trajectory that approaches a motion of one cycle with alternating sign is not taken for one of two cycles

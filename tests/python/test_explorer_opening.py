@@ -1,7 +1,6 @@
 """The explorer begins with a saved result: a motion at its point, a design with the box of its tolerances."""
 
 import signal
-from dataclasses import replace
 from urllib.parse import urlsplit
 
 import pytest
@@ -94,11 +93,12 @@ def test_a_design_has_its_box(made):
 def test_what_cannot_be_shown_is_named(motion, capsys):
     """Other results, a load of 0, free vibration and missing files give one message each."""
     with pytest.raises(
-        ParameterTypeError, match="must be an Oscillator, a Motion, an Identification or a Design"
+        ParameterTypeError,
+        match="must be an Oscillator, a Motion of one, an Identification or a Design",
     ):
         state_of(3)
     with pytest.raises(ParameterError, match=r"load = 0\.0 of the motion: must not be 0"):
-        state_of(replace(motion, load=0.0))
+        state_of(motion.__replace__(load=0.0))
     damped = vi.design(
         RIG, target="damping", amplitude=(5, 20), free={"clearance": (2, 10)}, evaluations=8, specimens=2,
         nodes=2, samples=0, r=None,

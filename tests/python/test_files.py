@@ -141,7 +141,7 @@ def test_data_frames(name, results):
     if isinstance(result, vi.Trajectory):
         assert frame["x"].tolist() == result.events["x"].tolist()
     elif isinstance(result, vi.Motion):
-        assert frame["phase"].tolist() == result.phases.tolist()
+        assert frame["phase"].tolist() == result.alpha.tolist()
         assert frame["r"].unique().tolist() == [result.r]
     elif isinstance(result, vi.Branch):
         assert frame["special"][frame["special"] != ""].tolist() == [

@@ -24,8 +24,8 @@ def same_orbit(one, other):
     for j in range(n):
         if letters[j:] + letters[:j] != other.pattern.symbols:
             continue
-        phases = np.append(one.phases[j:], one.phases[:j] + TURN * k) + one.load_phase
-        gap = phases - other.phases - other.load_phase
+        phases = np.append(one.alpha[j:], one.alpha[:j] + TURN * k) + one.load_phase
+        gap = phases - other.alpha - other.load_phase
         gap -= TURN * np.rint(gap[0] / TURN)
         if np.abs(gap).max() < 1e-6 and np.allclose(np.roll(one.X, -j), other.X, atol=1e-6):
             return True
@@ -83,8 +83,8 @@ def test_point_of_table_1():
     found = vi.find(TABLE, 0.94, 37.0)
     check_found(found, TABLE, 0.94, 37.0)
     pairs = [m for m in found if m.pattern.sides == "RL" and m.pattern.cycles == 1]
-    even = [m for m in pairs if abs(m.phases[1] - math.pi) < 1e-9]
-    odd = [m for m in pairs if abs(m.phases[1] - math.pi) > 0.1]
+    even = [m for m in pairs if abs(m.alpha[1] - math.pi) < 1e-9]
+    odd = [m for m in pairs if abs(m.alpha[1] - math.pi) > 0.1]
     assert len(even) == len(odd) == 2
     assert sorted(np.abs(m.multipliers).max() for m in even) == pytest.approx(
         [3.8284, 12.0742], abs=1e-4
@@ -92,7 +92,7 @@ def test_point_of_table_1():
     assert all(m.stable for m in odd)
     assert not any(m.stable for m in even)
     assert is_mirror(odd[0], odd[1])
-    assert sorted(m.phases[1] / math.pi for m in odd) == pytest.approx(
+    assert sorted(m.alpha[1] / math.pi for m in odd) == pytest.approx(
         [2 - 1.382026, 1.382026], abs=1e-6
     )
     known = vi.equispaced(TABLE, 0.94, 37.0)

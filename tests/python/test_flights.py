@@ -90,7 +90,7 @@ def test_samples_are_the_flight(case, parts):
     motion, system = vi.periodic(*case.arguments()), case.system
     period = TURN * system.cycles / system.r
     t = np.array(parts) * period
-    impacts = np.append(motion.phases / system.r, period)
+    impacts = np.append(motion.alpha / system.r, period)
     assume(np.abs(t[:, None] - impacts).min() > 1e-6)
     size = 1e-9 * (motion.A + np.abs(motion.X).max() + motion.clearance)
     size *= 1 + np.abs(motion.Z_dot_after).max() / motion.clearance
@@ -118,7 +118,7 @@ def test_samples_at_the_impacts(case):
     bound = error_bound(case)
     assume(bound < 1e-9)
     motion, system = vi.periodic(*case.arguments()), case.system
-    t = motion.phases / system.r
+    t = motion.alpha / system.r
     at = motion.sample(t)
     size = motion.A + np.abs(motion.X).max() + motion.clearance
     speed = size + np.abs(motion.Z_dot_after).max() + np.abs(motion.X_dot_after).max()
@@ -144,7 +144,7 @@ def test_work_of_the_load_is_what_damping_and_impacts_take(case):
     case, _ = exact(case)
     assume(error_bound(case) < 1e-9)
     motion, system = vi.periodic(*case.arguments()), case.system
-    edges = np.append(motion.phases, TURN * system.cycles) / system.r
+    edges = np.append(motion.alpha, TURN * system.cycles) / system.r
     node, weight = np.polynomial.legendre.leggauss(40)
     half = 0.5 * np.diff(edges)
     t = (edges[:-1] + half)[:, None] + half[:, None] * node

@@ -103,7 +103,7 @@ def test_laws(number):
 
 
 PURE = (
-    "phases", "tau", "load_phase", "attenuation", "fundamental_phase", "stability_margin", "multipliers",
+    "alpha", "phases", "tau", "load_phase", "attenuation", "fundamental_phase", "stability_margin", "multipliers",
 )  # fmt: skip
 
 
@@ -200,7 +200,7 @@ def test_refuses_where_there_are_no_derivatives():
 def test_refuses_other_motions():
     """Quantities or parameters that are not there."""
     gradient = uneven().gradient()
-    with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of phases, X"):
+    with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of alpha, X"):
         gradient["x"]
     with pytest.raises(vi.ParameterError, match="parameter 'k': must be one of r, clearance"):
         gradient["X", "k"]
@@ -241,8 +241,8 @@ def test_motion_with_rest():
         "R2": 0.61,
         "load": 1.0,
     }
-    names = ("phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_after", "tau", "load_phase", "A", "x_max",
-             "x_min", "attenuation")  # fmt: skip
+    names = ("alpha", "phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_after", "tau", "load_phase", "A",
+             "x_max", "x_min", "attenuation")  # fmt: skip
     weights, h = {-2: 1, -1: -8, 1: 8, 2: -1}, 1e-5
     for parameter in values:
         total = dict.fromkeys(names, 0.0)
@@ -332,7 +332,7 @@ def test_symmetric_motion_with_rest(xi, mu, R, r, clearance):
 def test_motion_of_many_impacts():
     """A motion of 13 periods has the derivatives of the one, and its multipliers are powers of those."""
     one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
-    phases = (one.phases + 2 * math.pi * np.arange(13)[:, None]).ravel()
+    phases = (one.alpha + 2 * math.pi * np.arange(13)[:, None]).ravel()
     many = vi.exact(TABLE, 0.94, 37.0, (phases, vi.Pattern("RL" * 13, 13)))
     assert len(many.pattern) == 26
     few, gradient = one.gradient(), many.gradient()
@@ -351,7 +351,7 @@ def test_motion_of_many_impacts():
 def test_shows_itself():
     """The table for people, and the dataset."""
     gradient = vi.equispaced(FIGURE6, 0.94, 20.0)[0].gradient()
-    assert "21 quantities by r, clearance, xi, mu, R1, R2, R, load" in repr(gradient)
+    assert "22 quantities by r, clearance, xi, mu, R1, R2, R, load" in repr(gradient)
     assert "attenuation" in str(gradient)
     assert "multipliers[3] imag" in str(gradient)
     table = gradient.to_xarray()

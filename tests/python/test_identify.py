@@ -31,7 +31,7 @@ def test_an_identification_is_saved_and_read(tmp_path):
         found.save(tmp_path / f"found.{suffix}")
         again = vi.load(tmp_path / f"found.{suffix}")
         assert again.values == found.values
-        assert again.motion.phases == pytest.approx(found.motion.phases, abs=1e-12)
+        assert again.motion.alpha == pytest.approx(found.motion.alpha, abs=1e-12)
     found.save(tmp_path / "found.csv")
     assert np.char.startswith(np.array((tmp_path / "found.csv").read_text().split()), "xi,").any()
 
@@ -105,7 +105,7 @@ def test_impact_times_alone_tell_the_clearance():
     rig = vi.VirtualRig(**BENCH)
     run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=20, discard=400)
     motion = vi.exact(rig.oscillator, rig.r, rig.clearance, run)
-    times = motion.phases / motion.r / rig.omega
+    times = motion.alpha / motion.r / rig.omega
     periods = (times[:, None] + np.arange(4) / rig.frequency).T.ravel()
     known = {"M": 2.7, "K": 42e3, "m": 0.11, "F0": 6.0, "xi": 0.01143, "R1": 0.75, "R2": 0.65}
     for given in (times, periods):
@@ -151,7 +151,7 @@ def random_rig(seed):
         if motion.pattern.has_rest or len(motion.pattern) > 6 or motion.pattern.cycles > 3:
             continue
         jumps = abs(motion.X_dot_after - motion.X_dot_before)
-        gaps = np.diff(np.append(motion.phases, 2 * np.pi * motion.pattern.cycles))
+        gaps = np.diff(np.append(motion.alpha, 2 * np.pi * motion.pattern.cycles))
         settles = motion.stable and motion.admissible and abs(motion.multipliers[0]) < 0.97
         if settles and jumps.min() > 0.1 * jumps.max() and gaps.min() > 0.15:
             return rig, motion
@@ -168,7 +168,7 @@ def test_three_hundred_rigs(share):
         found = vi.identify(record, known={"M": rig.M, "K": rig.K, "m": rig.m})
         assert found.pattern == motion.pattern.standard(), seed
         turns = (found.impact_phases - motion.load_phase) / (2 * np.pi)
-        k, true = motion.pattern.cycles, motion.phases / (2 * np.pi)
+        k, true = motion.pattern.cycles, motion.alpha / (2 * np.pi)
         # the record begins in any of the k load cycles of the period
         errors = [
             max(np.min(abs((turn + cycle - true + k / 2) % k - k / 2)) for turn in turns)

@@ -253,7 +253,7 @@ def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
         (case,) = vi.read_namelist(write(tmp_path / "case.nml", motion.to_namelist()))
         nearest = min(case.run(), key=lambda again: abs(again.X - motion.X).max())
         np.testing.assert_allclose(nearest.X, motion.X, atol=1e-9)
-        np.testing.assert_allclose(nearest.phases, motion.phases, atol=1e-9)
+        np.testing.assert_allclose(nearest.alpha, motion.alpha, atol=1e-9)
 
 
 @pytest.mark.parametrize("clearance", [20.0, 25.0, 33.3, 70.0])

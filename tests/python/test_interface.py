@@ -304,12 +304,146 @@ def test_a_point_stands_for_its_arguments():
     moved = vi.simulate(point.structure, point.load, cycles=5, state=([0, 0], [60.0, 0]))
     np.testing.assert_allclose(moved.events["time"], run.events["time"], rtol=1e-9)
     motion = vi.exact(point, GUESS)
-    same = vi.exact(point.structure, point.load, (motion.phases + motion.load_phase, [0, 1]))
+    same = vi.exact(point.structure, point.load, (motion.phases, [0, 1]))
     np.testing.assert_allclose(same.q, [motion.X[0], motion.Z[0]], rtol=1e-9)
+    assert same.phases == pytest.approx(motion.phases, abs=1e-12)
     rig = vi.Oscillator(xi=0.0114, mu=0.04, restitution=0.7, M=2.7, K=42e3, F0=6.0)
     scales = rig.at(1.04, 25.0).scales
     assert scales["length"] == pytest.approx(6.0 / 42e3)
     assert scales["time"] == pytest.approx((2.7 / 42e3) ** 0.5)
+
+
+@pytest.mark.parametrize(("sides", "cycles", "phases"), [
+    ("RL", 1, [0.0, 4.3]), ("LR", 1, [0.0, 2.0]), ("RRL", 2, [0.0, 2.01848, 6.07922]),
+])  # fmt: skip
+def test_columns_of_every_system(sides, cycles, phases):
+    """A motion of an oscillator has the columns of the structure at its point, and momentum at each impact."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    point = osc.at(0.85, 20.0)
+    motion = vi.exact(point, (phases, vi.Pattern(sides, cycles)))
+    same = vi.exact(point.structure, point.load, (motion.phases, motion.gaps, motion.cycles))
+    for name in (
+        "gaps",
+        "phases",
+        "speeds",
+        "impulses",
+        "states",
+        "cycles",
+        "period",
+        "q",
+        "q_dot",
+    ):
+        ours, theirs = np.asarray(getattr(motion, name)), np.asarray(getattr(same, name))
+        assert ours.shape == theirs.shape, name
+        assert ours == pytest.approx(theirs, rel=1e-10, abs=1e-10), name
+    directions = np.array([gap.direction for gap in point.structure.gaps])[motion.gaps]
+    before = motion.states[:, 1] + motion.impulses[:, None] * directions / [1, osc.mu]
+    assert before[:, 0] == pytest.approx(motion.X_dot_before, rel=1e-12)
+    assert before[:, 1] == pytest.approx(motion.Z_dot_before, rel=1e-12)
+    assert [motion.load_phase % (2 * np.pi), *np.diff(motion.phases)] == pytest.approx(
+        [motion.phases[0], *np.diff(motion.alpha)], abs=1e-13
+    )
+    again = vi.periodic(osc, 0.85, motion.phases, motion.pattern)
+    assert again.X == pytest.approx(motion.X, rel=1e-9)
+    times = np.linspace(0.1, motion.period - 0.1, 7)  # not at an impact
+    start = motion.phases[0] / 0.85
+    assert motion.acceleration(times) == pytest.approx(same.acceleration(start + times), abs=1e-9)
+    assert vi.is_symmetric(motion) is vi.is_symmetric(same) is False
+
+
+def test_trajectories_of_every_system():
+    """The same states, ends and windows for both systems."""
+    point = OSC.at(0.94, 37.0)
+    run = vi.simulate(point, 8, {"x_dot": 60.0})
+    same = vi.simulate(point.structure, point.load, cycles=8, state=([0, 0], [60.0, 0]))
+    assert (run.start, run.end) == (same.start, pytest.approx(same.end, rel=1e-14))
+    assert run.states == pytest.approx(same.states, rel=1e-9, abs=1e-9)
+    assert run.acceleration([1.0, 2.0]) == pytest.approx(same.acceleration([1.0, 2.0]), abs=1e-9)
+    turn = 2 * np.pi / 0.94
+    for options in ({"cycles": 2}, {"window": (turn, 3 * turn)}, {}):
+        ours, theirs = run.quantities(**options), same.quantities(**options)
+        assert ours.work == pytest.approx(theirs.work, rel=1e-9)
+        assert ours.x.rms == pytest.approx(theirs.q.rms[0], rel=1e-9)
+        balance = ours.work - ours.damping_loss - ours.impact_loss - ours.energy_change
+        assert abs(balance) < 1e-10 * abs(ours.work)
+    for item in (run, same):
+        for options in ({"cycles": 9}, {"window": (3, 2)}, {"cycles": 1, "window": (1, 2)}):
+            with pytest.raises(vi.ParameterError, match=rf"^{list(options)[-1]} = "):
+                item.quantities(**options)
+        for kind in ("history", None):
+            assert item.plot(kind=kind, cycles=2) is not None
+            assert item.plot(kind=kind, window=(1.0, 9.0)) is not None
+    assert run.plot(kind="history", window=(1.0, 9.0)).get_xlim() == pytest.approx((0.0, 8 / turn))
+
+
+@pytest.mark.parametrize(("name", "instead"), [
+    ("X", "states"), ("Z_dot_before", "states and impulses"), ("pattern", "gaps and cycles"), ("tau", "phases"),
+    ("attenuation", "quantities"), ("events", "gaps"), ("impact_maps", "matrix"), ("osc", "structure"),
+    ("load_phase", "phases"),
+])  # fmt: skip
+def test_a_motion_tells_what_its_system_has(name, instead):
+    """An attribute that only motions of an oscillator have is an error that names that of a structure."""
+    point = OSC.at(0.94, 37.0)
+    motion = vi.exact(point, GUESS)
+    same = vi.exact(point.structure, point.load, motion_guess(motion))
+    assert hasattr(motion, name)
+    with pytest.raises(
+        AttributeError, match=f"^{name}: a Motion of a Structure .* it has {instead}"
+    ):
+        value_of(same, name)
+    for name, instead in (
+        ("structure", "osc"),
+        ("rests", "rest_events"),
+        ("matrix", "stability_matrix"),
+    ):
+        with pytest.raises(
+            AttributeError, match=f"^{name}: a Motion of an Oscillator .* it has {instead}"
+        ):
+            getattr(motion, name)
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        motion.nonsense  # noqa: B018
+
+
+def value_of(motion, name):
+    value = getattr(motion, name)
+    return value() if callable(value) else value
+
+
+def motion_guess(motion):
+    return motion.phases, motion.gaps, motion.cycles
+
+
+def test_guesses_of_an_oscillator_with_a_law():
+    """By phases and pattern, by phases and gaps, and by a motion of numbers."""
+    motion = vi.exact(OSC, 0.94, 37.0, GUESS)
+    point = LAW.at(0.94, 37.0)
+    found = [
+        vi.exact(point, guess)
+        for guess in (
+            motion,
+            (motion.phases, motion.pattern),
+            (motion.phases, "RL"),
+            motion_guess(motion),
+        )
+    ]
+    assert len({repr(one) for one in found}) == 1
+    assert all(vi.same_motion(found[0], one) for one in found)
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda point: vi.exact(OSC, 0.94, 37.0, of_wall()), "guess = .*: must be that of an oscillator"),
+    (lambda point: vi.exact(WALL, vi.Load(1, cosine=[1]), vi.exact(point, GUESS)), "must be that of a structure"),
+    (lambda point: vi.standard_motion(of_wall()), "motion = .*: must be one of an oscillator"),
+    (lambda point: vi.simulate(point, 3).gradient(["r"]), "parameters = .*: must be left out for an oscillator"),
+    (lambda point: vi.exact(point, GUESS).plot(window=(0, 1)), "window = .*: must be left out"),
+])  # fmt: skip
+def test_solutions_of_the_other_system_are_refused(call, message):
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
+        call(OSC.at(0.94, 37.0))
+
+
+def of_wall():
+    return vi.exact(WALL, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
 
 
 @pytest.mark.parametrize(("call", "message"), [

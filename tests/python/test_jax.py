@@ -174,7 +174,7 @@ def test_beyond_a_flip_and_a_pitchfork(uneven):
 
 def test_refused_arguments(uneven):
     """By name, at once."""
-    with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of phases"):
+    with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of alpha"):
         vi.jax.motion(uneven, ["x"])
     with pytest.raises(vi.ParameterError, match="parameter 'k': must be one of r"):
         vi.jax.motion(uneven)(k=1.0)

@@ -31,7 +31,7 @@ def test_two_motions_that_have_just_parted(fork):
     one = near(fork, -3e-9)
     other = standard_motion(one, mirrored=True)
     # the distance is 1.5636 times the square root of the offset, by the branch at offsets of 1e-3 to 1e-8
-    assert one.phases[1] - np.pi == pytest.approx(8.6e-5, rel=0.02)
+    assert one.alpha[1] - np.pi == pytest.approx(8.6e-5, rel=0.02)
     assert not same_motion(one, other)
     assert same_motion(one, other, mirrored=True)
     assert not is_symmetric(one)

@@ -58,7 +58,7 @@ def force_at(record, t):
 def check(run, tolerance=1e-9):
     """Every flight between samples by the matrix exponential, every impact by its law, every gap nonnegative."""
     s, record = run.structure, run.load
-    t, state = run.start, [np.array(part) for part in run.first_state]
+    t, state = run.start, [np.array(part) for part in run.initial_state]
     marks = [(e["time"], e, after) for e, after in zip(run.events, run.states, strict=True)]
     if not marks or run.complete:
         marks.append((run.end, None, run.final_state))

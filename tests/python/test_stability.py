@@ -26,7 +26,7 @@ def assert_impact_maps(case, motion):
     assume(condition < 1e8)
     c, s = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
     expected = fp.impact_jacobians(
-        case.system, motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after, c, s
+        case.system, motion.alpha, motion.X, motion.X_dot_after, motion.Z_dot_after, c, s
     )
     maps = motion.impact_maps()
     wanted, have = scaled(expected, motion), scaled(maps, motion)
@@ -93,11 +93,11 @@ def test_exact_motion_is_a_fixed_point_of_the_impact_maps(case):
     assume(bound < 1e-6)
     wave = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
     walls = 0.5 * motion.clearance * system.signs
-    end = np.append(motion.phases[1:], TURN * system.cycles)
-    states = np.stack([motion.X, motion.X_dot_after, motion.Z_dot_after, motion.phases])
+    end = np.append(motion.alpha[1:], TURN * system.cycles)
+    states = np.stack([motion.X, motion.X_dot_after, motion.Z_dot_after, motion.alpha])
     turn = np.array([0.0, 0.0, 0.0, TURN * system.cycles])
     size = motion.A + np.abs(states[:3]).max()
-    for i, time in enumerate((end - motion.phases) / system.r):
+    for i, time in enumerate((end - motion.alpha) / system.r):
         j = (i + 1) % len(walls)
         # Near enough for the root to be this one: the approach speed varies little over it.
         guess = time * (1 + 1e-3 / condition)

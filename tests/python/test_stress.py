@@ -134,7 +134,7 @@ def test_exact_and_simulated(name):
                 abs(mp.mpf(float(a)) - b) <= place * size
                 for a, b in zip(motion.X, known.u, strict=False)
             )
-            for phase, theta in zip(motion.phases, known.u[2:], strict=True):
+            for phase, theta in zip(motion.alpha, known.u[2:], strict=True):
                 assert abs(mp.expj(mp.mpf(float(phase)) + mp.mpf(motion.tau) - theta) - 1) <= place
             radius = float(max(abs(value) for value in known.multipliers()))
             assert far(abs(motion.multipliers[0]), radius) <= leading
@@ -147,7 +147,7 @@ def test_exact_and_simulated(name):
 def assert_simulated(motion, known, place, size):
     """Phase and position of the first impact after the first one of the motion."""
     osc, first = motion.osc, after_impact(motion)
-    cycles = (motion.phases[1] * 1.001 + 1e-12) / (2 * math.pi)
+    cycles = (motion.alpha[1] * 1.001 + 1e-12) / (2 * math.pi)
     run = vi.simulate(osc, motion.r, motion.clearance, cycles, first)
     theta = float(known.u[3] - known.u[2])
     spread = 1e-11 + place

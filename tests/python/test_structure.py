@@ -36,7 +36,7 @@ def test_chain(speed, impacts, first):
     assert np.abs(off).max() < 1e-12
     assert run.events["time"][: len(first)] == pytest.approx(first, abs=1e-9)
     check_laws(run)
-    start = energy(s, run.first_state)
+    start = energy(s, run.initial_state)
     assert [energy(s, state) for state in run.states] == pytest.approx([start] * impacts, rel=1e-13)
     momentum = s.mass @ np.stack([state[1] for state in run.states], axis=1)
     assert momentum.sum(0) == pytest.approx(speed, rel=1e-13)
@@ -159,7 +159,7 @@ def check_samples(run):
         if k and "stick" in run.events["kind"][:k]:
             break
         begin = run.events["time"][k - 1] if k else run.start
-        state = run.states[k - 1] if k else np.array(run.first_state)
+        state = run.states[k - 1] if k else np.array(run.initial_state)
         steps = exponential(first_order(s, run.load) * (time - begin) / 16)
         flight = np.linalg.matrix_power(steps, 16) @ extended(state, run.load, begin)
         assert np.concatenate([q[:, i], rate[:, i]]) == pytest.approx(
@@ -199,7 +199,7 @@ def test_more_events_than_there_is_room_for_at_first(monkeypatch):
     s = chain(5)
     state = (np.zeros(10), np.r_[-20.0, np.zeros(9)])
     run = vi.simulate(s, duration=40, state=state)
-    monkeypatch.setattr("vibroimpact.motions.structure_trajectory.ROOM", 16 * 8 * 23)
+    monkeypatch.setattr("vibroimpact.motions.trajectory.ROOM", 16 * 8 * 23)
     again = vi.simulate(s, duration=40, state=state)
     assert len(run.events) > 8 * 16
     assert again.events.tobytes() == run.events.tobytes()

@@ -77,7 +77,7 @@ def assert_same(one, other):
 
 
 def run_case(text):
-    found = door.run_text(RESULTS["simulate_structure"], text)
+    found = door.run_text(RESULTS["simulate_structure"], text, study="simulate_structure")
     found.require()
     return found.parts()[0]
 
@@ -376,7 +376,7 @@ def test_trajectories_of_files_are_checked(results, change, message):
     data = results[0].to_dict()
     change(data["tables"])
     with pytest.raises(vi.ParameterError, match=message):
-        vi.StructureTrajectory.from_dict(data)
+        vi.Trajectory.from_dict(data)
 
 
 def test_a_loaded_diagram_is_saved_as_the_first_one(results, tmp_path):

@@ -1,5 +1,6 @@
 """Periodic motions of structures by namelists, the program, Python, and files."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -137,3 +138,20 @@ def test_a_settled_motion_without_impacts_says_so(tmp_path):
     (case,) = vi.read_namelist(path)
     with pytest.raises(vi.errors.SingularError, match="without impacts"):
         case.run()
+
+
+def test_files_of_the_former_classes(tmp_path):
+    """Motions and trajectories of structures had classes of their own, by which their files were named."""
+    structure, load = damper()
+    motion = with_rest()
+    run = vi.simulate(structure, load, cycles=3, state=([0, 0], [60, 0]))
+    for found, name in ((motion, "StructureMotion"), (run, "StructureTrajectory")):
+        record = found.to_dict() | {"type": name}
+        record.pop("study")
+        path = tmp_path / f"{name}.json"
+        path.write_text(json.dumps(record))
+        for read in (type(found).from_dict(record), vi.load(path)):
+            assert type(read) is type(found)
+            assert read.to_dict() == found.to_dict()
+    with pytest.raises(vi.ParameterError, match="type = 'StructureMotion': must be 'Trajectory'"):
+        vi.Trajectory.from_dict(motion.to_dict() | {"type": "StructureMotion"})

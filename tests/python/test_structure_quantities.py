@@ -112,11 +112,11 @@ def test_windows_add_up():
     """Energies over two windows are those over both."""
     run = RUNS["harmonics"]
     middle = 0.4 * run.end
-    parts = [run.quantities(window) for window in ((run.start, middle), (middle, run.end))]
+    parts = [run.quantities(window=window) for window in ((run.start, middle), (middle, run.end))]
     whole = run.quantities()
     for name in ("work", "damping_loss", "impact_loss", "energy_change"):
         total = sum(getattr(part, name) for part in parts)
         assert total == pytest.approx(getattr(whole, name), rel=1e-10, abs=1e-12)
     for window in ((0, 0), (1, 0), (-1, 2), (0, 1e9), (0, np.nan), 3):
         with pytest.raises(ParameterError, match=r"^window = "):
-            run.quantities(window)
+            run.quantities(window=window)

@@ -264,10 +264,7 @@ def test_a_rest_that_never_ends_is_named():
     weight = vi.Load(constant=[1.0])
     run = vi.simulate(table, weight, duration=4)
     assert run.permanent == (0,)
-    assert (
-        repr(run)
-        == "<StructureTrajectory t = 0 to 4: 0 impacts, 0 rests, gap 0 rests all the time>"
-    )
+    assert repr(run) == "<Trajectory t = 0 to 4: 0 impacts, gap 0 rests all the time>"
     dropped = vi.simulate(table, weight, duration=9, state=([-1.0], [0.0]))
     assert dropped.permanent == ()
     assert vi.simulate(table, weight, duration=1, discard=8, state=([-1.0], [0.0])).permanent == (

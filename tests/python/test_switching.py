@@ -53,7 +53,7 @@ def test_a_motion_is_lost_beyond_its_flip():
     with pytest.raises(vi.SingularError, match=r"shorter period: .* beyond the flip"):
         vi.exact(osc, r, beyond, doubled)
     # presumed phases are not a motion: the simple one twice is a solution of this pattern
-    phases = (doubled.phases, doubled.pattern)
+    phases = (doubled.alpha, doubled.pattern)
     twice = vi.exact(osc, r, beyond, phases)
     assert vi.standard_motion(twice).pattern == vi.Pattern("RL")
     assert vi.exact(osc, r, nearer, twice).pattern == doubled.pattern
@@ -147,7 +147,7 @@ def test_switching_at_a_grazing_of_a_symmetric_motion(parameter):
         assert same == {k: v for k, v in values(point.motion).items() if k != parameter}
     pair = next(m for m in point.switch() if len(m.pattern) == 4)
     np.testing.assert_allclose(pair.X[2:], -pair.X[:2], atol=1e-10 * pair.clearance)
-    np.testing.assert_allclose(pair.phases[2:], pair.phases[:2] + np.pi, atol=1e-10)
+    np.testing.assert_allclose(pair.alpha[2:], pair.alpha[:2] + np.pi, atol=1e-10)
     # followed back, the new impacts lose their approach speed where the wall is first touched
     ends = [
         p for p in vi.branch(pair, parameter, bounds).special_points if p.type == "zero_approach"

@@ -1,6 +1,5 @@
 """Derivatives of trajectories through impacts and rests, against differences with 100 digits and laws."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -111,8 +110,8 @@ def test_unit_of_length():
 def test_period_has_the_multipliers():
     """Over a period of a motion the final state by the initial one has the multipliers as eigenvalues."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
-    middle = motion.sample(motion.phases[1] / motion.r / 2)
-    start = {"t": motion.load_phase / motion.r + motion.phases[1] / motion.r / 2}
+    middle = motion.sample(motion.alpha[1] / motion.r / 2)
+    start = {"t": motion.load_phase / motion.r + motion.alpha[1] / motion.r / 2}
     start |= {"x": middle.X, "x_dot": middle.X_dot, "z": middle.Z, "z_dot": middle.Z_dot}
     start = {name: float(value) for name, value in start.items()}
     gradient = vi.simulate(TABLE, 0.94, 37.0, 1, start).gradient()
@@ -185,7 +184,7 @@ def test_no_derivative_after_a_graze():
     run = simulated(FLYING, 3)
     events = run.events.copy()
     events["z_dot_before"][5] = events["x_dot_before"][5]
-    gradient = dataclasses.replace(run, events=events).gradient()
+    gradient = run.__replace__(events=events).gradient()
     assert "graze" in gradient.status["events[5:]"]
     assert np.isfinite(gradient["time"][:5]).all()
     assert np.isnan(gradient["time"][5:]).all()

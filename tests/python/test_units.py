@@ -165,7 +165,7 @@ def test_motion_in_physical_units(every):
     assert p.clearance == pytest.approx(0.004, rel=1e-14)
     assert p.frequency == pytest.approx(19.5, rel=1e-14)
     assert (p.r, p.pattern, p.stable) == (motion.r, motion.pattern, motion.stable)
-    np.testing.assert_array_equal(p.phases, motion.phases)
+    np.testing.assert_array_equal(p.alpha, motion.alpha)
     t = np.linspace(0, p.period, 301)
     s = p.sample(t)
     phase = 2 * np.pi * 19.5 * t + motion.load_phase
@@ -299,7 +299,8 @@ def test_animations(every, tmp_path):
 
     motion, units = every["Motion"], UNITS.to(MM)
     scenes = [
-        _Scene(motion, history(motion, 1, chosen), plt.subplots(2)[1]) for chosen in (None, units)
+        _Scene(motion, history(motion, 1, units=chosen), plt.subplots(2)[1])
+        for chosen in (None, units)
     ]
     for time in (0.0, 1.3, 4.0):
         for scene in scenes:

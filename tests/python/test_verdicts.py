@@ -103,6 +103,6 @@ def test_masses_that_leave_an_impact_together_must_part():
 def separations(motion):
     """Speeds of separation after the impacts at which the gap accelerates least."""
     apart = motion.pattern.signs * (motion.X_dot_after - motion.Z_dot_after)
-    load = np.sin(motion.phases + motion.load_phase)
+    load = np.sin(motion.alpha + motion.load_phase)
     pull = load - 2 * motion.osc.xi * motion.X_dot_after - motion.X
     return np.where(np.abs(apart) < 1e-12, np.abs(pull), np.inf)

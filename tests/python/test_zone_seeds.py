@@ -1,6 +1,5 @@
 """A zone contains each seed, or names those without a closed boundary; zones with open boundaries."""
 
-import dataclasses
 import warnings
 
 import numpy as np
@@ -185,7 +184,7 @@ def test_a_boundary_is_followed_round_a_narrow_tongue():
 def test_a_seed_that_is_no_motion_is_named():
     """A seed that is not a motion has no zone, and the result names it."""
     good = vi.equispaced(FIGURE6, 1.1, 25.0)[0]
-    bad = dataclasses.replace(good, X=9 * good.X, phases=good.phases * 0.1)
+    bad = good.__replace__(X=9 * good.X, alpha=good.alpha * 0.1)
     zone = vi.zone(FIGURE6, good.pattern, (1.0, 1.2), (10, 60), seeds=[good, bad])
     (remark,) = [text for text in zone.to_dict()["remarks"] if "not used" in text]
     assert remark.startswith("the seed at r = 1.1")

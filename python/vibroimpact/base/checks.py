@@ -232,40 +232,40 @@ def frequency_ratio(value: Any, xi: float, near: bool = False) -> float:
 
 
 def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
-    """Impact phases: n numbers, 0 first, increasing, below 2 pi k."""
+    """Impact phases from the first one on: of n numbers, increasing, within less than 2 pi k of each other."""
     period = 2 * math.pi * cycles
-    wanted = f"{n} increasing numbers from 0 to below 2 pi k = {period:.6g}, one for each impact"
+    wanted = f"{n} increasing numbers within less than 2 pi k = {period:.6g}, one for each impact"
     array = real_array(values, "phases", wanted)
     if array.ndim != 1 or array.size != n:
         raise ParameterError(f"phases = {values!r}: must be {wanted}; the shape is {array.shape}")
     items = array.tolist()
-    if items[0] != 0.0:
-        raise ParameterError(
-            f"phases[0] = {items[0]!r}: must be 0, the first impact sets the origin"
-        )
-    previous = -1.0
-    for i, item in enumerate(items):
-        if not previous < item < period:
+    if not math.isfinite(items[0]):
+        raise ParameterError(f"phases[0] = {items[0]!r}: must be finite")
+    for i in range(1, n):
+        if not (items[i - 1] < items[i] and items[i] - items[0] < period):
             raise ParameterError(
-                f"phases[{i}] = {item!r}: must be finite, above phases[{i - 1}] and below 2 pi k = "
-                f"{period:.6g}"
+                f"phases[{i}] = {items[i]!r}: must be finite, above phases[{i - 1}] and below phases[0] + 2 pi k, "
+                f"with 2 pi k = {period:.6g}"
             )
-        previous = item
-    return array
+    shifted: NDArray[np.float64] = array - items[0]
+    return shifted
 
 
 def phase_table(values: Any, n: int, cycles: int, first: int = 0) -> NDArray[np.float64]:
     """Many sets of impact phases (n, m), each as in `phases`; messages count columns from `first`."""
     period = 2 * math.pi * cycles
-    wanted = f"an array (N = {n}, M), each column increasing from 0 to below 2 pi k = {period:.6g}"
+    wanted = (
+        f"an array (N = {n}, M), each column increasing, within less than 2 pi k = {period:.6g}"
+    )
     array = real_array(values, "phases", wanted)
     if array.ndim != 2 or array.shape[0] != n or array.shape[1] == 0:
         raise ParameterError(f"phases of shape {array.shape}: must be {wanted}, M at least 1")
-    bad = ~((array[0] == 0) & (np.diff(array, axis=0) > 0).all(axis=0) & (array[-1] < period))
+    shifted: NDArray[np.float64] = array - array[0]
+    bad = ~((np.diff(array, axis=0) > 0).all(axis=0) & (shifted[-1] < period))
     if bad.any():
         j = int(np.argmax(bad))
         raise ParameterError(f"phases[:, {first + j}] = {array[:, j].tolist()!r}: must be {wanted}")
-    return array
+    return shifted
 
 
 def restitution_list(values: Any, n: int) -> NDArray[np.float64]:

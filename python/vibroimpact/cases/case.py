@@ -17,7 +17,7 @@ from ..motions.motion import Motion, MotionSet
 from ..results import door
 from ..results.namelist import keys_of, parts_of
 from ..results.noun import RESULTS, Noun
-from ..results.structure_groups import from_groups
+from ..results.systems import from_groups
 from ..results.tables import Handle, language, message_of
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: The parameters of motions of the oscillator, and the core's groups of quantities, by impact and single.
 PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2", "R", "load")
 OF_IMPACTS = (
-    "phases", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after", "approach_speeds",
+    "alpha", "X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after", "approach_speeds",
     "gaps_right", "gaps_left",
 )  # fmt: skip
 OF_MOTION = (
@@ -46,7 +46,7 @@ def motion_gradient(motion: Motion) -> Gradient:
     values, slopes, codes, status = _core.motion_gradient(
         10 * n + 18, motion.osc.xi, motion.osc.mu, motion.osc.restitution, motion.r, motion.load,
         motion.clearance, motion.pattern.cycles, motion.pattern.signs, motion.restitution, motion.X,
-        motion.phases + motion.tau, motion.multipliers,
+        motion.alpha + motion.tau, motion.multipliers,
     )  # fmt: skip
     raise_status(int(status))
     sizes = dict.fromkeys(OF_IMPACTS, n) | dict.fromkeys(OF_MOTION, 0)
@@ -60,7 +60,9 @@ def motion_gradient(motion: Motion) -> Gradient:
     for table, part in zip(found[:2], parts[:2], strict=True):
         table["multipliers"] = frozen(part["multipliers"] + 1j * part["imaginary"])
     status_of = found[2] | {name: text for name, text in parts[2].items() if name[0] == "m"}
-    dimensions["multipliers"] = ("multiplier",)
+    found[0]["phases"] = motion.phases
+    found[1]["phases"] = frozen(found[1]["alpha"] + found[1]["load_phase"])
+    dimensions |= {"phases": ("impact",), "multipliers": ("multiplier",)}
     of = (
         f"the motion {motion.pattern.sides}/{motion.pattern.cycles} at r = {motion.r:.6g}, "
         f"d K/F0 = {motion.clearance:.6g}"

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base.errors import ParameterError, SingularError
 from ..base.status import raise_status, status_text
+from ..motions.exact import exact_structure, settled
 from ..motions.quantities import segments_of, turns
-from ..motions.structure_motion import exact_structure, settled
 from ..results.events import EVENT_TYPE, WORDS, segments
 from ..results.gradient import Gradient, frozen
 from ..results.states import later, start_of, state_of
@@ -178,8 +178,7 @@ def multiplier_gradient(period: Period) -> tuple[dict[str, _Array], dict[str, st
             )
         else:
             order = (motion.pattern.signs < 0).astype(int).tolist()
-            phases = motion.phases + np.mod(motion.load_phase, 2 * math.pi)
-            twin = exact_structure(structure, load, (phases, order, motion.pattern.cycles))
+            twin = exact_structure(structure, load, (motion.phases, order, motion.pattern.cycles))
         found = twin.gradient([
             "frequency", "opening", "damping_0_0", "mass_1_1", "restitution_0", "restitution_1",
             "restitution", "load",
@@ -210,11 +209,11 @@ def period_gradient(motion: Motion) -> Gradient:
     whole = period.whole
     r, xi = motion.r, motion.osc.xi
     by = {name: np.arange(len(PARAMETERS)) == i for i, name in enumerate(PARAMETERS)}
-    places = [period.place(t) for t in motion.phases / r]
+    places = [period.place(t) for t in motion.alpha / r]
     phases = r * period.total(whole["time"][places]) + np.outer(
         whole.values["time"][places], by["r"]
     )
-    slopes: dict[str, _Array] = {"phases": phases - phases[0]}
+    slopes: dict[str, _Array] = {"alpha": phases - phases[0], "phases": phases}
     for name, of in OF_IMPACTS.items():
         slopes[name] = period.total(whole[of][places])
     sides = motion.pattern.signs

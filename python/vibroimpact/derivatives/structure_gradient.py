@@ -33,8 +33,8 @@ from .gradient import FOLD, NOT_SMOOTH
 from .structure_variation import STEP, System, carried, plain_load
 
 if TYPE_CHECKING:
-    from ..motions.structure_motion import StructureMotion
-    from ..motions.structure_trajectory import StructureTrajectory
+    from ..motions.motion import Motion
+    from ..motions.trajectory import Trajectory
 
 __all__: list[str] = []
 
@@ -92,7 +92,7 @@ def names_of(parameters: Sequence[Wanted]) -> tuple[str, ...]:
     return tuple(one if isinstance(one, str) else str(one[0]) for one in parameters)
 
 
-def structure_gradient(motion: StructureMotion, parameters: Sequence[Wanted] | None) -> Gradient:
+def structure_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Gradient:
     """The derivatives of a motion of a structure: a fixed point of its period from just after the first impact."""
     structure, load, n, count = (
         motion.structure, motion.load, motion.structure.coordinates, len(motion.gaps),
@@ -103,7 +103,7 @@ def structure_gradient(motion: StructureMotion, parameters: Sequence[Wanted] | N
     system, changed, _ = systems_of(structure, load, wanted, by_phase=True)
     names = names_of(wanted)
     run = motion._run()
-    start = np.concatenate(run.first_state)
+    start = np.concatenate(run.initial_state)
     base = carried(system, run, start, int(motion.gaps[0]))
     if base.code:
         raise_status(base.code)
@@ -152,7 +152,7 @@ def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
     return {name: np.array(part) for name, part in zip(names, parts, strict=True)}
 
 
-def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> Gradient:
+def structure_trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
@@ -167,7 +167,7 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
     system, changed, paces = systems_of(structure, load, wanted, by_phase=False)
     names = names_of(wanted)
-    start = np.concatenate(run.first_state)
+    start = np.concatenate(run.initial_state)
     base = carried(system, run, start)
     assert base.first_rate is not None
     # of events, of the state at the end, and of the time there: a number of cycles of the load, or a duration
@@ -214,15 +214,15 @@ def structure_trajectory_gradient(run: StructureTrajectory, parameters: Any) -> 
 
 
 def opening_at_start(
-    run: StructureTrajectory, system: System, changed: list[System], initial: Sequence[str]
+    run: Trajectory, system: System, changed: list[System], initial: Sequence[str]
 ) -> _Array:
     """Whether a gap that rests at the start would not stay closed if a quantity of it or a parameter changed."""
     rests = list(run._resting())
     rows = system.directions[rests].real
     moved = [
         [
-            *(one.directions[rests] @ run.first_state[0] - one.openings[rests]),
-            *(one.directions[rests] @ run.first_state[1]),
+            *(one.directions[rests] @ run.initial_state[0] - one.openings[rests]),
+            *(one.directions[rests] @ run.initial_state[1]),
         ]
         for one in changed
     ]
@@ -232,7 +232,7 @@ def opening_at_start(
     return np.array([*by_state, *(bool(np.imag(one).any()) for one in moved)], bool)
 
 
-def inverse_of(system: System, motion: StructureMotion, matrix: _Array, scale: _Array) -> _Array:
+def inverse_of(system: System, motion: Motion, matrix: _Array, scale: _Array) -> _Array:
     """The inverse of 1 - matrix, of the derivative of a period in units `scale`.
 
     A body that hits nothing may rest anywhere: a shift of it, which changes no gap that closes, is left out.

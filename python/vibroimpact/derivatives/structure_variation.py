@@ -35,7 +35,7 @@ from ..systems.structure import Load, Structure
 from .gradient import GRAZE, NOT_EXACT
 
 if TYPE_CHECKING:
-    from ..motions.structure_trajectory import StructureTrajectory
+    from ..motions.trajectory import Trajectory
 
 __all__: list[str] = []
 
@@ -223,9 +223,7 @@ def exponentials(matrices: _Array) -> _Array:
     return np.asarray(total)
 
 
-def flights(
-    system: System, run: StructureTrajectory
-) -> Iterator[tuple[int, Any, int, Any, _Array]]:
+def flights(system: System, run: Trajectory) -> Iterator[tuple[int, Any, int, Any, _Array]]:
     """The parts of all flights in order: number of the event at the end, gaps that rest, interval of the record,
     clock at the start, and exp - 1 of the matrix of the rate."""
     parts: list[tuple[int, tuple[int, ...], int, float, float]] = []
@@ -259,9 +257,7 @@ def flights(
             yield part[0], part[1], part[2], part[3] * pace, growth
 
 
-def coupled(
-    system: System, run: StructureTrajectory, i: int, sizes: _Array, first: int | None
-) -> bool:
+def coupled(system: System, run: Trajectory, i: int, sizes: _Array, first: int | None) -> bool:
     """Whether an impact and one on another gap are at one instant and act on each other.
 
     They do by the masses, or by dashpots, so that the order of both matters to first order. `first` is the gap of
@@ -290,7 +286,7 @@ def coupled(
     return False
 
 
-def touch_of(run: StructureTrajectory) -> tuple[int, _Array]:
+def touch_of(run: Trajectory) -> tuple[int, _Array]:
     """Number of the event after the first flight in which a gap closes without an impact, -1 if none does; and the
     largest coordinate and velocity at the events and between them: at impacts all coordinates may be 0."""
     gaps, times = run.structure.gaps, run.events["time"]
@@ -330,7 +326,7 @@ def touch_of(run: StructureTrajectory) -> tuple[int, _Array]:
     return int(min(found, default=-1)), sizes
 
 
-def resting_in(run: StructureTrajectory) -> list[set[int]]:
+def resting_in(run: Trajectory) -> list[set[int]]:
     """The gaps that rest in each flight, or come to rest at its end, or were released at its beginning."""
     resting = set(run._resting())
     found = [resting]
@@ -343,9 +339,7 @@ def resting_in(run: StructureTrajectory) -> list[set[int]]:
     return found
 
 
-def carried(
-    system: System, run: StructureTrajectory, start: _Array, first: int | None = None
-) -> Carried:
+def carried(system: System, run: Trajectory, start: _Array, first: int | None = None) -> Carried:
     """The motion from a start, complex in its small changes; its real part is that of a trajectory.
 
     `first` is the gap of an impact just before it.

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
-from ..motions.structure_motion import exact_structure
-from ..motions.structure_trajectory import StructureTrajectory, simulate_structure
+from ..motions.exact import exact_structure
+from ..motions.trajectory import Trajectory, simulate_structure
 from ..results import door
 from ..studies.decay import decay
 from ..systems.oscillator import Oscillator
@@ -164,7 +164,7 @@ class StructureHost:
             figures["multiplier"] = self._multiplier(run) if len(late) else 0.0
         return figures
 
-    def _multiplier(self, run: StructureTrajectory) -> float:
+    def _multiplier(self, run: Trajectory) -> float:
         """The greatest modulus of the multipliers of the motion that a simulation reached; inf without one."""
         if not isinstance(run.load, Load):
             raise ParameterError(
@@ -237,9 +237,7 @@ def steady(structure: Structure, load: Load) -> NDArray[np.complex128]:
     return np.asarray(found)
 
 
-def extent(
-    run: StructureTrajectory, begin: float, many: int, coordinate: int
-) -> tuple[float, float, float]:
+def extent(run: Trajectory, begin: float, many: int, coordinate: int) -> tuple[float, float, float]:
     """Least and greatest value and root mean square of a coordinate from a time to the end.
 
     Between samples that enclose an extreme, the cubic through both values and velocities gives it, with an error

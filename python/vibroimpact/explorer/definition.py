@@ -140,5 +140,5 @@ def _definitions(motion: Motion) -> Iterator[Definition]:
         yield Definition(Pattern("RL", pattern.cycles), "equispaced", (0,))
         yield Definition(Pattern("RL", pattern.cycles), "equispaced", (1,))
     if not pattern.has_rest:
-        yield Definition(pattern, "phases", tuple(motion.phases.tolist()))
+        yield Definition(pattern, "phases", tuple(motion.alpha.tolist()))
     yield Definition(pattern, "state", tuple(start_of(motion).values()))

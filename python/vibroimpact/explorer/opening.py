@@ -51,7 +51,7 @@ def state_of(start: Any) -> State:
         raise ParameterError(
             f"status = {result.status!r} of the identification: must be 'periodic'; there is no motion to show"
         )
-    if isinstance(result, Identification) and not isinstance(result.motion, Motion):
+    if isinstance(result, Identification) and result.motion and result.motion.of_structure:
         if result.law != "constant":
             raise ParameterError(
                 f"law = {result.law!r} of the identification: must be 'constant'; the explorer has no laws of "
@@ -61,9 +61,9 @@ def state_of(start: Any) -> State:
             "load of the identification: must be a sine, not with harmonics; the explorer has no such loads"
         )
     motion = result.motion if isinstance(result, Identification) else result
-    if not isinstance(motion, Motion):
+    if not isinstance(motion, Motion) or motion.of_structure:
         raise ParameterTypeError(
-            f"start = {result!r}: must be an Oscillator, a Motion, an Identification or a Design, not "
+            f"start = {result!r}: must be an Oscillator, a Motion of one, an Identification or a Design, not "
             f"{type(result).__name__}"
         )
     return of_motion(motion, units or units_of(motion.osc))

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..motions.motion import Motion
-from ..motions.structure_motion import StructureMotion
 from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
 from ..systems.restitution import Restitution
@@ -82,7 +81,7 @@ class Identification(Noun, study="identify"):
     F0, d, clearance : float
         Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0.
     pattern : Pattern or None
-    motion : Motion, StructureMotion or None
+    motion : Motion or None
         The exact motion with these parameters, with its multipliers and verdicts; with a law, or under
         a load with harmonics, that of ``oscillator.structure``.
     impact_times : ndarray (impacts,)
@@ -97,7 +96,7 @@ class Identification(Noun, study="identify"):
     """
 
     __slots__ = ("_motions",)
-    _motions: list[Motion | StructureMotion | None]
+    _motions: list[Motion | None]
 
     @property
     def records(self) -> int:
@@ -229,12 +228,12 @@ class Identification(Noun, study="identify"):
         return multipliers
 
     @property
-    def motion(self) -> Motion | StructureMotion | None:
+    def motion(self) -> Motion | None:
         """The exact motion with the identified parameters."""
         return self.motions[0]
 
     @property
-    def motions(self) -> list[Motion | StructureMotion | None]:
+    def motions(self) -> list[Motion | None]:
         """Of each record, the exact motion with the identified parameters."""
         try:
             return self._motions
@@ -243,7 +242,7 @@ class Identification(Noun, study="identify"):
             object.__setattr__(self, "_motions", found)
             return found
 
-    def _motion_of(self, record: int) -> Motion | StructureMotion | None:
+    def _motion_of(self, record: int) -> Motion | None:
         pattern, osc = self.pattern_of(record), self.oscillator
         if pattern is None or osc is None:
             return None
@@ -315,7 +314,7 @@ class Identification(Noun, study="identify"):
         for parameter, factor in (("clearance", 2.0), ("r", 1.1)):
             here = self._one(parameter, record)
             name, unit = parameter, 1.0
-            if isinstance(motion, StructureMotion):
+            if motion is not None and motion.of_structure:
                 name, unit = {"clearance": ("opening", 2.0), "r": ("frequency", 1.0)}[parameter]
             path = branch(motion, name, (here / unit / factor, here / unit * factor))
             for point in path.special_points:

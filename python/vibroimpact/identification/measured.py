@@ -14,7 +14,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.libraries import scipy
 from ..motions.motion import Motion
-from ..motions.structure_trajectory import StructureTrajectory, simulate_structure
+from ..motions.trajectory import Trajectory, simulate_structure
 from ..systems.oscillator import Oscillator
 from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution
 from ..systems.structure import LARGEST, Gap, Load, Structure
@@ -366,7 +366,7 @@ class VirtualRig:
 
     def _runs(
         self, first: float, last: float, F0: float, settle: float, motion: Motion | None
-    ) -> Iterator[StructureTrajectory]:
+    ) -> Iterator[Trajectory]:
         """The motion from one time to another, after some load cycles; load cycle by load cycle if R drifts."""
         Omega = 2 * math.pi * self.frequency
         sine = np.outer(F0 * np.array([1.0, *self.harmonics]), [1.0, 0.0])

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from ..motions.exact import exact
+from ..motions.exact import exact, exact_structure
 from ..motions.motion import Motion
-from ..motions.structure_motion import StructureMotion, exact_structure
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.restitution import Restitution
 from ..systems.structure import Load
@@ -161,14 +160,14 @@ def oscillator_of(values: Mapping[str, float], **scale: Any) -> Oscillator:
 def verified(
     osc: Oscillator, r: float, clearance: float, phases: _Array, pattern: Pattern,
     walls: tuple[Restitution, Restitution], harmonics: _Complex,
-) -> Motion | StructureMotion:  # fmt: skip
+) -> Motion:  # fmt: skip
     """The exact motion of the core, with its verdicts, from the load phases of its impacts.
 
     Speeds of laws are in F0 omega/K; `harmonics` are those of the load from the second one on, over the first.
     With a law or with harmonics the motion is that of `Oscillator.structure`.
     """
     if walls == osc.restitution and not harmonics.any():
-        return exact(osc, r, clearance, (phases - phases[0], pattern))
+        return exact(osc, r, clearance, (phases, pattern))
     pair = osc.structure(clearance, walls)
     gaps = np.where(pattern.signs > 0, 0, 1)
     tones = np.append(-1j, harmonics)

@@ -5,41 +5,112 @@ from __future__ import annotations
 from typing import Any, NamedTuple, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import with_stack
-from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, VERDICT, raise_status
+from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, raise_status
 from ..results.events import event_table
-from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
-from ..systems.structure import Load, Structure
+from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, plain_pattern
+from ..systems.structure import Load, Structure, check_load
 from ..systems.verbs import every_system
-from .motion import Motion
-from .periodic import frozen, impact_restitution, periodic
-from .structure_motion import StructureMotion, exact_structure
-from .structure_trajectory import StructureTrajectory
-from .trajectory import Trajectory, end_of, letters_of, not_periodic
+from .motion import Motion, motion_of_oscillator, motion_of_structure, rests_of
+from .periodic import (
+    EXACT,
+    frozen,
+    gap_pattern,
+    impact_restitution,
+    motion_from_phases,
+    periodic,
+)
+from .trajectory import Trajectory, core_arrays, end_of, letters_of, not_periodic
 
 __all__ = ["exact"]
 
 MOST_ITERATIONS = 50
 #: Limits on the impacts and rests in a period of a motion with rest, tried in turn: most motions have few.
 REST_EVENTS = (200, 20_000)
+#: Relative distance at which motions count as the same, as in the core.
+ALIKE = 1e-6
 
 
 def _guess_by_gaps(given: dict[str, Any]) -> None:
     """Turns a guess for an oscillator into one for a structure: load phases, gaps, cycles."""
     guess = given.get("guess")
-    if isinstance(guess, Motion):
+    if isinstance(guess, Motion) and not guess.of_structure:
         if guess.pattern.has_rest:
             raise ParameterError(
                 f"guess = {guess!r}: must be a motion without rest where restitution depends on the speed, or a "
                 "simulation with that restitution"
             )
-        gaps = np.where(guess.pattern.signs > 0, 0, 1).tolist()
-        given["guess"] = (guess.phases + guess.load_phase, gaps, guess.pattern.cycles)
+        given["guess"] = (guess.phases, guess.gaps.tolist(), guess.cycles)
+    elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], (Pattern, str)):
+        pattern = plain_pattern(guess[1])
+        given["guess"] = (guess[0], np.where(pattern.signs > 0, 0, 1).tolist(), pattern.cycles)
+
+
+def exact_structure(
+    structure: Structure, load: Load, guess: Motion | Trajectory | tuple[Any, ...]
+) -> Motion:
+    """As `exact`, of a structure."""
+    if isinstance(guess, (Motion, Trajectory)) and not guess.of_structure:
+        raise ParameterError(f"guess = {guess!r}: must be that of a structure, as the system is")
+    if isinstance(guess, Trajectory):
+        check_load(structure, load, frequency=True)
+        return settled(structure, load, guess.end, guess.final_state)
+    if isinstance(guess, Motion):
+        if len(guess.rests):
+            check_load(structure, load, frequency=True)
+            start = guess.phases[0] / guess.load.frequency * (guess.load.frequency / load.frequency)
+            found = settled(structure, load, start, (guess.q, guess.q_dot), cycles=guess.cycles)
+            return of_same_kind(found, guess)
+        phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
+    elif isinstance(guess, tuple) and len(guess) in (2, 3):
+        phases, gaps, cycles = guess if len(guess) == 3 else (*guess, 1)
+    else:
+        raise ParameterError(
+            f"guess = {guess!r}: must be a Motion, a Trajectory, (phases, gaps) or (phases, gaps, cycles)"
+        )
+    numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles)
+    found = motion_from_phases(structure, load, numbers, phases, cycles, EXACT)
+    return of_same_kind(found, guess) if isinstance(guess, Motion) else found
+
+
+def settled(
+    structure: Structure,
+    load: Load,
+    start: float,
+    state: tuple[ArrayLike, ArrayLike],
+    settling: int = 0,
+    most_cycles: int = 16,
+    cycles: int = 0,
+) -> Motion:
+    """The motion of a structure on which a simulation from a state settles."""
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)[:6]
+    capacity = 500
+    while True:
+        counts, labels, impacts, states, rests, matrix, multipliers, scalars, verdicts, status = (
+            with_stack(
+                _core.settle_structure, matrices, directions, values, load.frequency, harmonics, constant, start,
+                np.concatenate(state), settling, most_cycles, cycles, capacity,
+            )
+        )  # fmt: skip
+        if status != MORE_EVENTS:
+            break
+        capacity = int(max(counts[0], counts[2]))
+    structure._raise_status(status)
+    known = {"cycles": cycles} if cycles else {}
+    request: dict[str, Any] = {
+        "kind": "settled", **known, "settling": settling, "max_cycles": most_cycles,
+        "q": np.asarray(state[0]).tolist(), "q_dot": np.asarray(state[1]).tolist(), "start": float(start),
+    }  # fmt: skip
+    n, k, m = counts.tolist()
+    return motion_of_structure(
+        structure, load, labels[0, :n] - 1, k, impacts[:n], states[:, :n], matrix, multipliers,
+        scalars, verdicts, rests_of(labels[1, :m] - 1, rests[:, :m]), request,
+    )  # fmt: skip
 
 
 @overload
@@ -49,8 +120,8 @@ def exact(
 ) -> Motion: ...  # fmt: skip
 @overload
 def exact(
-    structure: Structure, load: Load, guess: StructureMotion | StructureTrajectory | tuple[Any, ...]
-) -> StructureMotion: ...
+    structure: Structure, load: Load, guess: Motion | Trajectory | tuple[Any, ...]
+) -> Motion: ...
 @overload
 def exact(point: Point, /, guess: Motion | Trajectory | tuple[Any, Pattern | str]) -> Motion: ...
 
@@ -69,8 +140,11 @@ def exact(
     the phase and velocity at a release, a fixed point of the return map there.
 
     The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`. Of a structure the
-    unknowns are the phases and approach speeds of the impacts, and a guess by numbers is (phases, gaps) or
-    (phases, gaps, cycles), with the load phases of the impacts and the gap of each.
+    unknowns are the phases and approach speeds of the impacts and the mean positions of modes of frequency 0, and
+    a guess by numbers is (phases, gaps) or (phases, gaps, cycles), with the load phases of the impacts and the gap
+    of each; with rest the unknown is the state in the middle of the longest flight, a fixed point of the period.
+    An oscillator whose restitution depends on the speed is solved as a structure: phases of its guess are load
+    phases, too.
 
     Parameters
     ----------
@@ -84,7 +158,7 @@ def exact(
 
     Returns
     -------
-    Motion, or StructureMotion of a structure
+    Motion
         `admissible` is False if the solution of the equations would pass through a wall.
 
     Raises
@@ -103,20 +177,32 @@ def exact(
     >>> import math, vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
-    >>> round(float(motion.phases[1]) / math.pi, 6), motion.stable
-    (1.382026, True)
+    >>> motion.phases / math.pi, motion.stable
+    (array([0.51727213, 1.89929862]), True)
 
     From a simulation, with rest on the left wall:
 
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     >>> vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
     <Motion RL*/1 at r = 0.9, d K/F0 = 6: admissible, stable (max|lambda| = 0.9189)>
+
+    A mass on a spring that hits one wall, example 15.2 of H. Dankowicz and F. Schilder, Recipes for Continuation
+    (SIAM, 2013):
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+    >>> round(float(motion.phases[0]), 8), round(float(motion.speeds[0]), 8), motion.stable
+    (0.07595216, 1.69573294, True)
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)
     clearance = checks.number(clearance, "clearance")
     load = checks.number(load, "load")
     each = given = None
+    if isinstance(guess, (Motion, Trajectory)) and guess.of_structure:
+        raise ParameterTypeError(
+            f"guess = {guess!r}: must be that of an oscillator, as the system is"
+        )
     if isinstance(guess, Motion):
         pattern = guess.pattern
         if pattern.has_rest:
@@ -130,15 +216,15 @@ def exact(
             and (guess.osc, guess.r) == (osc, r)
             and guess.precision == "double"
         ):
-            given = guess.phases
-        x, theta = guess.X * (clearance / guess.clearance), guess.phases + guess.tau
+            given = guess.alpha
+        x, theta = guess.X * (clearance / guess.clearance), guess.alpha + guess.tau
     elif isinstance(guess, Trajectory):
         return motion_at_end(osc, r, clearance, load, guess)
     elif isinstance(guess, tuple) and len(guess) == 2 and isinstance(guess[1], (Pattern, str)):
         linear = periodic(osc, r, guess[0], guess[1])
         pattern = linear.pattern
-        given = linear.phases
-        x, theta = linear.X * (clearance / linear.clearance), linear.phases + linear.tau
+        given = linear.alpha
+        x, theta = linear.X * (clearance / linear.clearance), linear.alpha + linear.tau
     else:
         raise ParameterTypeError(
             f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, pattern)"
@@ -162,6 +248,8 @@ def of_same_kind(found: Motion, guess: Motion) -> Motion:
 
 def is_repeated(motion: Motion) -> bool:
     """Whether a motion is described over several of its periods."""
+    if motion.of_structure:
+        return repeats(motion, 1)
     sides, cycles = motion.pattern.sides, motion.pattern.cycles
     # most patterns cannot repeat
     parts = (m for m in range(2, cycles + 1) if not cycles % m and not len(sides) % m)
@@ -173,11 +261,34 @@ def is_repeated(motion: Motion) -> bool:
 
 
 def is_mirrored(motion: Motion) -> bool:
-    """Whether a motion is its own mirror image."""
+    """Whether a motion is its own mirror image half a period later."""
+    if motion.of_structure:
+        return repeats(motion, -1)
     system = (motion.osc.xi, motion.r, motion.load, motion.clearance, motion.pattern.cycles)
     right, left = motion.osc.restitution
     parts = parts_of(motion)
     return right == left and bool(_core.same_motion(*system, *parts, *parts, True))
+
+
+def repeats(motion: Motion, sign: int) -> bool:
+    """Whether a motion of a structure repeats itself, or as its mirror image -q (sign -1), after a part of its
+    period."""
+    many, cycles = len(motion.gaps), motion.cycles
+    # where all gaps are closed at 0, the coordinates at the impacts are
+    fastest = np.abs(motion.states[:, 1]).max()
+    sizes = max(np.abs(motion.states[:, 0]).max(), fastest / motion.load.frequency), fastest
+    for m in range(2, cycles + 1) if sign > 0 else range(2, 2 + cycles % 2):
+        shift = many // m
+        if many % m or (sign > 0 and cycles % m):
+            continue
+        later = np.roll(motion.phases, -shift)
+        later[many - shift :] += 2 * np.pi * cycles
+        off = [later - motion.phases - 2 * np.pi * cycles / m]
+        for each, size in zip(motion.states.transpose(1, 0, 2), sizes, strict=True):
+            off.append((np.roll(each, -shift, axis=0) - sign * each) / (size or 1.0))
+        if all(np.abs(part).max() < ALIKE for part in off):
+            return True
+    return False
 
 
 def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:
@@ -224,28 +335,9 @@ def newton(
         MOST_ITERATIONS,
     )  # fmt: skip
     raise_status(int(status))
-    return impact_motion(
-        osc, r, clearance, load, pattern, each, phases, impacts, scalars, multipliers, verdicts, given
-    )  # fmt: skip
-
-
-def impact_motion(
-    osc: Oscillator, r: float, clearance: float, load: float, pattern: Pattern,
-    restitution: NDArray[np.float64], phases: NDArray[np.float64], impacts: NDArray[np.float64],
-    scalars: NDArray[np.float64], multipliers: NDArray[np.complex128], verdicts: NDArray[np.int32],
-    given: NDArray[np.float64] | None = None, rest_events: NDArray[Any] | None = None,
-) -> Motion:  # fmt: skip
-    """A motion from the arrays of the core; `given` as in `newton`."""
-    impacts.flags.writeable = False
-    multipliers.flags.writeable = False
-    _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
-    consistent, admissible, stable = verdicts.tolist()
-    return Motion(
-        osc, r, clearance, pattern, restitution, frozen(phases),
-        impacts[:, 0], impacts[:, 1], impacts[:, 2], impacts[:, 3], impacts[:, 4], impacts[:, 5],
-        amplitude, tau, residual, multipliers,
-        VERDICT[consistent], VERDICT[admissible], VERDICT[stable], x_min, x_max, load=load,
-        guess=given, rest_events=rest_events,
+    return motion_of_oscillator(
+        osc, r, clearance, load, pattern, each, phases, impacts, scalars, multipliers, verdicts,
+        guess=given,
     )  # fmt: skip
 
 
@@ -268,7 +360,7 @@ class Parts(NamedTuple):
 def parts_of(motion: Motion) -> Parts:
     """A motion in that form."""
     if motion.rest_events is None:
-        unknowns = np.append(motion.X, motion.phases + motion.tau)
+        unknowns = np.append(motion.X, motion.alpha + motion.tau)
         return Parts(motion.pattern.signs, unknowns, np.zeros((3, 1), order="F"))
     return Parts(np.zeros(1, np.int32), np.zeros(2), of_releases(motion, 1.0))
 
@@ -314,7 +406,7 @@ def described_motion(
         table = event_table(values[:, :m].copy(), labels[:, :m]).copy()
         table["time"] -= table["time"][0]
         table.flags.writeable = False
-    return impact_motion(
+    return motion_of_oscillator(
         osc, r, clearance, load, Pattern(letters_of(sides[:n]), int(cycles)),
         frozen(each[:n].copy()), phases[:n].copy(), impacts[:n].copy(order="F"), scalars, multipliers,
         verdicts, rest_events=table,

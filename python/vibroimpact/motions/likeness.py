@@ -6,14 +6,13 @@ The core compares them, with the same tolerance for all studies.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, overload
+from typing import Any
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError, SingularError
-from .exact import described_motion, found_motion, parts_of
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from .exact import described_motion, found_motion, is_mirrored, parts_of
 from .motion import Motion
-from .structure_motion import StructureMotion
 
 __all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
 
@@ -37,7 +36,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     >>> vi.standard_motion(motion).pattern.sides
     'RL'
     """
-    checks.instance(motion, "motion", Motion)
+    _check(motion)
     checks.truth(mirrored, "mirrored")
     system = (motion.osc, motion.r, motion.clearance, motion.load)
     changed, *answer = found_motion(
@@ -62,7 +61,15 @@ def motion_images(motion: Motion) -> Iterator[Motion]:
     >>> [round(float(image.phases[1]), 3) for image in vi.motion_images(motion)]
     [4.342, 1.941]
     """
-    return _images(checks.instance(motion, "motion", Motion))
+    _check(motion)
+    return _images(motion)
+
+
+def _check(motion: Any) -> None:
+    """Checks that a value is a motion of an oscillator."""
+    checks.instance(motion, "motion", Motion)
+    if motion.of_structure:
+        raise ParameterTypeError(f"motion = {motion!r}: must be one of an oscillator")
 
 
 def _images(motion: Motion) -> Iterator[Motion]:
@@ -75,13 +82,7 @@ def _images(motion: Motion) -> Iterator[Motion]:
         yield image
 
 
-@overload
-def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool: ...
-@overload
-def same_motion(one: StructureMotion, other: StructureMotion) -> bool: ...
-
-
-def same_motion(one: Any, other: Any, *, mirrored: bool = False) -> bool:
+def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     """Whether two motions of one system, or one and the other's mirror image, are the same.
 
     The impact with which each begins does not matter. Motions of a structure have the same period, the same gaps
@@ -90,15 +91,15 @@ def same_motion(one: Any, other: Any, *, mirrored: bool = False) -> bool:
 
     Parameters
     ----------
-    one, other : Motion, or StructureMotion
-        Both of one class.
+    one, other : Motion
+        Both of one system.
     mirrored : bool
         Of an oscillator: compare with the mirror image of the other.
 
     Raises
     ------
     ParameterTypeError
-        If one is no motion, or they are of two classes.
+        If one is no motion, or they are of two systems.
     ParameterError
         If `mirrored` is asked for motions of a structure.
 
@@ -118,44 +119,37 @@ def same_motion(one: Any, other: Any, *, mirrored: bool = False) -> bool:
     >>> vi.same_motion(motion, vi.exact(wall, load, motion))
     True
     """
-    of_structure = isinstance(one, StructureMotion)
-    kind = StructureMotion if of_structure else Motion
-    checks.instance(one, "one", kind)
-    checks.instance(other, "other", kind)
+    checks.instance(one, "one", Motion)
+    checks.instance(other, "other", Motion)
     checks.truth(mirrored, "mirrored")
-    if mirrored and of_structure:
+    if one.of_structure != other.of_structure:
+        raise ParameterTypeError(
+            f"other = {other!r}: must be a motion of the same system as one, {one!r}"
+        )
+    if mirrored and one.of_structure:
         raise ParameterError("mirrored = True: must be False for motions of a structure")
-    return (
-        same_of_structure(one, other) if of_structure else same_of_oscillator(one, other, mirrored)
-    )
-
-
-def same_of_structure(one: StructureMotion, other: StructureMotion) -> bool:
-    """As `same_motion`, of a structure."""
-    if one.cycles != other.cycles or len(one.rests) != len(other.rests):
+    if one.cycles != other.cycles:
         return False
-    impacts = ((m.gaps, m.phases, m.speeds) for m in (one, other))
-    return bool(
-        _core.same_impacts(*next(impacts), *next(impacts), one.cycles, int(len(one.rests) > 0))
-    )
-
-
-def same_of_oscillator(one: Motion, other: Motion, mirrored: bool) -> bool:
-    """As `same_motion`, of an oscillator."""
+    if one.of_structure:
+        if len(one.rests) != len(other.rests):
+            return False
+        impacts = ((m.gaps, m.phases, m.speeds) for m in (one, other))
+        return bool(
+            _core.same_impacts(*next(impacts), *next(impacts), one.cycles, int(len(one.rests) > 0))
+        )
     first, second = parts_of(one), parts_of(other)
     if (
         (one.rest_events is None) != (other.rest_events is None)
         or len(one.pattern) != len(other.pattern)
-        or one.pattern.cycles != other.pattern.cycles
         or first.releases.shape != second.releases.shape
     ):
         return False
-    system = (one.osc.xi, one.r, one.load, one.clearance, one.pattern.cycles)
+    system = (one.osc.xi, one.r, one.load, one.clearance, one.cycles)
     return bool(_core.same_motion(*system, *first, *second, mirrored))
 
 
 def is_symmetric(motion: Motion) -> bool:
-    """Whether a motion without rest is its own mirror image half a period later.
+    """Whether a motion without rest is its own mirror image half a period later; of a structure, whether -q is.
 
     Raises
     ------
@@ -170,7 +164,5 @@ def is_symmetric(motion: Motion) -> bool:
     True
     """
     checks.instance(motion, "motion", Motion)
-    right, left = motion.osc.restitution
-    return (
-        right == left and not motion.pattern.has_rest and same_motion(motion, motion, mirrored=True)
-    )
+    has_rest = len(motion.rests) > 0 if motion.of_structure else motion.pattern.has_rest
+    return not has_rest and is_mirrored(motion)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, overload
 
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.sizes import memory_for
 from ..base.status import NO_MOTION, VERDICT, raise_status
 from ..results import namelist
@@ -26,10 +27,22 @@ from ..results.events import (
     with_accelerations,
 )
 from ..results.gradient import Gradient
-from ..results.noun import ACTIONS, Noun, Savable
+from ..results.noun import ACTIONS, Noun, Solution
+from ..results.parameters import Wanted
+from ..results.systems import (
+    check_gap_numbers,
+    osc_of,
+    structure_of,
+    structure_tables,
+    units_of,
+    with_owners,
+)
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
-from .quantities import Quantities, quantities_of
+from ..systems.structure import Load, Structure
+from .quantities import quantities_of
+from .structure_quantities import structure_quantities
+from .trajectory import EVENTS_OF_STRUCTURE, Trajectory, core_arrays, request_of, segments_of_events
 
 __all__ = ["Motion", "Motions", "Sample"]
 
@@ -39,37 +52,101 @@ OF_MOTION = (
 )  # fmt: skip
 VERDICTS = ("consistent", "admissible", "stable")
 OF_IMPACTS = {
-    "restitution": "restitution", "phases": "phase", "X": "X", "Z": "Z", "X_dot_before": "X_dot_before",
+    "restitution": "restitution", "alpha": "phase", "X": "X", "Z": "Z", "X_dot_before": "X_dot_before",
     "X_dot_after": "X_dot_after", "Z_dot_before": "Z_dot_before", "Z_dot_after": "Z_dot_after",
 }  # fmt: skip
+#: The same of a structure.
+OF_STRUCTURE = ("cycles", "residual", "determinant", "law")
+IMPACTS_OF_STRUCTURE = {"gaps": "gap", "phases": "phase", "speeds": "speed", "impulses": "impulse"}
+RESTS = np.dtype([("gap", "i4"), ("begin", "f8"), ("end", "f8")])
+#: The keys of a &motion of a &structure.
+REQUEST = ("kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q_dot", "start")
 #: The codes of the verdicts in tables.
 CODES = {True: 1, False: 0, None: -1}
 #: Largest residual of a consistent motion, unless &motion specifies another.
 ACCEPTANCE = 0.03
+#: Largest phase of an impact, in magnitude.
+MOST_PHASE = 1e6
+#: Phases (rad) between events that are at one instant but for rounding, and between the last impact of an
+#: accumulation and its end.
+AT_ONCE, SHORT = 1e-9, 1e-5
 
 #: The leading arguments of the core's procedures on a finished motion.
 _Array = NDArray[np.float64]
 _Flights = tuple[float, float, float, int, NDArray[np.int32], _Array, _Array, _Array, float, float]
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Motion(Savable, study="motion"):
-    """A periodic motion with impacts. Lengths in F0/K, velocities in omega F0/K, angles in radians.
+def load_phase_of(tau: Any, xi: Any, r: Any) -> Any:
+    """Phase of the load at the first impact."""
+    return tau + np.arctan2(2 * xi * r, (1 - r) * (1 + r))
 
-    Motions come from `periodic`, `equispaced`, `exact` and `find`; their arrays are read-only.
+
+def _states(motion: Motion) -> _Array:
+    """The states just after the impacts by coordinates and velocities."""
+    columns = (motion.X, motion.Z, motion.X_dot_after, motion.Z_dot_after)
+    return np.stack(columns, axis=1).reshape(-1, 2, 2)
+
+
+def _phases(motion: Motion | Motions) -> _Array:
+    """The load phases of the impacts."""
+    found: _Array = motion.alpha + np.mod(motion.load_phase, 2 * math.pi)
+    found.flags.writeable = False
+    return found
+
+
+def _impulses(motion: Motion) -> _Array:
+    """(1 + R) m v, with the mass m = 1/(1 + 1/mu) that an impact sees."""
+    mass = motion.osc.mu / (1 + motion.osc.mu)
+    return (1 + motion.restitution) * mass * motion.speeds
+
+
+class Motion(Solution, study="motion", of_structure="motion_structure", formerly="StructureMotion"):
+    """A periodic motion with impacts; its arrays are read-only.
+
+    Motions come from `periodic`, `equispaced`, `exact` and `find`. Of an oscillator lengths are in F0/K,
+    velocities in omega F0/K and times in 1/omega; of a structure all is in the units of the user. Angles are in
+    radians. An oscillator is the structure of its two masses and two gaps, `osc.at(r, clearance, load).structure`,
+    whose coordinates are x and z: gap 0 is the right wall, gap 1 the left one.
 
     Attributes
     ----------
+    gaps : ndarray (N,)
+        The gap of each impact in a period, from 0.
+    phases : ndarray (N,)
+        Load phases Omega t of the impacts, in ascending order.
+    speeds, impulses : ndarray (N,)
+        Approach speeds, and impulses (1 + R) m v.
+    states : ndarray (N, 2, n)
+        Coordinates and velocities just after each impact; the velocities just before it are those plus the impulse
+        times M^-1 G.
+    cycles : int
+        Load cycles in a period.
+    load : float or Load
+        The amplitude f of the load of an oscillator, 1 unless `exact` was given another one; the load of a
+        structure.
+    residual : float
+        Relative 2-norm of the residual of equations (26), (30). With N = 2 they are a square system, and it is 0
+        by definition. Of a structure the largest residual of the equations, each relative to the sum of the
+        absolute terms in it.
+    multipliers : ndarray (2n,) of complex
+        Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
+    consistent : bool or None
+        Whether the residual is within the acceptance; of a structure, whether it is one of rounding.
+    admissible : bool or None
+        Whether the masses approach at each impact and every gap stays open between the impacts.
+    stable : bool or None
+        Whether all multipliers lie inside the unit circle. None where there are no multipliers, or where
+        the leading one is on the circle within rounding (no damping, for example).
     osc : Oscillator
     r : float
-        Frequency ratio Omega/omega.
+        Of an oscillator, as all up to `rest_events`: frequency ratio Omega/omega.
     clearance : float
         D = d K/F0; d is the whole travel of the free mass between the walls.
     pattern : Pattern
     restitution : ndarray (N,)
         Coefficient of restitution of each impact.
-    phases : ndarray (N,)
-        Phase of each impact, alpha_i, counted from the first (whose load phase is `load_phase`).
+    alpha : ndarray (N,)
+        Phase of each impact counted from the first, alpha_i; `load_phase` is that of the first in the load.
     X, Z : ndarray (N,)
         Positions of primary and free mass at each impact.
     X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N,)
@@ -77,71 +154,109 @@ class Motion(Savable, study="motion"):
     A, tau : float
         Amplitude of the motion without impacts and phase of equation (4): the forced part of the
         motion is ``A sin(r t + tau)`` with t = 0 at the first impact.
-    residual : float
-        Relative 2-norm of the residual of equations (26), (30). With N = 2 they are a square system,
-        and it is 0 by definition.
-    multipliers : ndarray (4,) of complex
-        Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
-    consistent : bool
-        Whether the residual is within the acceptance.
-    admissible : bool or None
-        Whether the masses approach at each impact and the free mass stays between the walls.
-    stable : bool or None
-        Whether all multipliers lie inside the unit circle. None where there are no multipliers, or where
-        the leading one is on the circle within rounding (no damping, for example).
     x_min, x_max : float
         Extreme positions of the primary mass over the period.
     precision : str
         "double", or "single" if the chain was computed in 32-bit arithmetic.
-    load : float
-        Load amplitude f; 1 unless `exact` was given another one.
     kind : str
         The method: "periodic" or "equispaced" (the linear equations), or "exact".
     guess : ndarray (N,) or None
-        Of an exact motion: the phases from which it was found, if it began with the linear equations.
+        Of an exact motion: the phases alpha from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
         For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
         The arrays above have one entry a symbol then; that of a starred symbol is the first impact of
         the accumulation.
+    structure : Structure
+        Of a structure, as all that follow.
+    matrix : ndarray (2n, 2n)
+        [P], the derivative of the period of (q, q') from just after the first impact, or, with rests, from the
+        middle of the longest flight; NaN if there is none.
+    determinant, law : float
+        det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal
+        up to rounding errors of the size of eps times the product of the column lengths of [P]; 0 with rests.
+    rests : structured array
+        ``gap, begin, end``: gaps that rest, and the load phases at which each rest begins and ends. The
+        impacts of the accumulation before it are listed down to those whose effect is below rounding.
+    request : dict or None
+        The case by the keys of a &motion; None with ``full=True``, or if it was read from a file without its case.
     """
 
-    osc: Oscillator
-    r: float
-    clearance: float
-    pattern: Pattern
-    restitution: NDArray[np.float64]
-    phases: NDArray[np.float64]
-    X: NDArray[np.float64]
-    Z: NDArray[np.float64]
-    X_dot_before: NDArray[np.float64]
-    X_dot_after: NDArray[np.float64]
-    Z_dot_before: NDArray[np.float64]
-    Z_dot_after: NDArray[np.float64]
-    A: float
-    tau: float
+    __slots__ = (
+        "A", "X", "X_dot_after", "X_dot_before", "Z", "Z_dot_after", "Z_dot_before", "admissible", "alpha",
+        "clearance", "consistent", "cycles", "determinant", "gaps", "guess", "impulses", "kind", "law", "load",
+        "matrix", "multipliers", "osc", "pattern", "phases", "precision", "r", "request", "residual",
+        "rest_events", "restitution", "rests", "speeds", "stable", "states", "structure", "tau", "x_max", "x_min",
+    )  # fmt: skip
+    _derived: ClassVar = {
+        "gaps": lambda self: np.where(self.pattern.signs > 0, 0, 1).astype(np.int32),
+        "cycles": lambda self: self.pattern.cycles, "phases": _phases, "states": _states, "impulses": _impulses,
+        "speeds": lambda self: self.pattern.signs * (self.Z_dot_before - self.X_dot_before),
+    }  # fmt: skip
+    _instead = (
+        {
+            "structure": "osc", "matrix": "stability_matrix()", "determinant": "multipliers", "law": "multipliers",
+            "rests": "rest_events", "request": "to_namelist()",
+        },
+        {
+            "osc": "structure and load", "r": "load.frequency", "clearance": "structure.gaps",
+            "pattern": "gaps and cycles", "restitution": "structure.gaps, and speeds", "alpha": "phases",
+            "load_phase": "phases", "X": "states", "Z": "states", "X_dot_after": "states", "Z_dot_after": "states",
+            "X_dot_before": "states and impulses", "Z_dot_before": "states and impulses", "A": "load",
+            "tau": "phases", "x_min": "quantities()", "x_max": "quantities()", "attenuation": "quantities()",
+            "precision": "residual", "kind": "request", "guess": "request", "rest_events": "rests",
+            "events": "gaps, phases and rests",
+        },
+    )  # fmt: skip
+
+    gaps: NDArray[np.int32]
+    phases: _Array
+    speeds: _Array
+    impulses: _Array
+    states: _Array
+    cycles: int
+    load: Any
     residual: float
     multipliers: NDArray[np.complex128]
     consistent: bool | None
     admissible: bool | None
     stable: bool | None
+    osc: Oscillator
+    r: float
+    clearance: float
+    pattern: Pattern
+    restitution: _Array
+    alpha: _Array
+    X: _Array
+    Z: _Array
+    X_dot_before: _Array
+    X_dot_after: _Array
+    Z_dot_before: _Array
+    Z_dot_after: _Array
+    A: float
+    tau: float
     x_min: float
     x_max: float
-    precision: str = "double"
-    load: float = 1.0
-    kind: str = "exact"
-    guess: NDArray[np.float64] | None = None
-    rest_events: NDArray[Any] | None = None
+    precision: str
+    kind: str
+    guess: _Array | None
+    rest_events: NDArray[Any] | None
+    structure: Structure
+    matrix: _Array
+    determinant: float
+    law: float
+    rests: NDArray[Any]
+    request: dict[str, Any] | None
 
     @property
     def events(self) -> NDArray[Any]:
-        """The events of one period from the first impact on, with the columns of `Trajectory.events`."""
+        """Of an oscillator: the events of one period from the first impact on, as of `Trajectory.events`."""
         if self.rest_events is not None:
             return self.rest_events
         events = np.empty(len(self.pattern), dtype=EVENT_TYPE)
-        events["time"] = self.phases / self.r
+        events["time"] = self.alpha / self.r
         events["kind"] = "impact"
         events["side"] = self.pattern.symbols
-        events["phase"] = np.mod(self.phases + self.load_phase, 2 * math.pi)
+        events["phase"] = np.mod(self.alpha + self.load_phase, 2 * math.pi)
         for name, values in (
             ("x", self.X), ("x_dot_before", self.X_dot_before), ("x_dot_after", self.X_dot_after),
             ("z_dot_before", self.Z_dot_before), ("z_dot_after", self.Z_dot_after),
@@ -151,18 +266,29 @@ class Motion(Savable, study="motion"):
 
     @property
     def period(self) -> float:
-        """Period of the motion, 2 pi k/r in units of 1/omega."""
-        return 2 * math.pi * self.pattern.cycles / self.r
+        """Period of the motion in time, of an oscillator in units of 1/omega."""
+        frequency = self.load.frequency if self.of_structure else self.r
+        return 2 * math.pi * self.cycles / frequency
+
+    @property
+    def q(self) -> _Array:
+        """(n,) Coordinates just after the first impact."""
+        return np.asarray(self.states[0, 0])
+
+    @property
+    def q_dot(self) -> _Array:
+        """(n,) Velocities just after the first impact."""
+        return np.asarray(self.states[0, 1])
 
     @property
     def attenuation(self) -> float:
-        """max|x|/A; if it is below 1 the impacts reduce the motion of the primary mass."""
+        """Of an oscillator: max|x|/A; if it is below 1 the impacts reduce the motion of the primary mass."""
         return max(-self.x_min, self.x_max) / self.A
 
     @property
     def load_phase(self) -> float:
-        """Phase of the load at the first impact, Omega t_1: the load is ``sin(r t + load_phase)``."""
-        return self.tau + math.atan2(2 * self.osc.xi * self.r, (1 - self.r) * (1 + self.r))
+        """Of an oscillator: phase of the load at the first impact; the load is ``sin(r t + load_phase)``."""
+        return float(load_phase_of(self.tau, self.osc.xi, self.r))
 
     @property
     def leading_kind(self) -> str | None:
@@ -178,19 +304,20 @@ class Motion(Savable, study="motion"):
         return "positive" if leading.real >= 0 else "negative"
 
     @memory_for("a sample at the times t")
-    def sample(self, t: ArrayLike) -> Sample:
-        """Positions, velocities, accelerations and load at any times, from the closed form.
+    def sample(self, t: ArrayLike) -> Any:
+        """Positions and velocities at any times, from the closed form; the motion is periodic.
 
         Parameters
         ----------
         t : array_like
-            Times in 1/omega, 0 at the first impact; any finite value, the motion being periodic. At an
-            impact velocities and accelerations are those just after it.
+            Any finite times; of an oscillator in 1/omega, 0 at the first impact. Of a structure one list of times
+            (m,), the load phase being Omega t. At an impact velocities and accelerations are those just after it.
 
         Returns
         -------
-        Sample
-            Arrays ``X, X_dot, Z, Z_dot, Y, load, X_ddot, Z_ddot``; Y is Z - X.
+        Sample, or (q, q_dot) of a structure
+            Of an oscillator arrays ``X, X_dot, Z, Z_dot, Y, load, X_ddot, Z_ddot``; Y is Z - X. Of a structure
+            coordinates and velocities (n, m).
 
         Examples
         --------
@@ -201,6 +328,9 @@ class Motion(Savable, study="motion"):
         >>> bool(np.all(abs(history.Y) <= 37.0 / 2 + 1e-12))
         True
         """
+        if self.of_structure:
+            run, times = self._within(t)
+            return run.sample(times)
         times = checks.real_array(t, "t", "real times")
         if not np.isfinite(times).all():
             raise ParameterError(f"t = {t!r}: must be finite")
@@ -212,14 +342,35 @@ class Motion(Savable, study="motion"):
         wrapped = np.mod(times, self.period)
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, wrapped)
 
+    @memory_for("a sample at the times t")
+    def acceleration(self, t: ArrayLike) -> _Array:
+        """Accelerations (n, m) at any times, between the impacts, as of `Trajectory.acceleration`."""
+        if self.of_structure:
+            run, times = self._within(t)
+            return run.acceleration(times)
+        found = self.sample(t)
+        return np.array([found.X_ddot, found.Z_ddot])
+
+    def _within(self, t: ArrayLike) -> tuple[Trajectory, _Array]:
+        """Of a structure: the period, and times within it for any times."""
+        times = np.atleast_1d(checks.real_array(t, "t", "finite times"))
+        if times.ndim != 1 or not np.isfinite(times).all():
+            raise ParameterError(f"t = {t!r}: must be finite times")
+        run = self._run()
+        return run, run.start + np.mod(times - run.start, self.period)
+
     @memory_for("quantities, by their window and harmonics")
-    def quantities(self, harmonics: int = 10) -> Quantities:
+    def quantities(self, harmonics: int = 10) -> Any:
         """Response quantities over a period: rms, extremes and harmonics, impacts and energies.
 
         Parameters
         ----------
         harmonics : int
             Harmonics of the load, 1 to 10000.
+
+        Returns
+        -------
+        Quantities, or StructureQuantities of a structure
 
         Raises
         ------
@@ -238,6 +389,8 @@ class Motion(Savable, study="motion"):
         >>> abs(found.work - found.damping_loss - found.impact_loss) < 1e-12 * found.work
         True
         """
+        if self.of_structure:
+            return structure_quantities(self._run(), None, harmonics, closed=True)
         events = self.events
         starts, resting = segments(events, self.clearance)
         end = starts[0, 0] + self.period
@@ -245,40 +398,48 @@ class Motion(Savable, study="motion"):
             self.osc, self.r, self.load, starts, resting, end, None, events, harmonics
         )
 
-    def plot(self, ax: Any = None, kind: str | None = None, cycles: float | None = None) -> Any:
-        """Draw time history, load, acceleration and phase portrait (extra `plot`).
+    def plot(
+        self, ax: Any = None, kind: str | None = None, cycles: float | None = None,
+        window: ArrayLike | None = None,
+    ) -> Any:  # fmt: skip
+        """Draw the motion, or one panel of its picture, as `Trajectory.plot` (extra `plot`).
 
         Parameters
         ----------
-        ax : matplotlib Axes, optional
-            Where to draw one panel; without it a figure with all panels is made.
-        kind : {"history", "load", "acceleration", "portrait"}, optional
-            Which panel.
+        ax, kind
+            As of `Trajectory.plot`.
         cycles : float, optional
-            Load cycles shown; by default one period, at least two cycles.
+            Load cycles shown: of an oscillator from the first impact on, by default one period, at least two
+            cycles; of a structure the last ones of a period.
+        window : (float, float), optional
+            Of a structure: times between which it is drawn, by default a period.
 
         Returns
         -------
         Axes, or an array of Axes if all panels were drawn.
         """
-        return self._draw(ax, kind, max(2, self.pattern.cycles) if cycles is None else cycles)
+        if self.of_structure:
+            return self._run().plot(ax, kind, cycles, window)
+        self._no_window(window)
+        return self._draw(ax, kind, max(2, self.cycles) if cycles is None else cycles)
 
     def animate(
         self,
         path: str | os.PathLike[str] | None = None,
         cycles: float | None = None,
-        seconds: float = 3.0,
+        seconds: float | None = None,
+        window: ArrayLike | None = None,
     ) -> Any:
-        """Animate the masses; the wall that is hit flashes (extra `plot`).
+        """Animate it; the wall or gap that is hit flashes (extra `plot`).
 
         Parameters
         ----------
         path : str or path, optional
             The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg, or the extra `film`).
-        cycles : float, optional
-            Load cycles shown from the first impact on; by default one period, so that the animation can loop.
-        seconds : float
-            Duration of a load cycle on the screen.
+        cycles, window
+            As of `plot`; by default one period, so that the animation can loop.
+        seconds : float, optional
+            Duration on the screen, as of `Trajectory.animate`.
 
         Returns
         -------
@@ -293,14 +454,30 @@ class Motion(Savable, study="motion"):
         >>> motion.animate("pair.gif", seconds=0.3).name
         'pair.gif'
         """
-        return self._animate(path, self.pattern.cycles if cycles is None else cycles, seconds)
+        if self.of_structure:
+            return self._run().animate(path, cycles, seconds, window)
+        self._no_window(window)
+        return self._animate(
+            path,
+            self.cycles if cycles is None else cycles,
+            None,
+            3.0 if seconds is None else seconds,
+        )
+
+    def _no_window(self, window: Any) -> None:
+        if window is not None:
+            raise ParameterError(
+                f"window = {window!r}: must be left out for an oscillator; give cycles"
+            )
 
     def impact_maps(self) -> NDArray[np.float64]:
-        """The matrices [P_i] of (A7), (N, 4, 4).
+        """Of an oscillator: the matrices [P_i] of (A7), (N, 4, 4).
 
         P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
         just after impact i. All zero where the impact has no approach speed.
         """
+        if self.of_structure:
+            raise AttributeError(self._lack("impact_maps", "matrix"))
         if self.pattern.has_rest:
             raise ParameterError(
                 f"pattern = {self.pattern.sides!r}: must be without rest, which has no finite list of [P_i]"
@@ -309,36 +486,54 @@ class Motion(Savable, study="motion"):
         return np.moveaxis(maps, 2, 0)
 
     def stability_matrix(self) -> NDArray[np.float64]:
-        """[P] = [P_N] ... [P_1] of equation (32), (4, 4); its eigenvalues are the multipliers."""
+        """[P] = [P_N] ... [P_1] of equation (32), (4, 4), of a structure `matrix`; its eigenvalues are the
+        multipliers."""
+        if self.of_structure:
+            return self.matrix
         product = np.eye(4)
         for matrix in self.impact_maps():
             product = matrix @ product
         return product
 
-    def gradient(self) -> Gradient:
-        """The derivatives of all quantities with respect to r, clearance, xi, mu, R1, R2, R and load.
+    def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
+        """The derivatives of all quantities of the exact motion by parameters.
 
         They are those of the exact motion, with the phases as functions of the parameters, from the
-        implicit-function theorem and the derivatives of [P_i]; no difference quotients are taken. R1 and R2 change
-        the restitution of all impacts on their wall, R that of all impacts.
+        implicit-function theorem and the derivatives of [P_i]; no difference quotients are taken.
 
+        Of an oscillator the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change
+        the restitution of all impacts on their wall, R that of all impacts.
         Beside attributes of the motion the quantities are `load_phase`, `attenuation`, the response `x_rms`,
         `fundamental_amplitude` and `fundamental_phase` (as `quantities` has them), and the distances to the
         boundaries of its zone: `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance
         to each wall where the relative position is stationary in the flight after each impact (NaN if it is so
         nowhere); and `stability_margin`, which is 1 - max|lambda|.
 
+        Of a structure the quantities are phases, speeds, impulses, ``q`` and ``q_dot``, the states just after the
+        impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit.
+
+        Parameters
+        ----------
+        parameters : sequence, optional
+            Of a structure: names as in `branch`: 'frequency'; 'load', 'constant', 'mass', 'damping', 'stiffness'
+            (factors, 1 for the motion); 'opening', 'restitution' (of all gaps, which all change by the same);
+            'opening_J', 'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its
+            mirror image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth
+            function that gives (Structure, Load), and the value of its argument at the motion; the function is
+            called within 5 % of it (within 0.05 of 0). By default frequency, load, and all openings and
+            coefficients of restitution.
+
         Returns
         -------
         Gradient
             NaN with a `status` where a single quantity has no derivatives: multipliers that coincide, or a
-            greatest value that is reached twice, as by symmetric motions if R1 alone changes. Of a motion with
-            rest or with more than 24 impacts there are no gaps, rms and fundamental.
+            greatest value that is reached twice, as by symmetric motions if R1 alone changes. Of a motion of an
+            oscillator with rest or with more than 24 impacts there are no gaps, rms and fundamental.
 
         Raises
         ------
-        ParameterError
-            If the motion has no load.
+        ParameterError, ParameterTypeError
+            If the motion has no load, or a parameter does not exist.
         SingularError
             If the motion is at a fold, a pitchfork or a graze, or if its phases are not exact (`exact` finds the
             exact motion nearby).
@@ -352,10 +547,24 @@ class Motion(Savable, study="motion"):
         0.015041
         >>> gradient["X", "mu"].shape
         (2,)
+
+        >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+        >>> motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
+        >>> gradient = motion.gradient(["frequency", "mass_0_0"])
+        >>> gradient["speeds", "frequency"].shape, gradient["q"].shape
+        ((1,), (1, 1, 2))
         """
+        found: Gradient
+        if self.of_structure:
+            found = ACTIONS["structure_motion_gradient"](self, parameters)
+            return found
+        if parameters is not None:
+            raise ParameterTypeError(
+                f"parameters = {parameters!r}: must be left out for an oscillator, whose parameters are all taken"
+            )
         if not self.load > 0:
             raise ParameterError(f"load = {self.load!r}: must be above 0 to have derivatives")
-        found: Gradient = ACTIONS["motion_gradient"](self)
+        found = ACTIONS["motion_gradient"](self)
         return found
 
     def to_namelist(self) -> str:
@@ -364,17 +573,24 @@ class Motion(Savable, study="motion"):
         The digits are the same if the motion was computed from phases. Otherwise the motion itself is the guess
         for Newton's method, which then ends within rounding of it. An equispaced motion comes with its twin.
         """
-        return namelist.case(self.osc, self.r, motion=self._keys())
+        if not self.of_structure:
+            return namelist.case(self.osc, self.r, motion=self._keys())
+        if self.request is None:
+            raise ParameterError(
+                f"{self!r}: has no namelist, since it was computed with full=True or read from a file without one"
+            )
+        groups = [*self.structure._groups(), *self.load._groups(), ("motion", self.request)]
+        return namelist.text(groups)
 
     def _keys(self) -> dict[str, Any]:
-        """The group &motion that produces it."""
+        """The group &motion that produces it, of an oscillator."""
         if self.pattern.has_rest or self.load != 1.0:
             what = "rest" if self.pattern.has_rest else f"load = {self.load!r}"
             raise ParameterError(f"motion with {what}: has no namelist; a &simulate comes to it")
         keys: dict[str, Any] = {"kind": self.kind, "cycles": self.pattern.cycles}
         if self.kind == "equispaced":
             return keys | {"clearance": self.clearance, "precision": self.precision}
-        phases = self.phases if self.guess is None else self.guess
+        phases = self.alpha if self.guess is None else self.guess
         keys |= {"sides": self.pattern.sides, "phases": phases.tolist()}
         right, left = self.osc.restitution
         if not np.array_equal(self.restitution, np.where(self.pattern.signs > 0, right, left)):
@@ -399,6 +615,9 @@ class Motion(Savable, study="motion"):
             case = self.to_namelist()
         except ParameterError:
             case = ""
+        if self.of_structure:
+            tables = self._tables_of_structure()
+            return with_owners(self.structure, made("motion_structure", case, tables))
         n, (right, left) = len(self.pattern), self.osc.restitution
         own: dict[str, Any] = {name: getattr(self, name) for name in OF_MOTION}
         own |= {name: CODES[getattr(self, name)] for name in VERDICTS}
@@ -414,54 +633,142 @@ class Motion(Savable, study="motion"):
             "side": self.pattern.symbols,
             "guess": self.guess,
         }
-        tables: dict[str, Any] = {"motions": ((), own), "impacts": (("impact",), impacts)}
+        tables = {"motions": ((), own), "impacts": (("impact",), impacts)}
         if self.rest_events is not None:
             tables["events"] = (("event",), event_columns(self.rest_events))
         return made("motion", case, tables)
 
+    def _tables_of_structure(self) -> dict[str, Any]:
+        n = self.structure.coordinates
+        return {
+            "impacts": (("impact",), {
+                "impact": np.arange(1, len(self.gaps) + 1), "gap": self.gaps, "phase": self.phases,
+                "speed": self.speeds, "impulse": self.impulses,
+                "q": self.states[:, 0], "q_dot": self.states[:, 1],
+            }),
+            "motion": ((), {
+                "cycles": self.cycles, "residual": self.residual, "determinant": self.determinant,
+                "law": self.law, "frequency": self.load.frequency,
+                **{name: CODES[getattr(self, name)] for name in VERDICTS},
+            }),
+            "multipliers": (("multiplier",), {"multiplier": self.multipliers}),
+            "derivative": (("state_row",), {"P": np.reshape(self.matrix, (2 * n, 2 * n))}),
+            "rests": (("rest",), {name: self.rests[name] for name in RESTS.names or ()}),
+            **structure_tables(self.structure, self.load),
+        }  # fmt: skip
+
     @classmethod
     def of_result(cls, result: Result) -> Motion:
         """The motion of a result that has one."""
-        found = motions_of(result)
-        if len(found) != 1:
-            raise ParameterError(f"result with {len(found)} motions: must have one")
-        return found[0]
+        if result.study == cls.study:
+            found = motions_of(result)
+            if len(found) != 1:
+                raise ParameterError(f"result with {len(found)} motions: must have one")
+            return found[0]
+        frequency = result.column("motion", "frequency").decoded().item()
+        structure, load = structure_of(result, frequency, True)
+        assert load is not None
+        request = request_of(result, "motion", REQUEST, {"gaps", "phases", "q", "q_dot"})
+        check_gap_numbers(result, structure)
+        return of_tables(result, structure, load, "motion", None, None, request)
+
+    def _run(self) -> Trajectory:
+        """Of a structure: the period from just after the first impact, by the flights and rests of the motion.
+
+        Nothing is simulated: a simulation would leave an unstable motion, would stop at the first gap that a
+        motion closes in between, and could not start again from a gap that is closed to rounding.
+        """
+        n, count = self.structure.coordinates, len(self.phases)
+        times = self.phases / self.load.frequency
+        times = np.append(times, times[0] + self.period)
+        numbers = np.arange(1, count + 1) % count
+        kinds = ["impact"] * count
+        gaps, clock = self.gaps[numbers].tolist(), times[1:].tolist()
+        # a rest begins with the last impact of its accumulation, which no other event parts from it; of events at
+        # one instant the releases are the last
+        keys = [(times[i], i, False) for i in range(1, count + 1)]
+        whole = 2 * np.pi * self.cycles
+        for gap, begin, end in self.rests.tolist():
+            since = np.mod(begin - self.phases + AT_ONCE, whole) - AT_ONCE
+            since[self.gaps != gap] = whole
+            last = count - 1 - int(since[::-1].argmin())
+            if since[last] < SHORT:
+                stick = float(times[last] + max(0.0, since[last]) / self.load.frequency)
+                keys.append((times[last], last, True))
+            else:
+                stick = float(
+                    times[0] + np.mod(begin - self.phases[0], whole) / self.load.frequency
+                )
+                keys.append((stick, count, True))
+            kinds += ["stick", "release"]
+            gaps += [gap, gap]
+            clock += [stick, stick + (end - begin) / self.load.frequency]
+            keys.append((clock[-1], count + 1, False))
+        sequence = sorted(range(len(keys)), key=keys.__getitem__)
+        events = np.zeros(len(sequence), EVENTS_OF_STRUCTURE)
+        events["time"], events["kind"] = np.array(clock)[sequence], np.array(kinds)[sequence]
+        events["gap"] = np.array(gaps)[sequence]
+        hit = events["kind"] == "impact"
+        events["speed"][hit], events["impulse"][hit] = self.speeds[numbers], self.impulses[numbers]
+        starts, labels = segments_of_events(
+            float(times[0]), self.states[0], events, np.zeros((len(events), 2, n))
+        )
+        starts[1:, 1:][:, hit] = self.states[numbers].reshape(count, 2 * n).T
+        if len(self.rests):
+            system = core_arrays(self.structure, self.load)[:6]
+            raise_status(_core.complete_rests(*system, labels, starts))
+        states = starts[1:, 1:].T.reshape(len(events), 2, n)
+        first = (self.q, self.q_dot)
+        return Trajectory(
+            structure=self.structure, load=self.load, start=float(times[0]), end=float(times[-1]), events=events,
+            states=states, initial_state=first, final_state=first, complete=True, request=None, cut="",
+            permanent=(),
+        )  # fmt: skip
 
     def _facts(self) -> dict[str, str]:
-        shown = ", ".join(f"{phase:.4g}" for phase in self.phases[:12] / np.pi)
+        if self.of_structure:
+            return {"coordinates": str(self.structure.coordinates), "impacts": str(len(self.gaps))}
+        shown = ", ".join(f"{phase:.4g}" for phase in self.alpha[:12] / np.pi)
         return {
             "x": f"{self.x_min:.6g} to {self.x_max:.6g}",
             "max|x|/A": f"{self.attenuation:.4g}" if self.A > 0 else "-",
-            "phases/π": shown + (", …" if len(self.phases) > 12 else ""),
+            "α/π": shown + (", …" if len(self.alpha) > 12 else ""),
             "|λ|": ", ".join(f"{size:.4g}" for size in np.abs(self.multipliers)),
             "residual": f"{self.residual:.1e}",
         }
 
-    def _draw_small(self, ax: Any) -> None:
-        self.plot(ax=ax, kind="history")
-
     def verdicts(self) -> str:
         """The three verdicts in words, with the numbers behind them."""
-        words = []
-        for name, value in (("consistent", self.consistent), ("admissible", self.admissible)):
-            words.append({True: name, False: f"not {name}", None: f"{name}?"}[value])
-        modulus = abs(complex(self.multipliers[0]))
+        words = [
+            {True: name, False: f"not {name}", None: f"{name}?"}[value]
+            for name, value in (("consistent", self.consistent), ("admissible", self.admissible))
+        ]
+        if self.consistent is False:
+            words[0] += f" (residual {self.residual:.2g})"
+        modulus = np.abs(self.multipliers).max(initial=0.0)
         stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
         words.append(f"{stability} (max|lambda| = {modulus:.4g}, {self.leading_kind})")
         return ", ".join(words)
 
     def __repr__(self) -> str:
-        single = ", single precision" if self.precision == "single" else ""
         # one line on a terminal: "consistent" and the kind of multiplier are only in `str`
         verdicts = (
             self.verdicts().removeprefix("consistent, ").replace(f", {self.leading_kind})", ")")
         )
+        if self.of_structure:
+            counts = [(len(self.phases), "impact"), (len(self.rests), "rest")]
+            parts = [f"{n} {name}{'s' * (n != 1)}" for n, name in counts if n]
+            cycles = f"{self.cycles} cycle{'s' * (self.cycles != 1)}"
+            return f"<Motion of {' and '.join(parts)} in {cycles}: {verdicts}>"
+        single = ", single precision" if self.precision == "single" else ""
         return (
             f"<Motion {self.pattern.sides}/{self.pattern.cycles} at r = {self.r:.6g}, "
             f"d K/F0 = {self.clearance:.6g}{single}: {verdicts}>"
         )
 
     def __str__(self) -> str:
+        if self.of_structure:
+            return repr(self)
         n = len(self.pattern)
         cycles = "cycle" if self.pattern.cycles == 1 else f"{self.pattern.cycles} cycles"
         lines = [
@@ -471,10 +778,10 @@ class Motion(Savable, study="motion"):
             f"  {self.verdicts()}",
             f"  residual = {self.residual:.2e}   x from {self.x_min:.6g} to {self.x_max:.6g}   "
             f"max|x|/A = {self.attenuation:.6g}",
-            "  side  phase/pi          X          Z  X' before   X' after  Z' before   Z' after",
+            "  side  alpha/pi          X          Z  X' before   X' after  Z' before   Z' after",
         ]
         columns = zip(
-            self.pattern.symbols, self.phases / math.pi, self.X, self.Z, self.X_dot_before,
+            self.pattern.symbols, self.alpha / math.pi, self.X, self.Z, self.X_dot_before,
             self.X_dot_after, self.Z_dot_before, self.Z_dot_after, strict=True,
         )  # fmt: skip
         for side, *numbers in columns:
@@ -491,11 +798,13 @@ class Motion(Savable, study="motion"):
         impacts = np.stack(columns, axis=1)
         return (
             self.osc.xi, self.osc.mu, self.r, self.pattern.cycles, self.pattern.signs,
-            self.restitution, self.phases, impacts, self.A, self.tau,
+            self.restitution, self.alpha, impacts, self.A, self.tau,
         )  # fmt: skip
 
 
-class MotionSet(Noun, study="motion"):
+class MotionSet(
+    Noun, study="motion", of_structure="motion_structure", formerly="StructureMotionResult"
+):
     """The motions of a &motion case: two of the equispaced kind, else one; none if there is no such motion."""
 
     __slots__ = ()
@@ -503,10 +812,16 @@ class MotionSet(Noun, study="motion"):
 
     def parts(self) -> list[Motion]:
         """The motions."""
-        return motions_of(self._result)
+        if not self.of_structure:
+            return motions_of(self._result)
+        return [] if self._result.empty else [Motion.of_result(self._result)]
 
     def require(self) -> None:
         """SingularError if the motion cannot be computed."""
+        if self.of_structure:
+            if self._result.empty:
+                raise SingularError(self._result.notes[0][1])
+            return
         codes = self._result.column("motions", "status").values.tolist()
         if all(codes) and codes[0] != NO_MOTION:
             raise_status(codes[0])
@@ -554,33 +869,110 @@ def motions_of(result: Result, osc: Oscillator | None = None) -> list[Motion]:
         found.append(
             Motion(
                 osc=osc or osc_of(result, "motions", i), pattern=pattern, multipliers=multipliers[i],
-                rest_events=rest_events, **values,
+                rest_events=rest_events, **{"guess": None} | values,
             )
         )  # fmt: skip
     return found
 
 
-def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
-    """The system of a row of a table that has its numbers."""
-    xi, mu, *walls = (
-        float(result.column(table, name).values.ravel()[row]) for name in ("xi", "mu", "R1", "R2")
-    )
-    columns = result.tables[table].columns
-    known: dict[str, Any] = {
-        name: columns[name].decoded().ravel()[row].item()
-        for name in ("M", "K", "F0", "units") if name in columns
-    }  # fmt: skip
-    if not known and result.case:
-        keys = namelist.keys_of(result.case)
-        of_system = {"M": "mass", "K": "stiffness", "F0": "force", "units": "unit_names"}
-        known = {name: keys[key] for name, key in of_system.items() if key in keys}
-    names = known.pop("units", None)
-    return Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]), **known, unit_names=names)
+def of_tables(
+    result: Result, structure: Structure, load: Load, table: str, row: int | None,
+    parts: Sequence[slice] | None, request: dict[str, Any] | None,
+) -> Motion:  # fmt: skip
+    """A motion of a structure from the core's tables: their rows `parts` of impacts, multipliers, derivative and
+    rests, and a row of the table of motions."""
+    whole = slice(None)
+    impacts, multipliers, derivative, rests = parts or [whole] * 4
+
+    def rows(name: str, part: slice, *columns: str) -> list[Any]:
+        return [result.column(name, column).decoded()[part] for column in columns]
+
+    own = {
+        name: result.column(table, name).decoded()[() if row is None else row].item()
+        for name in (*OF_STRUCTURE, *VERDICTS)
+    }
+    own |= {name: VERDICT[int(own[name])] for name in VERDICTS}
+    columns = rows("impacts", impacts, *IMPACTS_OF_STRUCTURE.values())
+    own |= dict(zip(IMPACTS_OF_STRUCTURE, columns, strict=True))
+    states = np.stack(rows("impacts", impacts, "q", "q_dot"), axis=1)
+    gap, begin, end = rows("rests", rests, *(RESTS.names or ()))
+    (matrix,), (values,) = (
+        rows("derivative", derivative, "P"), rows("multipliers", multipliers, "multiplier")
+    )  # fmt: skip
+    check_numbers(own["cycles"], own["phases"], states, values, matrix)
+    table_of_rests = rests_of(gap, (begin, end))
+    for array in (states, table_of_rests):
+        array.flags.writeable = False
+    return Motion(
+        structure=structure, load=load, states=states, matrix=matrix, multipliers=values, rests=table_of_rests,
+        request=request, **own,
+    )  # fmt: skip
 
 
-def units_of(osc: Oscillator) -> dict[str, Any]:
-    """The columns of the physical units of an oscillator, None where they are not known."""
-    return {"M": osc.M, "K": osc.K, "F0": osc.F0, "units": osc.unit_names}
+def motion_of_oscillator(
+    osc: Oscillator, r: float, clearance: float, load: float, pattern: Pattern, restitution: _Array, alpha: _Array,
+    impacts: _Array, scalars: _Array, multipliers: NDArray[np.complex128], verdicts: NDArray[np.int32],
+    precision: str = "double", kind: str = "exact", guess: _Array | None = None,
+    rest_events: NDArray[Any] | None = None,
+) -> Motion:  # fmt: skip
+    """A motion of an oscillator from the arrays of the core, read-only: impacts (N, 6), and scalars."""
+    for array in (alpha, impacts, multipliers):
+        array.flags.writeable = False
+    _, amplitude, tau, residual, x_min, x_max = scalars.tolist()
+    consistent, admissible, stable = verdicts.tolist()
+    return Motion(
+        osc=osc, r=r, clearance=clearance, load=load, pattern=pattern, restitution=restitution, alpha=alpha,
+        X=impacts[:, 0], Z=impacts[:, 1], X_dot_before=impacts[:, 2], X_dot_after=impacts[:, 3],
+        Z_dot_before=impacts[:, 4], Z_dot_after=impacts[:, 5], A=amplitude, tau=tau, residual=residual,
+        multipliers=multipliers, consistent=VERDICT[consistent], admissible=VERDICT[admissible],
+        stable=VERDICT[stable], x_min=x_min, x_max=x_max, precision=precision, kind=kind, guess=guess,
+        rest_events=rest_events,
+    )  # fmt: skip
+
+
+def motion_of_structure(
+    structure: Structure, load: Load, gaps: NDArray[np.int32], cycles: int, impacts: _Array,
+    states: _Array, matrix: _Array, multipliers: NDArray[np.complex128], scalars: _Array,
+    verdicts: NDArray[np.int32], rests: NDArray[Any], request: dict[str, Any] | None,
+) -> Motion:  # fmt: skip
+    """A motion of a structure from the arrays of the core, read-only."""
+    phases, speeds, impulses = (np.ascontiguousarray(impacts[:, i]) for i in range(3))
+    states = np.ascontiguousarray(states.T).reshape(len(gaps), 2, structure.coordinates)
+    for array in (gaps, phases, speeds, impulses, states, matrix, multipliers, rests):
+        array.flags.writeable = False
+    residual, determinant, law = scalars.tolist()
+    return Motion(
+        structure=structure, load=load, gaps=gaps, cycles=cycles, phases=phases, speeds=speeds, impulses=impulses,
+        states=states, residual=residual, matrix=matrix, multipliers=multipliers, determinant=determinant, law=law,
+        rests=rests, request=request, **dict(zip(VERDICTS, (VERDICT[int(v)] for v in verdicts), strict=True)),
+    )  # fmt: skip
+
+
+def rests_of(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
+    """The table of rests."""
+    table = np.zeros(len(gaps), RESTS)
+    table["gap"], table["begin"], table["end"] = gaps, phases[0], phases[1]
+    return table
+
+
+def check_numbers(
+    cycles: int, phases: _Array, states: _Array, multipliers: NDArray[Any], matrix: _Array
+) -> None:
+    """An error unless the numbers of a motion from a file are those that a motion can have."""
+    checks.integer(cycles, "motion.cycles", 1, 10_000)
+    n = 2 * states.shape[-1]
+    if matrix.shape != (n, n) or multipliers.shape != (n,):
+        raise ParameterError(
+            f"derivative.P of shape {matrix.shape}, {multipliers.size} multipliers: must be for {n} numbers of a "
+            "state"
+        )
+    good = phases.size and np.isfinite(phases).all() and np.abs(phases).max() <= MOST_PHASE
+    if not good or (np.diff(phases) < 0).any() or np.ptp(phases) > 2 * np.pi * cycles:
+        raise ParameterError(
+            f"impacts.phase = {phases[:9].tolist()}: must be finite, ascending, and within {cycles} load cycles"
+        )
+    if not np.isfinite(states).all():
+        raise ParameterError("impacts.q, impacts.q_dot: must be finite numbers")
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -592,7 +984,7 @@ class Motions:
     osc, pattern, restitution, precision
         As in `Motion`, common to all points.
     r : ndarray (M,)
-    phases : ndarray (N, M)
+    alpha : ndarray (N, M)
     X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
     clearance, A, tau, residual, x_min, x_max : ndarray (M,)
     multipliers : ndarray (4, M) of complex
@@ -609,7 +1001,7 @@ class Motions:
     clearance: NDArray[np.float64]
     pattern: Pattern
     restitution: NDArray[np.float64]
-    phases: NDArray[np.float64]
+    alpha: NDArray[np.float64]
     X: NDArray[np.float64]
     Z: NDArray[np.float64]
     X_dot_before: NDArray[np.float64]
@@ -627,6 +1019,17 @@ class Motions:
     x_max: NDArray[np.float64]
     status: NDArray[np.int32]
     precision: str
+
+    @property
+    def load_phase(self) -> NDArray[np.float64]:
+        """Phase of the load at the first impact of each motion."""
+        found: NDArray[np.float64] = load_phase_of(self.tau, self.osc.xi, self.r)
+        return found
+
+    @property
+    def phases(self) -> NDArray[np.float64]:
+        """(N, M) Load phases of the impacts, as of `Motion`."""
+        return _phases(self)
 
     @property
     def attenuation(self) -> NDArray[np.float64]:
@@ -658,7 +1061,7 @@ class Motions:
                 value = value[..., index]
                 value = float(value) if value.ndim == 0 else value
             values[item.name] = value
-        return Motion(**values, kind="periodic")
+        return Motion(**values, kind="periodic", load=1.0, guess=None, rest_events=None)
 
     def __repr__(self) -> str:
         good = self.status == 0

@@ -11,16 +11,104 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError
-from ..base.status import NO_MOTION, VERDICT, raise_status
+from ..base.interrupt import with_stack
+from ..base.status import NO_MOTION, raise_status
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, check_load
 from ..systems.verbs import every_system
-from .motion import Motion, Motions
-from .structure_motion import StructureMotion, periodic_structure
+from .motion import MOST_PHASE, Motion, Motions, motion_of_oscillator, motion_of_structure, rests_of
+from .trajectory import core_arrays
 
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
+#: What the core is asked for, of a structure.
+ELIMINATED, FULL, EXACT = 0, 1, 2
+_Array = NDArray[np.float64]
+
+
+def periodic_structure(
+    structure: Structure,
+    load: Load,
+    phases: ArrayLike,
+    gaps: Sequence[int],
+    cycles: int = 1,
+    full: bool = False,
+) -> Motion:
+    """As `periodic`, of a structure."""
+    checks.truth(full, "full")
+    numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles)
+    for i in np.unique(numbers).tolist():
+        if not isinstance(structure.gaps[i].restitution, float):
+            raise ParameterError(
+                f"gaps[{i}].restitution = {structure.gaps[i].restitution!r}: must be a number, "
+                "since the problem is linear only then; use exact"
+            )
+    return motion_from_phases(
+        structure, load, numbers, phases, cycles, FULL if full else ELIMINATED
+    )
+
+
+def gap_pattern(
+    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any
+) -> tuple[NDArray[np.int32], _Array, int]:
+    """Checks the arguments that describe a motion of a structure."""
+    check_load(structure, load, frequency=True)
+    cycles = checks.integer(cycles, "cycles", 1, 10_000)
+    wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
+    array = np.array(checks.real_array(gaps, "gaps", wanted))
+    many = len(structure.gaps)
+    if array.ndim != 1 or not 1 <= array.size <= 1000 or (array != np.round(array)).any():
+        raise ParameterError(f"gaps = {gaps!r}: must be {wanted}")
+    if not ((array >= 0) & (array < many)).all():
+        raise ParameterError(
+            f"gaps = {gaps!r}: must be {wanted}, each below {many} as the structure has {many} gaps"
+        )
+    numbers = array.astype(np.int32)
+    wanted = (
+        "finite load phases, one an impact, increasing, within less than a period of each other"
+    )
+    phases = np.array(checks.real_array(phases, "phases", wanted), dtype=np.float64)
+    if phases.shape != numbers.shape or not np.isfinite(phases).all():
+        raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+    order = np.argsort(phases, kind="stable")
+    if (order != np.arange(len(phases))).any() or phases[-1] - phases[0] >= 2 * np.pi * cycles:
+        raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+    same = np.flatnonzero((np.diff(phases) == 0) & (np.diff(numbers) == 0))
+    if same.size:
+        raise ParameterError(
+            f"phases = {phases.tolist()!r}: must differ for impacts on the same gap, but {same[0]} and "
+            f"{same[0] + 1} are at once on gap {numbers[same[0]]}"
+        )
+    if np.abs(phases).max() > MOST_PHASE:
+        raise ParameterError(f"phases = {phases.tolist()!r}: must be at most 1e6 in magnitude")
+    return numbers, phases, cycles
+
+
+def motion_from_phases(
+    structure: Structure,
+    load: Load,
+    gaps: NDArray[np.int32],
+    phases: _Array,
+    cycles: int,
+    wanted: int = ELIMINATED,
+) -> Motion:
+    """The motion of a structure from the core, for known phases or near them."""
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)[:6]
+    impacts, states, matrix, multipliers, scalars, verdicts, status = with_stack(
+        _core.periodic_structure,
+        matrices, directions, values, load.frequency, harmonics, constant,
+        gaps + 1, phases, cycles, wanted,
+    )  # fmt: skip
+    structure._raise_status(status)
+    request = {
+        "kind": "exact" if wanted == EXACT else "periodic", "cycles": cycles, "gaps": gaps.tolist(),
+        "phases": phases.tolist(),
+    }  # fmt: skip
+    return motion_of_structure(
+        structure, load, gaps, cycles, impacts, states, matrix, multipliers, scalars, verdicts,
+        rests_of(), None if wanted == FULL else request,
+    )  # fmt: skip
 
 
 @overload
@@ -36,7 +124,7 @@ def periodic(
     gaps: Sequence[int],
     cycles: int = 1,
     full: bool = False,
-) -> StructureMotion: ...
+) -> Motion: ...
 
 
 @every_system(periodic_structure, no_point="the clearance is a result here: give its osc and r")
@@ -55,8 +143,10 @@ def periodic(
     (DGELS), and the motion is consistent only if its `residual` is small.
 
     Of a structure the arguments are `structure, load, phases, gaps`, with load phases of impacts and their gaps,
-    then `cycles`, and `full` to solve for the state after the first impact as well (DGELS), with periodicity among
-    the equations, instead of eliminating it by the periodic response of each mode.
+    then `cycles`, and `full` to solve for the state after the first impact as well, with periodicity among
+    the equations, instead of eliminating it by the periodic response of each mode. For a motion both give the
+    same; for other phases they minimise different residuals. The system is overdetermined (DGELS), and the motion
+    is consistent only if its `residual` is one of rounding.
 
     Parameters
     ----------
@@ -64,7 +154,8 @@ def periodic(
     r : float
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     phases : array_like (N,)
-        Phase of each impact, counted from the first: increasing from 0, below 2 pi k (radians).
+        Phase of each impact (radians): increasing, within less than 2 pi k of each other. Only their differences
+        count: the load phase of the first impact is part of the result.
     pattern : Pattern or str
         Sides of the N impacts and the number k of load cycles.
     restitution : array_like (N,), optional
@@ -76,15 +167,17 @@ def periodic(
 
     Returns
     -------
-    Motion, or StructureMotion of a structure
-        Its clearance d K/F0 is part of the result; d is the whole travel between the walls.
+    Motion
+        Of an oscillator the clearance d K/F0 is part of the result; d is the whole travel between the walls.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If there is no unique motion with these phases, or one without load.
+        If there is no unique motion with these phases, or one without load. Of a structure: if a mode without
+        damping resonates with the load or the period, or no impact balances a constant force on a mode of
+        frequency 0.
 
     Examples
     --------
@@ -95,6 +188,15 @@ def periodic(
     >>> motion = vi.periodic(osc, r=0.94, phases=[0, 1.37 * math.pi], pattern=vi.Pattern("RL"))
     >>> motion
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: admissible, stable (max|lambda| = 0.9347)>
+
+    The same by the matrices of its two masses, at d K/F0 = 37:
+
+    >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
+    >>> phases = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
+    >>> motion = vi.periodic(damper, vi.Load(0.94, sine=[1, 0]), phases, gaps=[0, 1])
+    >>> motion.residual < 1e-11, motion.stable
+    (True, True)
     """
     of_numbers(osc)
     pattern = plain_pattern(pattern)
@@ -108,7 +210,7 @@ def periodic(
         table[:, np.newaxis], acceptance, single, True,
     )  # fmt: skip
     raise_status(int(results[4][0]))
-    return _motion(osc, r, pattern, each, table, results, 0, precision, "periodic")
+    return column_of(osc, r, pattern, each, table, results, 0, precision, "periodic")
 
 
 def periodic_batch(
@@ -227,7 +329,9 @@ def equispaced(
         if code == NO_MOTION:
             continue
         raise_status(code)
-        motions.append(_motion(osc, r, pattern, each, phases, results, j, precision, "equispaced"))
+        motions.append(
+            column_of(osc, r, pattern, each, phases, results, j, precision, "equispaced")
+        )
     return motions
 
 
@@ -374,28 +478,15 @@ def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
     return array
 
 
-def _motion(
-    osc: Oscillator,
-    r: float,
-    pattern: Pattern,
-    restitution: NDArray[np.float64],
-    phases: NDArray[np.float64],
-    results: Any,
-    j: int,
-    precision: str,
-    kind: str,
-) -> Motion:
+def column_of(
+    osc: Oscillator, r: float, pattern: Pattern, restitution: _Array, alpha: _Array, results: Any, j: int,
+    precision: str, kind: str,
+) -> Motion:  # fmt: skip
     """One column of the core's results as a Motion."""
     impacts, scalars, multipliers, verdicts, _ = results
-    impacts.flags.writeable = False
-    multipliers.flags.writeable = False
-    clearance, amplitude, tau, residual, x_min, x_max = scalars[:, j].tolist()
-    consistent, admissible, stable = verdicts[:, j].tolist()
-    return Motion(
-        osc, r, clearance, pattern, restitution, frozen(phases),
-        impacts[:, 0, j], impacts[:, 1, j], impacts[:, 2, j], impacts[:, 3, j], impacts[:, 4, j],
-        impacts[:, 5, j], amplitude, tau, residual, multipliers[:, j], VERDICT[consistent],
-        VERDICT[admissible], VERDICT[stable], x_min, x_max, precision, kind=kind,
+    return motion_of_oscillator(
+        osc, r, float(scalars[0, j]), 1.0, pattern, restitution, frozen(alpha), impacts[..., j],
+        scalars[:, j], multipliers[:, j], verdicts[:, j], precision=precision, kind=kind,
     )  # fmt: skip
 
 

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple, overload
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple, NoReturn, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError, SingularError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.sizes import memory_for
-from ..base.status import MORE_EVENTS, raise_status
+from ..base.status import EVENT_LIMIT, GAP_CLOSED, MORE_EVENTS, NARROW_GAP, raise_status, sentence
 from ..results import namelist
 from ..results.events import (
     EVENT_TYPE,
     WORDS,
-    Sample,
     event_arrays,
     event_columns,
     events_of,
@@ -28,44 +26,61 @@ from ..results.events import (
     segments,
 )
 from ..results.gradient import Gradient
-from ..results.noun import ACTIONS, Noun, Savable
+from ..results.noun import ACTIONS, Noun, Solution
+from ..results.parameters import Wanted
 from ..results.states import (
     NEEDED,
     Moment,
     State,
     System,
     as_numbers,
+    coordinates_of,
     later,
     moments_of,
     start_of,
     state_by_coordinates,
     state_of,
 )
+from ..results.systems import (
+    check_gap_numbers,
+    osc_of,
+    structure_of,
+    structure_tables,
+    units_of,
+    with_owners,
+)
 from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, check_load
 from ..systems.verbs import every_system
-from .motion import osc_of, units_of
-from .quantities import Quantities, quantities_of
-from .structure_trajectory import StructureTrajectory, simulate_structure
+from .quantities import quantities_of
+from .structure_quantities import accelerations, structure_quantities
 
 __all__ = ["Period", "State", "Trajectory", "simulate"]
 
 _Array = NDArray[np.float64]
 
-#: The moments of a trajectory in the core's table, and the keys of a &simulate.
+#: The moments of a trajectory in the core's table, and the keys of a &simulate: of an oscillator, of a structure.
 MOMENTS = ("initial", "initial flight", "final", "final flight")
 REQUEST = ("clearance", "cycles", "discard", "load", *NEEDED, "max_events")
+REQUEST_OF_STRUCTURE = ("duration", "cycles", "discard", "q", "q_dot", "start", "max_events")
 #: The note on a trajectory that reached the limit on events.
 FULL = "max_events was reached"
 #: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000
+#: Bytes reserved for events of a structure at first; what is not written to takes no memory. With more events the
+#: simulation is run again.
+ROOM = 2**26
+#: Names of the kinds of events 1, 2, 3, and the columns of the events of a structure.
+KINDS = np.array(["impact", "stick", "release"])
+EVENTS_OF_STRUCTURE = np.dtype([
+    ("time", "f8"), ("kind", "U7"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
+])  # fmt: skip
 #: Load phase of a load cycle.
 TURN = 2 * np.pi
 #: Largest number of events of a trajectory, as in the core: 88 bytes each.
 MOST_KEPT = 50_000_000
-
 #: Longest period in load cycles, and largest difference of its phases from the period before.
 MOST_CYCLES, TOLERANCE = 16, 0.05
 
@@ -88,66 +103,116 @@ class Period(NamedTuple):
     mismatch: float
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Trajectory(Savable, study="simulate"):
-    """A simulated trajectory. Lengths in F0/K (or any unit, if `load` is not 1), time in 1/omega.
+def _states(run: Trajectory) -> _Array:
+    """The coordinates and velocities of both masses just after each event."""
+    events = run.events
+    z = events["x"] + 0.5 * run.clearance * np.where(events["side"] == "R", 1, -1)
+    return np.stack([events["x"], z, events["x_dot_after"], events["z_dot_after"]], 1).reshape(
+        -1, 2, 2
+    )
+
+
+class Trajectory(
+    Solution, study="simulate", of_structure="simulate_structure", formerly="StructureTrajectory"
+):
+    """A simulated trajectory.
+
+    Of an oscillator lengths are in F0/K (or any unit, if `load` is not 1) and times in 1/omega; of a structure all
+    is in the units of the user.
 
     Attributes
     ----------
-    osc : Oscillator
-    r, clearance, load : float
-        Frequency ratio, clearance and load amplitude.
     events : structured ndarray
-        In order of time: ``time``, ``kind`` ("impact", "stick" where accumulating impacts end in rest,
-        "release" where the rest ends), ``side`` ("R" or "L"), ``phase`` (of the load, in [0, 2 pi)),
-        ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``.
-    initial_state, final_state : dict
-        States at both ends; a final state continues bit for bit when given to `simulate`.
+        In order of time: ``time`` and ``kind``: "impact", "stick" where accumulating impacts end in rest,
+        "release" where the rest ends. Of an oscillator further ``side`` ("R" or "L"), ``phase`` (of the load, in
+        [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
+        ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``.
+    states : ndarray (events, 2, n)
+        Coordinates and velocities just after each event; of an oscillator those of its two masses.
+    start, end : float
+        Times between which it is kept.
+    initial_state, final_state
+        States at both ends: of an oscillator mappings, of a structure (coordinates, velocities). The final state
+        of an oscillator continues bit for bit when given to `simulate`.
+    load : float, Load, Record or None
+        The amplitude of the load of an oscillator; the load of a structure.
+    complete : bool
+        False if there are more than `max_events` events before the end of time, or if it was stopped; `end` is
+        then the time of the last one.
     request : dict or None
         The case by the keys of a &simulate; None if a namelist cannot express it (see `to_namelist`).
-    complete : bool
-        False if there are more than `max_events` events before the end of time, or if it was stopped.
     cut : str
         How far it got, if it was stopped.
+    osc : Oscillator
+    r, clearance : float
+        Of an oscillator: frequency ratio and clearance.
+    structure : Structure
+    permanent : tuple of int
+        Of a structure: gaps that are at rest from `start` to `end`, so that no event tells of them.
     """
 
+    __slots__ = (
+        "clearance", "complete", "cut", "end", "events", "final_state", "initial_state", "load", "osc",
+        "permanent", "r", "request", "start", "states", "structure",
+    )  # fmt: skip
+    _derived: ClassVar = {
+        "start": lambda self: self.initial_state["t"], "end": lambda self: self.final_state["t"],
+        "states": _states,
+    }  # fmt: skip
+    _instead = (
+        {"structure": "osc", "permanent": "initial_state"},
+        {"osc": "structure and load", "r": "load.frequency", "clearance": "structure.gaps"},
+    )
+
+    events: NDArray[Any]
+    states: _Array
+    start: float
+    end: float
+    initial_state: Any
+    final_state: Any
+    load: Any
+    complete: bool
+    request: dict[str, Any] | None
+    cut: str
     osc: Oscillator
     r: float
     clearance: float
-    load: float
-    events: NDArray[Any]
-    initial_state: State
-    final_state: State
-    complete: bool
-    request: dict[str, Any] | None = None
-    cut: str = ""
+    structure: Structure
+    permanent: tuple[int, ...]
 
     @memory_for("a sample at the times t")
-    def sample(self, t: ArrayLike) -> Sample:
-        """Positions, velocities, accelerations and load at times within the trajectory, from the closed form.
+    def sample(self, t: ArrayLike) -> Any:
+        """Positions and velocities at times within the trajectory, from the closed form.
 
         Parameters
         ----------
         t : array_like
-            Times between those of `initial_state` and `final_state`, in any order. At an event velocities and
-            accelerations are those just after it.
+            Times from `start` to `end`, in any order; of a structure one list of them (m,). At the time of an
+            event velocities and accelerations are those just after it.
 
         Returns
         -------
-        Sample
-            As of `Motion.sample`.
+        Sample, or (q, q_dot) of a structure
+            Of an oscillator as of `Motion.sample`; of a structure coordinates and velocities (n, m).
+
+        Raises
+        ------
+        ParameterError
+            If a time is outside.
 
         Examples
         --------
         >>> import numpy as np, vibroimpact as vi
         >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
         >>> run = vi.simulate(osc, r=1.04, clearance=25.0, cycles=50)
-        >>> history = run.sample(np.linspace(0, run.final_state["t"], 1000))
+        >>> history = run.sample(np.linspace(0, run.end, 1000))
         >>> bool(np.all(abs(history.Y) <= 12.5 + 1e-12))
         True
         """
+        if self.of_structure:
+            return self._sample_structure(t)
         times = checks.real_array(t, "t", "real times")
-        first, last = self.initial_state["t"], self.final_state["t"]
+        first, last = self.start, self.end
         if times.size and not (first <= times.min() and times.max() <= last):
             raise ParameterError(
                 f"t from {times.min():.6g} to {times.max():.6g}: must be within the trajectory, "
@@ -156,22 +221,82 @@ class Trajectory(Savable, study="simulate"):
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
+    def _sample_structure(self, t: ArrayLike) -> tuple[_Array, _Array]:
+        """As `sample`, of a structure."""
+        wanted = f"times from {self.start!r} to {self.end!r}"
+        times = np.atleast_1d(checks.real_array(t, "t", wanted))
+        inside = (times >= self.start) & (times <= self.end)
+        if times.ndim != 1 or not inside.all():
+            raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
+        order = np.argsort(times, kind="stable")
+        n = self.structure.coordinates
+        starts, labels = segments_of_events(
+            self.start, self.initial_state, self.events, self.states
+        )
+        values, status = _core.sample_structure(
+            *core_arrays(self.structure, self.load), starts, labels, times[order]
+        )
+        raise_status(status)
+        found = np.empty((2 * n, len(times)))
+        found[:, order] = values
+        return found[:n], found[n:]
+
+    def _resting(self) -> tuple[int, ...]:
+        """The gaps of a structure that rest from the start."""
+        rests, status = _core.resting_at_start(
+            *core_arrays(self.structure, self.load), np.append(self.start, self.initial_state)
+        )
+        raise_status(status)
+        return tuple(np.flatnonzero(rests).tolist())
+
+    @memory_for("a sample at the times t")
+    def acceleration(self, t: ArrayLike) -> _Array:
+        """Accelerations at given times, between the impacts, which change the velocities at once.
+
+        Parameters
+        ----------
+        t : array_like (m,)
+            As of `sample`. At the time of an event the accelerations are those just after it.
+
+        Returns
+        -------
+        q_ddot : ndarray (n, m)
+            Of an oscillator those of its two masses.
+
+        Raises
+        ------
+        ParameterError
+            If a time is outside.
+        """
+        found = self.sample(t)
+        if not self.of_structure:
+            return np.array([found.X_ddot, found.Z_ddot])
+        return accelerations(self, np.atleast_1d(np.asarray(t, dtype=np.float64)), *found)
+
     @memory_for("quantities, by their window and harmonics")
-    def quantities(self, cycles: float | None = None, harmonics: int = 10) -> Quantities:
-        """Response quantities over the last load cycles, as of `Motion.quantities`.
+    def quantities(
+        self, cycles: float | None = None, harmonics: int = 10, window: ArrayLike | None = None
+    ) -> Any:
+        """Response quantities over a window of time: rms, extremes and harmonics, impacts and energies.
 
         Parameters
         ----------
         cycles : float, optional
-            Load cycles of the window, which ends with the trajectory; all of it by default. Harmonics are those of
-            a periodic response only if the response is periodic and the window a whole number of periods.
+            Load cycles of the window, which ends with the trajectory.
         harmonics : int
-            Harmonics of the load, 1 to 10000.
+            Harmonics of the load, 1 to 10000; there are none without a frequency. They are those of a periodic
+            response only if the response is periodic and the window a whole number of periods.
+        window : (float, float), optional
+            Times between which they are taken, in place of `cycles`; without both all of it.
+
+        Returns
+        -------
+        Quantities, or StructureQuantities of a structure
 
         Raises
         ------
         ParameterError, ParameterTypeError
-            If an argument is not allowed.
+            If an argument is not allowed, or the window is too long for this structure.
 
         Examples
         --------
@@ -183,29 +308,50 @@ class Trajectory(Savable, study="simulate"):
         >>> abs(balance) < 1e-10 * found.work
         True
         """
-        first, end = self.initial_state["t"], self.final_state["t"]
-        if cycles is not None:
-            wanted = f"load cycles of the trajectory, > 0 and at most {(end - first) * self.r / TURN:.10g}"
-            cycles = checks.to_float(cycles, "cycles", wanted)
-            begin = end - cycles * TURN / self.r
-            if not (cycles > 0 and begin >= first - 1e-9 * TURN / self.r):
-                raise ParameterError(f"cycles = {cycles!r}: must be {wanted}")
-            first = max(first, begin)
+        first, end = self._times(cycles, window)
+        if self.of_structure:
+            return structure_quantities(self, (first, end), harmonics)
         starts, resting = self._segments()
-        here = int(np.searchsorted(starts[0], first, side="right")) - 1
-        starts, resting = starts[:, here:], resting[here:]
-        at, last = self.sample(first), self.sample(end)
-        starts[:, 0] = [
-            first, starts[1, 0] + self.r * (first - starts[0, 0]), at.X, at.X_dot, at.Z, at.Z_dot,
-        ]  # fmt: skip
+        here, last = np.searchsorted(starts[0], [first, end], side="right") - [1, 0]
+        starts, resting = starts[:, here:last], resting[here:last]
+        at, final = self.sample(first), self.sample(end)
+        phase = starts[1, 0] + self.r * (first - starts[0, 0])
+        starts[:, 0] = [first, phase, at.X, at.X_dot, at.Z, at.Z_dot]
+        within = (self.events["time"] > first) & (self.events["time"] <= end)
         return quantities_of(
             self.osc, self.r, self.load, starts, resting, end,
-            (float(last.X), float(last.X_dot), float(last.Z_dot)),
-            self.events[self.events["time"] > first], harmonics,
+            (float(final.X), float(final.X_dot), float(final.Z_dot)), self.events[within], harmonics,
         )  # fmt: skip
 
+    def _times(self, cycles: float | None, window: ArrayLike | None) -> tuple[float, float]:
+        """The ends of a window of time: the last load cycles, or two times; all of it by default."""
+        if window is not None:
+            wanted = f"two increasing times from {self.start!r} to {self.end!r}"
+            if cycles is not None:
+                raise ParameterError(f"window = {window!r}: must be left out with cycles")
+            times = np.atleast_1d(checks.real_array(window, "window", wanted))
+            if times.shape != (2,) or not self.start <= times[0] < times[1] <= self.end:
+                raise ParameterError(f"window = {window!r}: must be {wanted}")
+            return float(times[0]), float(times[1])
+        if cycles is None:
+            return self.start, self.end
+        frequency = getattr(self.load, "frequency", None) if self.of_structure else self.r
+        if not frequency:
+            raise ParameterError(
+                f"cycles = {cycles!r}: must be left out without a frequency; give window"
+            )
+        turn = TURN / frequency
+        wanted = (
+            f"load cycles of the trajectory, > 0 and at most {(self.end - self.start) / turn:.10g}"
+        )
+        cycles = checks.to_float(cycles, "cycles", wanted)
+        begin = self.end - cycles * turn
+        if not (cycles > 0 and begin >= self.start - 1e-9 * turn):
+            raise ParameterError(f"cycles = {cycles!r}: must be {wanted}")
+        return max(self.start, begin), self.end
+
     def period(self, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE) -> Period:
-        """The shortest period with which the trajectory ends.
+        """Of an oscillator: the shortest period with which the trajectory ends.
 
         The last load cycles repeat the pattern of as many before, at phases within the tolerance. That is no proof
         of a periodic motion; `exact` computes the motion.
@@ -231,29 +377,42 @@ class Trajectory(Savable, study="simulate"):
         >>> period.pattern, period.mismatch < 1e-6
         (Pattern(sides='RL*', cycles=1), True)
         """
+        if self.of_structure:
+            raise AttributeError(self._lack("period", "exact(structure, load, trajectory)"))
         return last_period(self, most_cycles, tolerance)
 
-    def gradient(self) -> Gradient:
-        """The derivatives of all events and of the final state by the initial state and by all parameters.
+    def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
+        """The derivatives of all events and of the final state by the initial state and by parameters.
 
-        They go through impacts, accumulations and rests in closed form (saltation). The quantities are ``time``,
-        ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and ``z_dot_after`` of the events, and
-        ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and ``final_z_dot``. The parameters are t, x, x_dot,
-        z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both alike) and load. The number of
-        load cycles is fixed, and so is the initial state while another parameter changes: the end of time
-        changes with r.
+        They go through impacts, accumulations, rests and releases in closed form (saltation). Of an oscillator the
+        quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and ``z_dot_after`` of
+        the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and ``final_z_dot``; of a structure
+        ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of the events, and ``final_time``,
+        ``final_q`` and ``final_q_dot``. The number of load cycles, or the duration, is fixed, and so is the
+        initial state while another parameter changes: the end of time changes with the frequency.
+
+        Parameters
+        ----------
+        parameters : sequence, optional
+            Of a structure: names or tuples as in `Motion.gradient`, and of the start: 'start' (its time, the state
+            being fixed), 'q_I' and 'q_dot_I'. Of a record 'load' is a factor. By default those of the start,
+            frequency, load, and all openings and coefficients of restitution. Those of an oscillator are t, x,
+            x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both alike) and load.
 
         Returns
         -------
         Gradient
             NaN from the first event on that has no derivatives: an impact without approach speed, or a rest that
-            ends without its contact force falling through 0; `status` names it. If the free mass rests on a wall
-            at the start, those by z and z_dot are NaN, and the other ones move both masses.
+            ends without its contact force falling through 0; `status` names it. If a gap rests at the start, those
+            by what would open or close it further are NaN; of an oscillator those by z and z_dot, and the other
+            ones move both masses.
 
         Raises
         ------
-        ParameterError
-            If the trajectory is not complete, or has more than a million events.
+        ParameterError, ParameterTypeError
+            If a parameter does not exist, or the trajectory is not complete, or has more than a million events.
+        SingularError
+            If the events are not those of the structure, or gaps that depend on each other rest.
 
         Examples
         --------
@@ -263,26 +422,54 @@ class Trajectory(Savable, study="simulate"):
         >>> gradient = vi.simulate(osc, r=1.04, clearance=25.0, cycles=5, state=start).gradient()
         >>> gradient["final_x", "z_dot"].shape, gradient["time"].shape[1] == len(gradient.parameters)
         ((), True)
+
+        A mass that starts towards a wall: where it is after the impact falls by R times what it starts ahead.
+
+        >>> wall = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.8)])
+        >>> run = vi.simulate(wall, duration=3, state=([0], [1]))
+        >>> run.gradient()["final_q", "q_0"].round(12).tolist()
+        [-0.8]
         """
-        found: Gradient = ACTIONS["trajectory_gradient"](self)
+        found: Gradient
+        if self.of_structure:
+            found = ACTIONS["structure_trajectory_gradient"](self, parameters)
+            return found
+        if parameters is not None:
+            raise ParameterTypeError(
+                f"parameters = {parameters!r}: must be left out for an oscillator, whose parameters are all taken"
+            )
+        found = ACTIONS["trajectory_gradient"](self)
         return found
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
         if self.request is None:
-            raise ParameterError(
-                f"{self!r}: has no namelist, since it began with the final state of another trajectory"
-            )
+            reason = "it began with the final state of another trajectory"
+            if self.of_structure:
+                reason = "the file has none from which it was read"
+            raise ParameterError(f"{self!r}: has no namelist, since {reason}")
+        if self.of_structure:
+            load = [] if self.load is None else self.load._groups()
+            return namelist.text([*self.structure._groups(), *load, ("simulate", self.request)])
         return namelist.case(self.osc, self.r, simulate=self.request)
 
     @property
     def _result(self) -> Result:
         """Its tables, with the columns that the core declares for &simulate."""
+        cut = "" if self.complete else self.cut or FULL
+        writable = self.request is not None and not (self.of_structure and not self.structure.gaps)
+        case = self.to_namelist() if writable else ""
+        if self.of_structure:
+            remarks = (f"final time: {namelist.digits(self.end)}",)
+            tables = self._tables_of_structure()
+            return with_owners(
+                self.structure, made("simulate_structure", case, tables, remarks, cut)
+            )
         right, left = self.osc.restitution
         ends = (self.initial_state, self.final_state)
         moments = [moment for state in ends for moment in moments_of(state)]
         final = [float(self.final_state[name]) for name in NEEDED]
-        tables: dict[str, Any] = {
+        tables = {
             "final": ((), {"state": final}),
             "run": ((), {
                 "xi": self.osc.xi, "mu": self.osc.mu, "R1": right, "R2": left, **units_of(self.osc),
@@ -294,14 +481,38 @@ class Trajectory(Savable, study="simulate"):
             }),
             "events": (("event",), event_columns(self.events)),
         }  # fmt: skip
-        cut = "" if self.complete else self.cut or FULL
         state = f"final state: t, x, x_dot, z, z_dot = {', '.join(map(namelist.digits, final))}"
-        case = "" if self.request is None else self.to_namelist()
         return made("simulate", case, tables, (state,), cut)
+
+    def _tables_of_structure(self) -> dict[str, Any]:
+        s, load = self.structure, self.load
+        record = load if isinstance(load, Record) else None
+        moments = (self.initial_state, self.final_state)
+        columns = {name: self.events[name] for name in EVENTS_OF_STRUCTURE.names or ()}
+        return {
+            "events": (("event",), columns | {"q": self.states[:, 0], "q_dot": self.states[:, 1]}),
+            "moments": (("moment",), {
+                "moment": ("initial", "final"), "time": (self.start, self.end),
+                "q": [q for q, _ in moments], "q_dot": [rate for _, rate in moments],
+            }),
+            **structure_tables(s, load),
+            "rests": (("rest",), {"gap": list(self.permanent)}),
+            "run": ((), {
+                "frequency": load.frequency if isinstance(load, Load) else 0.0,
+                "loaded": load is not None, "finished": self.complete,
+                "step": record.step if record else 0.0,
+            }),
+            "record": (("sample",), {"value": record.samples if record else np.zeros((0, 0))}),
+            "channels": (("channel",), {
+                "weight": record.weights if record else np.zeros((0, s.coordinates)),
+            }),
+        }  # fmt: skip
 
     @classmethod
     def of_result(cls, result: Result) -> Trajectory:
         """The trajectory of the core's tables."""
+        if result.study != cls.study:
+            return cls._of_structure(result)
         one = {
             name: result.column("run", name).values.item()
             for name in ("r", "clearance", "load", "finished")
@@ -328,41 +539,94 @@ class Trajectory(Savable, study="simulate"):
                 raise ParameterError(f"case: must have the keys of a &simulate; missing: {missing}")
             request = {name: keys[name] for name in REQUEST}
         return cls(
-            osc, one["r"], one["clearance"], one["load"], events_of(result), state_of(system, start, begun),
-            state_of(system, end, last), bool(one["finished"]), request,
-            "" if result.cut == FULL else result.cut,
+            osc=osc, r=one["r"], clearance=one["clearance"], load=one["load"], events=events_of(result),
+            initial_state=state_of(system, start, begun), final_state=state_of(system, end, last),
+            complete=bool(one["finished"]), request=request, cut="" if result.cut == FULL else result.cut,
         )  # fmt: skip
 
-    def _draw_small(self, ax: Any) -> None:
-        self.plot(ax=ax, kind="history")
+    @classmethod
+    def _of_structure(cls, result: Result) -> Trajectory:
+        """As `of_result`, of a structure."""
 
-    def plot(self, ax: Any = None, kind: str | None = None, cycles: float = 3.0) -> Any:
-        """Draw time history, load, acceleration and phase portrait of the last load cycles (extra `plot`).
+        def values(table: str, *names: str) -> list[Any]:
+            return [result.column(table, name).decoded() for name in names]
+
+        frequency, loaded, finished = (
+            item.item() for item in values("run", "frequency", "loaded", "finished")
+        )
+        structure, periodic = structure_of(result, frequency, loaded)
+        (samples,), (weights,), (step,) = (
+            values("record", "value"), values("channels", "weight"), values("run", "step"),
+        )  # fmt: skip
+        load: Load | Record | None = periodic
+        if periodic is not None and len(samples):
+            load = Record(step.item(), samples, periodic.constant, weights)
+        columns = values("events", "time", "kind", "gap", "speed", "impulse")
+        events = np.zeros(len(columns[0]), EVENTS_OF_STRUCTURE)
+        for name, column in zip(EVENTS_OF_STRUCTURE.names or (), columns, strict=True):
+            events[name] = column
+        states = np.stack(values("events", "q", "q_dot"), axis=1)
+        (start, end), q, rate = values("moments", "time", "q", "q_dot")
+        check_gap_numbers(result, structure)
+        check_times(events["time"], float(start), float(end))
+        if not (events["kind"] != "").all():
+            raise ParameterError("events.kind = '': must be a word")
+        for name, array in {"states": states, "moments.q": q, "moments.q_dot": rate}.items():
+            if not np.isfinite(array).all():
+                raise ParameterError(f"{name}: must be finite numbers")
+        for array in (events, states):
+            array.flags.writeable = False
+        request = request_of(result, "simulate", REQUEST_OF_STRUCTURE, {"q", "q_dot"})
+        # files of earlier versions have no such table
+        kept = result.column("rests", "gap").values.tolist() if "rests" in result.tables else []
+        return cls(
+            structure=structure, load=load, start=float(start), end=float(end), events=events, states=states,
+            initial_state=(q[0], rate[0]), final_state=(q[1], rate[1]), complete=bool(finished),
+            request=request, cut="" if result.cut == FULL else result.cut, permanent=tuple(map(int, kept)),
+        )  # fmt: skip
+
+    def plot(
+        self, ax: Any = None, kind: str | None = None, cycles: float | None = None,
+        window: ArrayLike | None = None,
+    ) -> Any:  # fmt: skip
+        """Draw the trajectory, or one panel of its picture (extra `plot`).
+
+        Of an oscillator time history, load, acceleration and phase portrait; of a structure the structure, the
+        histories of its bodies, its impacts, and the energy of its modes.
 
         Parameters
         ----------
-        ax, kind
-            As in `Motion.plot`.
-        cycles : float
-            Load cycles shown, the last ones.
+        ax : matplotlib Axes, optional
+            Where to draw one panel; without it a figure with all panels is made.
+        kind : str, optional
+            Which panel: "history", "load", "acceleration" or "portrait", of a structure "sketch", "history",
+            "impacts" or "energy"; "history" if `ax` is given alone.
+        cycles : float, optional
+            Load cycles shown, the last ones: 3 of an oscillator by default.
+        window : (float, float), optional
+            Times between which it is drawn, in place of `cycles`; all of it by default of a structure.
 
         Returns
         -------
         Axes, or an array of Axes if all panels were drawn.
         """
-        return self._draw(ax, kind, cycles)
+        return self._draw(ax, kind, *self._shown(cycles, window))
 
     def animate(
-        self, path: str | os.PathLike[str] | None = None, cycles: float = 3.0, seconds: float = 3.0
-    ) -> Any:
-        """Animate the last load cycles; the wall that is hit flashes, that of a rest is green (extra `plot`).
+        self, path: str | os.PathLike[str] | None = None, cycles: float | None = None,
+        seconds: float | None = None, window: ArrayLike | None = None,
+    ) -> Any:  # fmt: skip
+        """Animate it; the wall or gap that is hit flashes, and is green while it rests (extra `plot`).
 
         Parameters
         ----------
-        path, seconds
+        path : str or path, optional
             As in `Motion.animate`.
-        cycles : float
-            Load cycles shown, the last ones.
+        cycles, window
+            As in `plot`.
+        seconds : float, optional
+            Of an oscillator: duration of a load cycle on the screen, 3 by default. Of a structure: of all that is
+            shown, 10 by default.
 
         Returns
         -------
@@ -377,7 +641,15 @@ class Trajectory(Savable, study="simulate"):
         >>> run.animate("rest.gif", cycles=1, seconds=0.3).name
         'rest.gif'
         """
-        return self._animate(path, cycles, seconds)
+        if seconds is None:
+            seconds = 10.0 if self.of_structure else 3.0
+        return self._animate(path, *self._shown(cycles, window), seconds)
+
+    def _shown(self, cycles: float | None, window: ArrayLike | None) -> tuple[Any, ...]:
+        """What is shown, as pictures take it: of an oscillator a number of load cycles, or a window."""
+        if self.of_structure:
+            return (self._times(cycles, window),)
+        return (3.0 if cycles is None else cycles, window and self._times(cycles, window))
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Start of each segment (6, n), and the side on which the free mass rests in it."""
@@ -389,22 +661,45 @@ class Trajectory(Savable, study="simulate"):
             [np.array([side], dtype=np.int32), resting]
         )
 
+    def _facts(self) -> dict[str, str]:
+        if not self.of_structure:
+            return {}
+        n, gaps = self.structure.coordinates, len(self.structure.gaps)
+        return {"coordinates": str(n), "gaps": str(gaps), "events": str(len(self.events))}
+
     def __repr__(self) -> str:
         n, m = (int((self.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
         impacts = f"{n} impact{'s' * (n != 1)}"
         rests = f", {m} rest{'s' * (m != 1)}" if m else ""
-        if self.initial_state["resting"] and not (self.events["kind"] == "release").any():
-            # this rest began before the first event, which therefore does not tell of it
-            wall = "R" if self.initial_state["side"] > 0 else "L"
-            rests += f", m rests on {wall} all the time"
+        place = ""
+        if self.of_structure:
+            rests += "".join(f", gap {gap} rests all the time" for gap in self.permanent)
+        else:
+            place = f"at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, "
+            if self.initial_state["resting"] and not (self.events["kind"] == "release").any():
+                # this rest began before the first event, which therefore does not tell of it
+                wall = "R" if self.initial_state["side"] > 0 else "L"
+                rests += f", m rests on {wall} all the time"
         cut = "" if self.complete else f"; cut short, {self.cut or FULL}"
-        return (
-            f"<Trajectory at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, t = {self.initial_state['t']:.6g} "
-            f"to {self.final_state['t']:.6g}: {impacts}{rests}{cut}>"
-        )
+        return f"<Trajectory {place}t = {self.start:.6g} to {self.end:.6g}: {impacts}{rests}{cut}>"
 
 
-class Simulation(Noun, study="simulate"):
+def request_of(
+    result: Result, group: str, names: Sequence[str], lists: set[str]
+) -> dict[str, Any] | None:
+    """The keys of the study of a result's case, of which some are lists; None without a case."""
+    if not result.case:
+        return None
+    *_, (last, keys) = [item for item in namelist.parts_of(result.case) if item[0] != "output"]
+    if last != group:
+        raise ParameterError(f"case: must end with a &{group}")
+    request = {name: keys[name] for name in names if name in keys}
+    return request | {name: np.atleast_1d(request[name]).tolist() for name in lists & set(request)}
+
+
+class Simulation(
+    Noun, study="simulate", of_structure="simulate_structure", formerly="StructureSimulation"
+):
     """The result of a &simulate case: its trajectory, unless the simulation failed."""
 
     __slots__ = ()
@@ -422,6 +717,170 @@ class Simulation(Noun, study="simulate"):
         return f"<Simulation: {', '.join(map(repr, self.parts())) or 'none'}>"
 
 
+def check_times(times: _Array, start: float, end: float) -> None:
+    """An error unless the events of a trajectory are in order between its ends."""
+    if not (np.isfinite([start, end]).all() and start <= end):
+        raise ParameterError(f"moments.time = {start!r}, {end!r}: must be finite, and in order")
+    apart = np.diff(np.concatenate([[start], times, [end]]))
+    if not (apart >= 0).all():
+        i = min(int(np.argmin(apart >= 0)), len(times) - 1)
+        raise ParameterError(
+            f"events.time[{i}] = {times[i]!r}: must be in ascending order from {start!r} to {end!r}"
+        )
+
+
+def segments_of_events(
+    start: float, first: Sequence[_Array], events: NDArray[Any], states: _Array
+) -> tuple[_Array, NDArray[np.int32]]:
+    """The segments that begin at the start and just after each event, as the core takes them.
+
+    They are time, coordinates and velocities (1 + 2n, segments), and kind and gap (2, segments).
+    """
+    n, m = len(first[0]), len(events) + 1
+    starts = np.empty((2 * n + 1, m), order="F")
+    starts[0] = np.append(start, events["time"])
+    starts[1:, 0] = np.concatenate(first)
+    starts[1:, 1:] = states.reshape(m - 1, 2 * n).T
+    labels = np.zeros((2, m), dtype=np.int32, order="F")
+    for i, kind in enumerate(KINDS.tolist(), 1):
+        labels[0, 1:][events["kind"] == kind] = i
+    labels[1, 1:] = events["gap"] + 1
+    return starts, labels
+
+
+def core_arrays(
+    structure: Structure, load: Load | Record | None
+) -> tuple[_Array, _Array, _Array, float, _Array, _Array, float, _Array]:
+    """The arguments of the core for a structure and its load."""
+    matrices, directions, values = structure._arrays()
+    n = structure.coordinates
+    step, record = 0.0, np.zeros((n, 1), order="F")
+    if load is None:
+        frequency, harmonics, constant = 0.0, np.zeros((n, 2, 0)), np.zeros(n)
+    else:
+        frequency, harmonics, constant = load._arrays()
+    if isinstance(load, Record):
+        step, record = load.step, load.force.T
+    return matrices, directions, values, frequency, harmonics, constant, step, record
+
+
+@memory_for("events of a simulation, by max_events")
+def simulate_structure(
+    structure: Structure,
+    load: Load | Record | None = None,
+    *,
+    cycles: float | None = None,
+    duration: float | None = None,
+    state: tuple[ArrayLike, ArrayLike] | None = None,
+    start: float = 0.0,
+    max_events: int = 1_000_000,
+    discard: float = 0.0,
+) -> Trajectory:
+    """As `simulate`, of a structure."""
+    check_load(structure, load, kinds=(Load, Record, type(None)))
+    n = structure.coordinates
+    if isinstance(load, Record) and cycles is None and duration is None:
+        begin = [checks.to_float(value, name, "a number") for name, value in
+                 (("start", start), ("discard", discard))]  # fmt: skip
+        duration = max(0.0, load.duration - sum(begin))
+    if (cycles is None) == (duration is None):
+        raise ParameterError(
+            f"cycles = {cycles!r}, duration = {duration!r}: must be one of them, not both"
+        )
+    wanted = "a number >= 0"
+    discard = checks.to_float(discard, "discard", wanted)
+    before = discard
+    if duration is None:
+        if not isinstance(load, Load) or not load.frequency:
+            raise ParameterError(
+                f"cycles = {cycles!r}: must be given with a load that has a frequency; give duration without"
+            )
+        span = checks.number(cycles, "cycles_simulated", "cycles") * 2 * np.pi / load.frequency
+        before = discard * 2 * np.pi / load.frequency
+    else:
+        span = duration = checks.to_float(duration, "duration", wanted)
+    if not 0 <= span <= 1e12:
+        raise ParameterError(f"duration = {span!r}: must be a number with 0 <= duration <= 1e+12")
+    if not 0 <= before <= 1e12:
+        raise ParameterError(
+            f"discard = {discard!r}: must be a number >= 0, and take at most 1e+12 units of time"
+        )
+    start = checks.to_float(start, "start", "a number")
+    if not 0 <= start <= 1e12:
+        raise ParameterError(f"start = {start!r}: must be a number with 0 <= start <= 1e+12")
+    max_events = checks.integer(max_events, "max_events", 1, 10**8)
+    q, rate = coordinates_of(state, n)
+    arguments = core_arrays(structure, load)
+    first = np.append(q, rate)
+    room = min(ROOM // (8 * (2 * n + 3)), max_events)
+    while True:
+        table = np.empty((2 * n + 3, room), order="F")
+        labels = np.empty((2, room), dtype=np.int32, order="F")
+        count, kept, final, end, resting, status = _core.simulate_structure(
+            *arguments, start, first, start + before, start + before + span, table, labels
+        )
+        if status not in (MORE_EVENTS, EVENT_LIMIT) or room == max_events:
+            break
+        room = min(8 * room, max_events)
+    failed = status not in (0, MORE_EVENTS)
+    if status == EVENT_LIMIT:
+        raise ParameterError(
+            f"max_events = {max_events}: must be more; it was reached within the discarded time"
+        )
+    if failed and count == 0:
+        if status == NARROW_GAP:
+            _refuse_opening(structure, arguments, q)
+        if status == GAP_CLOSED:
+            apart = [gap.opening - gap.direction @ q for gap in structure.gaps]
+            i = int(np.argmin(apart))
+            raise SingularError(f"{sentence(status)}: gaps[{i}] is {apart[i]:.6g}, must be >= 0")
+        structure._raise_status(status)
+    events = np.zeros(count, EVENTS_OF_STRUCTURE)
+    events["time"], events["speed"], events["impulse"] = table[:3, :count]
+    events["kind"] = KINDS[labels[0, :count] - 1]
+    events["gap"] = labels[1, :count] - 1
+    states = table[3:, :count].T
+    if 2 * count < room:
+        states = np.ascontiguousarray(states)  # else most of the table stays in memory
+    states = states.reshape(count, 2, n)
+    for array in (events, states, kept, final):
+        array.flags.writeable = False
+    lasting = {"duration": duration} if cycles is None else {"cycles": float(cycles)}
+    request = lasting | ({"discard": discard} if discard else {}) | {
+        "q": q.tolist(), "q_dot": rate.tolist(), "start": start, "max_events": max_events,
+    }  # fmt: skip
+    run = Trajectory(
+        structure=structure, load=load, start=start + before, end=end, events=events, states=states,
+        initial_state=(kept[:n], kept[n:]), final_state=(final[:n], final[n:]), complete=status == 0,
+        request=request, cut=sentence(status) if failed else "",
+        permanent=tuple(np.flatnonzero(resting[: len(structure.gaps)]).tolist()),
+    )  # fmt: skip
+    if failed:
+        error = SingularError(
+            f"{sentence(status)}; the motion up to t = {end:g} is the attribute `result` of this error"
+        )
+        error.result = run
+        raise error
+    return run
+
+
+def _refuse_opening(structure: Structure, arguments: tuple[Any, ...], q: _Array) -> NoReturn:
+    """ParameterError for the gap that is too narrow for a simulation from a state."""
+    matrices, directions, values, frequency, harmonics, constant = arguments[:6]
+    number, least = _core.narrow_gap(
+        matrices, directions, values, frequency, harmonics, constant, q
+    )
+    gap = structure.gaps[number - 1]
+    wanted = f"at least {1.06 * least:.1e}, a million times the rounding error of the displacements"
+    for i, other in enumerate(structure.gaps):
+        if (other.direction == -gap.direction).all():
+            total = gap.opening + other.opening
+            raise ParameterError(
+                f"gaps[{number - 1}].opening + gaps[{i}].opening = {total!r}: must be {wanted}"
+            )
+    raise ParameterError(f"gaps[{number - 1}].opening = {gap.opening!r}: must be 0 or {wanted}")
+
+
 @overload
 def simulate(
     osc: Oscillator, r: float, clearance: float, cycles: float, state: Mapping[str, float] | None = None,
@@ -433,7 +892,7 @@ def simulate(
     structure: Structure, load: Load | Record | None = None, *, cycles: float | None = None,
     duration: float | None = None, state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0,
     max_events: int = 1_000_000, discard: float = 0.0,
-) -> StructureTrajectory: ...  # fmt: skip
+) -> Trajectory: ...  # fmt: skip
 @overload
 def simulate(point: Point, /, cycles: float, **options: Any) -> Trajectory: ...
 
@@ -462,7 +921,8 @@ def simulate(
     under a `Load`, a `Record` (after its last sample the force is 0) or none. At an impact on one of its gaps the
     velocities jump by the impulse (1 + R) m v along M^-1 G, with v the approach speed and 1/m = G.M^-1 G. Of a
     structure `cycles` or `duration`, in time, is given by name, and neither for a whole record; `state` is
-    (coordinates, velocities) at the time `start`; `max_events` is a million by default, without `progress`. Where
+    (coordinates, velocities) at the time `start`, zero by default; `discard` is in load cycles if `cycles` is
+    given, else in time; `max_events` is a million by default, without `progress`. Where
     the restitution of an oscillator depends on the speed it is simulated as a structure, too: its `final_state`
     continues from ``start=run.end``.
 
@@ -494,14 +954,16 @@ def simulate(
 
     Returns
     -------
-    Trajectory, or StructureTrajectory of a structure
+    Trajectory
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If an event cannot be found within millions of oscillations.
+        If an event cannot be found within millions of oscillations. Of a structure: if a gap is less than closed
+        at the start, a mode without damping resonates with the load, two modes coincide by damping, or coupled
+        gaps close at one instant; if events came before, the motion up to there is the attribute `result`.
 
     Examples
     --------
@@ -514,6 +976,16 @@ def simulate(
     <Trajectory at r = 0.9, d K/F0 = 6, t = 2094.4 to 2122.32: 184 impacts, 4 rests>
     >>> run.events[-1]["kind"].item(), run.events[-1]["side"].item()
     ('stick', 'L')
+
+    A mass on a spring that carries a free mass between two walls, which starts with velocity -1:
+
+    >>> gaps = [vi.Gap([-1, 1], 1.0), vi.Gap([1, -1], 1.0)]
+    >>> cell = vi.Structure(mass=[1, 0.3], damping=[0, 0], stiffness=[1, 0], gaps=gaps)
+    >>> run = vi.simulate(cell, duration=20, state=([0, 0], [0, -1]))
+    >>> run
+    <Trajectory t = 0 to 20: 6 impacts>
+    >>> run.events["time"][:3].round(6).tolist()
+    [1.0, 5.561718, 7.505486]
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi, near=True)
@@ -555,7 +1027,10 @@ def simulate(
         "max_events": max_events,
     }  # fmt: skip
     last = state_of(system, now, begun)
-    return Trajectory(osc, r, clearance, load, events, first, last, complete, request)
+    return Trajectory(
+        osc=osc, r=r, clearance=clearance, load=load, events=events, initial_state=first, final_state=last,
+        complete=complete, request=request, cut="",
+    )  # fmt: skip
 
 
 def _run(

@@ -37,6 +37,7 @@ def animate(
     thing: Motion | Trajectory,
     path: str | os.PathLike[str] | None = None,
     cycles: float = 3.0,
+    window: tuple[float, float] | None = None,
     seconds: float = 3.0,
     units: Units | None = None,
 ) -> Any:
@@ -49,6 +50,8 @@ def animate(
         Ends with .gif (Pillow writes it) or .mp4 (the program ffmpeg, or that of imageio-ffmpeg).
     cycles : float
         Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
+    window : (float, float), optional
+        Times of a trajectory between which it is shown, in place of them.
     seconds : float
         How long a load cycle lasts on the screen.
     units : Units, optional
@@ -60,7 +63,7 @@ def animate(
     """
     cycles, seconds = _positive(cycles, "cycles"), _positive(seconds, "seconds")
     target, writer = (None, "") if path is None else _writer(path)
-    h = history(thing, cycles, units)
+    h = history(thing, cycles, window, units)
     n = round((h.last - h.first) * thing.r / (2 * math.pi) * seconds * RATE)
     if not 2 <= n <= MOST:
         raise ParameterError(

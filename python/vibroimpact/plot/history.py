@@ -62,7 +62,7 @@ class History(NamedTuple):
 
 def draw(
     thing: Motion | Trajectory, ax: Any = None, kind: str | None = None, cycles: float = 3.0,
-    units: Units | None = None,
+    window: tuple[float, float] | None = None, units: Units | None = None,
 ) -> Any:  # fmt: skip
     """Draw one panel into `ax`, or all of them into a new figure.
 
@@ -75,6 +75,8 @@ def draw(
         Which panel; "history" if `ax` is given alone.
     cycles : float
         Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
+    window : (float, float), optional
+        Times of a trajectory between which it is drawn, in place of them.
 
     Returns
     -------
@@ -85,13 +87,13 @@ def draw(
     cycles = checks.to_float(cycles, "cycles", "a number above 0")
     if not 0 < cycles < math.inf:
         raise ParameterError(f"cycles = {cycles!r}: must be a number above 0")
-    window = history(thing, cycles, units)
+    shown = history(thing, cycles, window, units)
     plt = pyplot()
     with plt.rc_context(SETTINGS):
         if ax is not None or kind is not None:
             if ax is None:
                 _, ax = plt.subplots(figsize=(ONE_COLUMN, 2.4), layout="constrained")
-            KINDS[kind or "history"](ax, window)
+            KINDS[kind or "history"](ax, shown)
             return ax
         figure = plt.figure(figsize=(TWO_COLUMNS, 4.6), layout="constrained")
         grid = figure.add_gridspec(3, 3, height_ratios=(2.2, 0.8, 1.6))
@@ -99,11 +101,11 @@ def draw(
         axes += [figure.add_subplot(grid[i, :2], sharex=axes[0]) for i in (1, 2)]
         axes.append(figure.add_subplot(grid[:, 2]))
         for panel, one in zip(KINDS.values(), axes, strict=True):
-            panel(one, window)
+            panel(one, shown)
         for one in axes[:2]:
             one.tick_params(labelbottom=False)
             one.set_xlabel("")
-        figure.suptitle(_title(thing, window.scales), fontsize=8)
+        figure.suptitle(_title(thing, shown.scales), fontsize=8)
         return np.array(axes, dtype=object)
 
 
@@ -121,7 +123,9 @@ def _title(thing: Any, scales: Scales) -> str:
     return text
 
 
-def history(thing: Any, cycles: float, units: Units | None = None) -> History:
+def history(
+    thing: Any, cycles: float, window: tuple[float, float] | None = None, units: Units | None = None
+) -> History:  # fmt: skip
     """Samples of a motion or a trajectory, dense enough for a smooth curve, with both sides of each jump."""
     scales = Scales(units)
     cycle = 2 * math.pi / thing.r
@@ -133,9 +137,8 @@ def history(thing: Any, cycles: float, units: Units | None = None) -> History:
         events["time"] += np.repeat(np.arange(repeats), n) * thing.period
         phase, resting = thing.load_phase, 0  # the first impact ends the rest, if any
     else:
-        last = thing.final_state["t"]
-        first = max(thing.initial_state["t"], last - cycles * cycle)
-        phase = thing.final_state["phase"] + thing.r * (first - last)
+        first, last = window or (max(thing.start, thing.end - cycles * cycle), thing.end)
+        phase = thing.final_state["phase"] + thing.r * (first - thing.end)
         events = thing.events
         state, before = thing.initial_state, events[events["time"] < first]
         resting = int(state["side"]) if state["resting"] else 0

@@ -31,22 +31,27 @@ PICTURES: dict[str, Callable[..., Any]] = {
     "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
     "Response": draw_response, "BifurcationDiagram of structures": draw_structure_bifurcation,
     "Lyapunov of structures": draw_exponents, "Response of structures": draw_structure_response,
-    "StructureTrajectory": draw_structure, "Trajectory": draw, "Uncertainty": draw_uncertainty,
+    "Trajectory": draw, "Trajectory of structures": draw_structure, "Uncertainty": draw_uncertainty,
     "Zone": draw_zone,
 }  # fmt: skip
 #: The function that animates a result, by class, in the same way.
 ANIMATIONS: dict[str, Callable[..., Any]] = {
-    "Motion": animate, "StructureTrajectory": animate_structure, "Trajectory": animate,
+    "Motion": animate, "Trajectory": animate, "Trajectory of structures": animate_structure,
 }  # fmt: skip
 
 
 def draw_result(result: Any, *options: Any) -> Any:
     """Draw a result, with the options of its function in order."""
-    name = type(result).__name__
-    own = f"{name} of structures" if getattr(result, "of_structure", False) else name
-    return PICTURES[own if own in PICTURES else name](result, *options)
+    return own(PICTURES, result)(result, *options)
 
 
 def animate_result(result: Any, *options: Any) -> Any:
     """Animate a result, with the options of its function in order."""
-    return ANIMATIONS[type(result).__name__](result, *options)
+    return own(ANIMATIONS, result)(result, *options)
+
+
+def own(functions: dict[str, Callable[..., Any]], result: Any) -> Callable[..., Any]:
+    """The function for the class of a result, and for its system where that has another one."""
+    name = type(result).__name__
+    of_structure = f"{name} of structures"
+    return functions[of_structure if result.of_structure and of_structure in functions else name]

@@ -26,7 +26,7 @@ from .style import (
 )
 
 if TYPE_CHECKING:
-    from ..motions.structure_trajectory import StructureTrajectory
+    from ..motions.trajectory import Trajectory
 
 __all__ = ["KINDS", "animate", "draw_structure"]
 
@@ -42,13 +42,13 @@ TIME = "time $t$"
 
 
 def draw_structure(
-    run: StructureTrajectory, ax: Any = None, kind: str | None = None, window: ArrayLike | None = None
+    run: Trajectory, ax: Any = None, kind: str | None = None, window: ArrayLike | None = None
 ) -> Any:  # fmt: skip
     """Draw one panel into `ax`, or all of them into a new figure.
 
     Parameters
     ----------
-    run : StructureTrajectory
+    run : Trajectory
     ax : matplotlib Axes, optional
         Without it a figure with all panels is made (or with one, if `kind` is given).
     kind : {"sketch", "history", "impacts", "energy"}, optional
@@ -80,7 +80,7 @@ def draw_structure(
         return np.array(axes, dtype=object)
 
 
-def window_of(run: StructureTrajectory, window: ArrayLike | None) -> tuple[float, float]:
+def window_of(run: Trajectory, window: ArrayLike | None) -> tuple[float, float]:
     """The times between which to draw."""
     if window is None:
         return run.start, run.end
@@ -91,12 +91,12 @@ def window_of(run: StructureTrajectory, window: ArrayLike | None) -> tuple[float
     return float(times[0]), float(times[1])
 
 
-def events_in(run: StructureTrajectory, begin: float, end: float) -> NDArray[Any]:
+def events_in(run: Trajectory, begin: float, end: float) -> NDArray[Any]:
     """The events of a window."""
     return run.events[(run.events["time"] >= begin) & (run.events["time"] <= end)]
 
 
-def times_of(run: StructureTrajectory, begin: float, end: float) -> NDArray[np.float64]:
+def times_of(run: Trajectory, begin: float, end: float) -> NDArray[np.float64]:
     """Times dense enough for smooth curves, with the events, at which they have corners."""
     times = np.linspace(begin, end, SAMPLES)
     if len(run.events) <= 20 * SAMPLES:
@@ -104,11 +104,11 @@ def times_of(run: StructureTrajectory, begin: float, end: float) -> NDArray[np.f
     return times
 
 
-def _draw_sketch(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+def _draw_sketch(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     draw_sketch(ax, run.structure, run.load)
 
 
-def _mark_events(ax: Any, run: StructureTrajectory, begin: float, end: float, y: Any) -> None:
+def _mark_events(ax: Any, run: Trajectory, begin: float, end: float, y: Any) -> None:
     """Marks at the coordinates that an event concerns; `y` gives their ordinates."""
     events = events_in(run, begin, end)
     q = run.states[:, 0][(run.events["time"] >= begin) & (run.events["time"] <= end)]
@@ -129,7 +129,7 @@ def _mark_events(ax: Any, run: StructureTrajectory, begin: float, end: float, y:
             )  # fmt: skip
 
 
-def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+def _draw_history(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     """The coordinates, over each other or, if there are many, one above the other; and the events."""
     times = times_of(run, begin, end)
     q = run.sample(times)[0]
@@ -171,7 +171,7 @@ def _draw_history(ax: Any, run: StructureTrajectory, begin: float, end: float) -
     ax.set_xlim(begin, end)
 
 
-def _draw_openings(ax: Any, run: StructureTrajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
+def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
     """The openings of the gaps, where coordinates are no displacements of bodies."""
     begin, end = float(times[0]), float(times[-1])
     for j, gap in enumerate(run.structure.gaps[:OVERLAID]):
@@ -195,7 +195,7 @@ def _draw_openings(ax: Any, run: StructureTrajectory, times: NDArray[Any], q: ND
     )  # fmt: skip
 
 
-def _draw_impacts(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     """Approach speeds over time for few gaps; for many, a raster of gaps and times with the speed as colour."""
     events = events_in(run, begin, end)
     events = events[events["kind"] == "impact"]
@@ -235,7 +235,7 @@ def _draw_impacts(ax: Any, run: StructureTrajectory, begin: float, end: float) -
     ax.set_xlim(begin, end)
 
 
-def modes_of(run: StructureTrajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def modes_of(run: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Circular frequencies and mass-normalised shapes (n, modes), body by body, so that modes of equal frequency
     stay with their body; in the order of frequency."""
     s = run.structure
@@ -255,7 +255,7 @@ def modes_of(run: StructureTrajectory) -> tuple[NDArray[np.float64], NDArray[np.
     return omega[order], shapes[:, order]
 
 
-def _draw_energy(ax: Any, run: StructureTrajectory, begin: float, end: float) -> None:
+def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     """Shares of the modes in the energy, which is kinetic energy alone where the frequency is 0."""
     times = times_of(run, begin, end)
     omega, shapes = modes_of(run)
@@ -308,12 +308,12 @@ KINDS = {
 
 
 def animate(
-    run: StructureTrajectory,
+    run: Trajectory,
     path: str | os.PathLike[str] | None = None,
     window: ArrayLike | None = None,
     seconds: float = 10.0,
 ) -> Any:
-    """Animate the coordinates, and write the animation to a file; see `StructureTrajectory.animate`."""
+    """Animate the coordinates, and write the animation to a file; see `Trajectory.animate`."""
     begin, end = window_of(run, window)
     seconds = _positive(seconds, "seconds")
     target, writer = (None, "") if path is None else _writer(path)
@@ -329,7 +329,7 @@ def animate(
 class _Scene:
     """The artists of a frame: a dot at each coordinate, coloured by its last event."""
 
-    def __init__(self, run: StructureTrajectory, begin: float, end: float, axes: Any) -> None:
+    def __init__(self, run: Trajectory, begin: float, end: float, axes: Any) -> None:
         from matplotlib.ticker import MaxNLocator
 
         self.run, self.flash = run, 0.02 * (end - begin)

@@ -32,7 +32,7 @@ def maps(motion: Motion, corrected: Collection[str], unit: float = 1.0) -> NDArr
     """
     xi, mu, r, n = motion.osc.xi, motion.osc.mu, motion.r, len(motion.pattern)
     eta, turn = math.sqrt(1 - xi * xi), 2 * math.pi * motion.pattern.cycles
-    alpha = np.append(motion.phases, turn)
+    alpha = np.append(motion.alpha, turn)
     result = np.empty((n, 4, 4))
     for i in range(n):
         after = motion.restitution[(i + 1) % n]

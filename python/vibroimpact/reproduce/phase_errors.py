@@ -51,7 +51,7 @@ def misread(motions: list[Motion], error: float, samples: int) -> dict[str, Any]
     residuals, off = [], []
     for motion in motions:
         n = len(motion.pattern)
-        phases = motion.phases[:, None] + error * random.standard_normal((n, samples))
+        phases = motion.alpha[:, None] + error * random.standard_normal((n, samples))
         phases -= phases[:1]
         keep = (np.diff(phases, axis=0) > 0).all(axis=0) & (phases[-1] < 2 * math.pi)
         found = periodic_batch(EQUAL, motion.r, phases[:, keep], motion.pattern, flights=False)

@@ -47,7 +47,7 @@ def entries(motion: Motion) -> dict[str, float | str]:
     """The rows of the table for one motion, with d = 37 as the unit of length, as in the paper."""
     unit = CLEARANCE / motion.clearance
     rows: dict[str, float | str] = {
-        "alpha_2/pi": motion.phases[1] / math.pi,
+        "alpha_2/pi": motion.alpha[1] / math.pi,
         "Omega t_1/pi": math.remainder(motion.load_phase, 2 * math.pi) / math.pi,
         "tau/pi": motion.tau / math.pi,
     }

@@ -17,7 +17,9 @@ from ..base.errors import OutOfMemoryError, ParameterError, ParameterTypeError, 
 from ..base.interrupt import new_counters, stoppable
 from ..base.spacing import spacing_of
 from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.structure import Load, Structure, check_load
 from . import namelist
+from .states import coordinates_of
 from .tables import Handle, Result, from_core, language, message_of
 
 #: The status that the core returns for a case that needs more memory or stack than is available.
@@ -68,6 +70,51 @@ def run(
     except ParameterError as error:
         message = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
         raise ParameterError(translated(message, names)) from None
+
+
+def run_structure(
+    noun: type[Found], structure: Structure, load: Load | None, keys: Mapping[str, Any],
+    threads: int | None = None, progress: Progress | None = None,
+    parameters: Mapping[str, str] | None = None, needs_frequency: bool = True,
+) -> Found:  # fmt: skip
+    """Runs a study of a structure in the core and returns its result object.
+
+    Parameters
+    ----------
+    noun : class
+        Class of the result; the last of its `studies` is that of structures.
+    keys : mapping
+        Keys of the group; None for a key that is left out.
+    threads, progress, parameters
+        As of `run`.
+    needs_frequency : bool
+        Whether the load must have a frequency.
+    """
+    study: str = noun.studies[-1]  # type: ignore[attr-defined]
+    kinds = (Load,) if needs_frequency else (Load, type(None))
+    check_load(structure, load, frequency=needs_frequency, kinds=kinds)
+    names = parameters or {}
+    values = {
+        key: plain(study, key, value, names.get(key, key))
+        for key, value in keys.items() if value is not None
+    }  # fmt: skip
+    group = language()["results"][study]["group"]
+    forces = [] if load is None else load._groups()
+    text = namelist.text([*structure._groups(), *forces, (group, values)])
+    try:
+        return run_text(noun, text, threads, progress, study=study)
+    except ParameterError as error:
+        message = str(error)
+        for name in (group, "structure", "load"):
+            message = message.removeprefix(f"&{name} ")
+        raise ParameterError(translated(message, names)) from None
+
+
+def start_keys(structure: Any, state: Any, start: Any) -> dict[str, Any]:
+    """The keys of an initial state."""
+    checks.instance(structure, "structure", Structure)
+    q, rate = coordinates_of(state, structure.coordinates)
+    return {"q": np.array(q), "q_dot": np.array(rate), "start": start}
 
 
 def translated(message: str, names: Mapping[str, str]) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
@@ -13,7 +14,7 @@ from ..base.errors import ParameterError
 from ..systems.oscillator import Oscillator
 from ..systems.structure import Load, Structure
 from .namelist import keys_of, parts_of
-from .structure_groups import check_gap_numbers, system_of
+from .systems import check_gap_numbers, system_of
 from .tables import Found, Result, declared, language
 
 if TYPE_CHECKING:
@@ -137,6 +138,11 @@ class Savable:
         """Names and values for Jupyter."""
         return {}
 
+    def _lack(self, name: str, instead: str) -> str:
+        """The message for an attribute that results of its system do not have, with what they have instead."""
+        system = "a Structure" if self.of_structure else "an Oscillator"
+        return f"{name}: a {type(self).__name__} of {system} does not have it; it has {instead}"
+
     def _draw_small(self, ax: Any) -> None:
         """The small picture for Jupyter."""
         self.plot(ax=ax)
@@ -219,6 +225,71 @@ class Savable:
         """The representation in Jupyter, with a small picture if matplotlib is installed."""
         page: str = ACTIONS["html"](self, ACTIONS["thumbnail"](self))
         return page
+
+
+class Solution(Savable):
+    """What a solver computes of a system: values by name, read-only, of which each system has its own."""
+
+    __slots__ = ()
+    #: Values of an oscillator that follow from the others, by name.
+    _derived: ClassVar[Mapping[str, Callable[[Any], Any]]] = {}
+    #: What an oscillator, and a structure, have instead of what the other one has.
+    _instead: ClassVar[tuple[Mapping[str, str], Mapping[str, str]]] = ({}, {})
+
+    def __init__(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        """A value that the solver has not given: one that follows from the others, or an error."""
+        if name.startswith("__"):
+            raise AttributeError(name)
+        of_structure = self.of_structure
+        if name in self._derived and not of_structure:
+            found = self._derived[name](self)
+            if isinstance(found, np.ndarray):
+                found.flags.writeable = False
+            return found
+        if name in self._instead[of_structure]:
+            raise AttributeError(self._lack(name, self._instead[of_structure][name]))
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __reduce__(self) -> Any:
+        return solution, (type(self), self._values())
+
+    def _values(self) -> dict[str, Any]:
+        """The values that the solver gave."""
+        here, found = object.__getattribute__, dict[str, Any]()
+        names: tuple[str, ...] = type(self).__slots__
+        for name in names:
+            with suppress(AttributeError):
+                found[name] = here(self, name)
+        return found
+
+    def __replace__(self: Self, **values: Any) -> Self:
+        return type(self)(**self._values() | values)  # type: ignore[attr-defined]
+
+    @property
+    def of_structure(self) -> bool:
+        try:
+            object.__getattribute__(self, "osc")
+        except AttributeError:
+            return True
+        return False
+
+    def _draw_small(self, ax: Any) -> None:
+        self.plot(ax=ax, kind="history")
+
+
+def solution(kind: type[Solution], values: dict[str, Any]) -> Solution:
+    """A solution from its values, for pickle."""
+    return kind(**values)
 
 
 class Noun(Savable):
@@ -348,11 +419,6 @@ class Noun(Savable):
             others = dict.fromkeys(other for _, other in known)
             raise AttributeError(self._lack(attribute or name, ", ".join(others)))
         return self._result.column(table, name).decoded()
-
-    def _lack(self, name: str, instead: str) -> str:
-        """The message for an attribute that results of its system do not have, with what they have instead."""
-        system = "a Structure" if self.of_structure else "an Oscillator"
-        return f"{name}: a {type(self).__name__} of {system} does not have it; it has {instead}"
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""

@@ -196,3 +196,22 @@ def _resume(
     if known and tuple(since[:n]) == belongs:
         return moment, (np.array(since[n : n + 7]), np.array(since[n + 7 :], dtype=np.int32))
     return moment, moment
+
+
+def coordinates_of(state: Any, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Coordinates and velocities of an initial state of a structure."""
+    wanted = f"two lists of {n} finite numbers {SPAN}, coordinates and velocities"
+    if state is None:
+        return np.zeros(n), np.zeros(n)
+    try:
+        q, rate = state
+    except (TypeError, ValueError):
+        raise ParameterError(f"state = {state!r}: must be {wanted}") from None
+    parts = []
+    for values in (q, rate):
+        array = np.array(checks.real_array(values, "state", wanted), dtype=np.float64)
+        if array.shape != (n,) or not (np.abs(array) <= MOST).all():
+            raise ParameterError(f"state = {state!r}: must be {wanted}")
+        array.flags.writeable = False
+        parts.append(array)
+    return parts[0], parts[1]

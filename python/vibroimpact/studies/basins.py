@@ -16,8 +16,6 @@ from ..base.errors import ParameterError, SingularError, VibroimpactError
 from ..base.spacing import Axis
 from ..motions.exact import attractor_at_end
 from ..motions.motion import Motion
-from ..motions.structure_case import run_structure, start_keys
-from ..motions.structure_motion import StructureMotion
 from ..motions.trajectory import simulate
 from ..results import door
 from ..results.noun import Noun, column, key
@@ -62,7 +60,7 @@ class Attractor:
     name : str
         Sides and load cycles, as "RL/1", or of a structure impacts and load cycles, as "2/1", and "rest/1" with
         rests; or the kind. Equal names get a number.
-    motion : Motion, StructureMotion or None
+    motion : Motion or None
         The exact motion.
     state : dict or None
         Of an oscillator: a state on it.
@@ -78,7 +76,7 @@ class Attractor:
 
     kind: str
     name: str
-    motion: Motion | StructureMotion | None
+    motion: Motion | None
     state: dict[str, float] | None = None
     lyapunov: Lyapunov | None = None
     radius: float = 0.0
@@ -268,7 +266,7 @@ def basins_structure(
     """As `basins`, of a structure."""
     check_choice(plane, states)
     keys: dict[str, Any] = {
-        **start_keys(structure, state, start), "settling": settling, "max_cycles": max_cycles,
+        **door.start_keys(structure, state, start), "settling": settling, "max_cycles": max_cycles,
         "max_events": max_events,
     }  # fmt: skip
     keys |= (
@@ -276,7 +274,7 @@ def basins_structure(
         if plane is None
         else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...")
     )
-    found = run_structure(Basins, structure, load, keys, threads, progress, AXIS_NAMES)
+    found = door.run_structure(Basins, structure, load, keys, threads, progress, AXIS_NAMES)
     found.require()
     return found
 

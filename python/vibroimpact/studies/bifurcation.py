@@ -13,7 +13,6 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.spacing import spacing_of
 from ..base.status import NOT_COMPUTED, sentence
-from ..motions.structure_case import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.parameters import Parameter, checked_pair, keys_of_parameter
@@ -333,12 +332,12 @@ def bifurcation_structure(
     checks.instance(structure, "structure", Structure)
     checks.instance(load, "load", Load)
     chosen = keys_of_parameter(structure, load, parameter, (low, high), at, "parameter")
-    start = start_keys(structure, state, 0.0)
+    start = door.start_keys(structure, state, 0.0)
     keys = {
         **chosen, "values": array.size, "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
         "settling": settling, "keep": keep, "points": points, "max_events": max_events,
     }  # fmt: skip
-    return run_structure(BifurcationDiagram, structure, load, keys, None, progress, ENDS)
+    return door.run_structure(BifurcationDiagram, structure, load, keys, None, progress, ENDS)
 
 
 @overload

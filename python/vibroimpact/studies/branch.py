@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError, StudyInterrupted
-from ..base.status import VERDICT
-from ..motions.motion import Motion
-from ..motions.periodic import frozen
-from ..motions.structure_motion import StructureMotion, motion_from_phases
-from ..motions.structure_trajectory import structure_of
+from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
+from ..motions.periodic import impact_restitution, motion_from_phases
 from ..results import door, namelist
 from ..results.noun import Noun, column
 from ..results.parameters import Parameter, Path, keys_of_parameter
+from ..results.systems import structure_of
 from ..results.tables import Result
 from ..systems.oscillator import Pattern, plain_pattern
 from ..systems.structure import Load, Structure
@@ -30,6 +28,9 @@ __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
 _Array = NDArray[np.float64]
 _Found = TypeVar("_Found", bound=Noun)
+#: The columns of impacts and of the motion as the core has them in arrays of motions.
+FLIGHTS = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
+SCALARS = ("clearance", "A", "tau", "residual", "x_min", "x_max")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,7 +52,7 @@ class SpecialPoint:
         That of the branch.
     value : float
         The parameter there.
-    motion : Motion, or StructureMotion
+    motion : Motion
     r, clearance : float
         Of an oscillator.
     impact : int
@@ -185,7 +186,7 @@ class Branch(
     cycles : int
         Load cycles in a period.
     phases : ndarray (N, M)
-        Phases of the impacts (rad): of an oscillator from the first one, of a structure of the load.
+        Load phases of the impacts (rad), as of `Motion`.
     multipliers : ndarray (4, M) or (2n, M) of complex
         NaN at a "zero_approach": the derivative of the period does not exist there.
     residual : ndarray (M,)
@@ -203,8 +204,8 @@ class Branch(
         Of an oscillator: whether the motions are their own mirror images half a period later (followed as such).
     r, clearance, xi, mu, R1, R2, A, tau, x_min, x_max, attenuation : ndarray (M,)
         Of an oscillator.
-    X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
-        Of an oscillator, at the impacts.
+    alpha, X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
+        Of an oscillator, at the impacts; alpha are their phases from the first one on.
     structure : Structure
         Of a structure: at the start.
     load : float, or Load
@@ -227,7 +228,6 @@ class Branch(
     mu = column("points")
     R1 = column("points")
     R2 = column("points")
-    phases = column("points", first=True)
     X = column("points", first=True)
     Z = column("points", first=True)
     X_dot_before = column("points", first=True)
@@ -248,6 +248,19 @@ class Branch(
     consistent = column("points")
     admissible = column("points")
     stable = column("points")
+
+    @property
+    def alpha(self) -> _Array:
+        if self.of_structure:
+            raise AttributeError(self._lack("alpha", "phases"))
+        return np.moveaxis(self._values("points", "phases"), -1, 0)
+
+    @property
+    def phases(self) -> _Array:
+        if self.of_structure:
+            return np.moveaxis(self._values("points", "phases"), -1, 0)
+        first: _Array = np.mod(load_phase_of(self.tau, self.xi, self.r), 2 * np.pi)
+        return self.alpha + first
 
     @property
     def parameter(self) -> str:
@@ -307,24 +320,17 @@ class Branch(
             # at a fold Newton's method has no unique step, while for known phases all else is linear
             return motion_from_phases(structure, load, self.gaps, phases, self.cycles)
         right, left = float(self.R1[i]), float(self.R2[i])
-        pattern = self.pattern
-
-        def at(name: str) -> _Array:
-            return frozen(getattr(self, name)[..., i].copy())
-
-        def verdict(name: str) -> bool | None:
-            return VERDICT[int(getattr(self, name)[i])]
-
-        multipliers = self.multipliers[:, i].copy()
-        multipliers.flags.writeable = False
-        return Motion(
-            replace(self.osc, xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left)),
-            float(self.r[i]), float(self.clearance[i]), pattern,
-            frozen(np.where(pattern.signs > 0, right, left)), at("phases"), at("X"), at("Z"),
-            at("X_dot_before"), at("X_dot_after"), at("Z_dot_before"), at("Z_dot_after"),
-            float(self.A[i]), float(self.tau[i]), float(self.residual[i]), multipliers,
-            verdict("consistent"), verdict("admissible"), verdict("stable"),
-            float(self.x_min[i]), float(self.x_max[i]),
+        osc = replace(
+            self.osc, xi=float(self.xi[i]), mu=float(self.mu[i]), restitution=(right, left)
+        )
+        impacts, scalars, verdicts = (
+            np.stack([getattr(self, name)[..., i] for name in names], axis=-1)
+            for names in (FLIGHTS, SCALARS, VERDICTS)
+        )
+        return motion_of_oscillator(
+            osc, float(self.r[i]), float(self.clearance[i]), 1.0, self.pattern,
+            impact_restitution(osc, self.pattern, None), self.alpha[:, i].copy(), impacts, scalars,
+            self.multipliers[:, i].copy(), verdicts,
         )  # fmt: skip
 
     def plot(self, ax: Any = None, y: str | None = None) -> Any:
@@ -438,7 +444,7 @@ def only_branch(compute: Callable[[], Branches]) -> Branch:
 
 
 def branch_structure(
-    motion: StructureMotion,
+    motion: Motion,
     parameter: Parameter,
     bounds: tuple[float, float] | None = None,
     longest_step: float = 0.05,
@@ -447,7 +453,6 @@ def branch_structure(
     at: float | None = None,
 ) -> Branch:
     """As `branch`, of a motion of a structure."""
-    checks.instance(motion, "motion", StructureMotion)
     keys = keys_of_parameter(
         motion.structure, motion.load, parameter, bounds, at, "parameter"
     ) | {"longest_step": longest_step, "max_points": max_points}  # fmt: skip
@@ -456,7 +461,7 @@ def branch_structure(
 
 
 def run_from(
-    motion: StructureMotion, noun: type[_Found], keys: dict[str, Any], names: dict[str, str],
+    motion: Motion, noun: type[_Found], keys: dict[str, Any], names: dict[str, str],
     progress: door.Progress | None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
@@ -469,7 +474,7 @@ def run_from(
         raise ParameterError(door.translated(message, names)) from None
 
 
-def case_from(motion: StructureMotion, group: str, keys: dict[str, Any]) -> str:
+def case_from(motion: Motion, group: str, keys: dict[str, Any]) -> str:
     """The case of a study that starts from a motion."""
     if len(motion.rests):
         raise ParameterError(f"motion = {motion!r}: must be one without rest")
@@ -496,15 +501,13 @@ def branch(
 ) -> Branch: ...  # fmt: skip
 @overload
 def branch(
-    motion: StructureMotion, parameter: Parameter, bounds: tuple[float, float] | None = None,
+    motion: Motion, parameter: Parameter, bounds: tuple[float, float] | None = None,
     longest_step: float = 0.05, max_points: int = 4000,
     progress: Callable[[float, str], None] | None = None, at: float | None = None,
 ) -> Branch: ...  # fmt: skip
 
 
-@every_system(
-    branch_structure, StructureMotion, no_point="give a motion there, as exact(point, guess)"
-)
+@every_system(branch_structure, Motion, no_point="give a motion there, as exact(point, guess)")
 def branch(
     motion: Motion,
     parameter: str = "clearance",
@@ -525,7 +528,7 @@ def branch(
 
     Parameters
     ----------
-    motion : Motion, or StructureMotion
+    motion : Motion
         Without rest, with load 1; of a structure consistent and without rest, with at most 24 impacts (23 if a
         mode has frequency 0). It need be neither stable nor admissible.
     parameter : str, or function
@@ -599,7 +602,7 @@ def branch(
     start = motion._keys()
     if start["kind"] == "equispaced" or motion.precision == "single":
         # in the form of &motion, where they come in pairs
-        start = guess_of(motion.pattern, motion.clearance, motion.phases, motion.X, motion.tau)
+        start = guess_of(motion.pattern, motion.clearance, motion.alpha, motion.X, motion.tau)
     keys = {
         "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,
         "max_points": max_points,

@@ -97,8 +97,8 @@ class Chart(Noun, study="chart"):
             "x_max": (grid, columns["x_max"], "F0/K", "greatest position of the primary mass"),
             "attenuation": (grid, attenuation, "1", "greatest |x| over the amplitude without impacts"),
             "tau": (grid, columns["tau"], "rad", "phase of the forced motion at the first impact"),
-            "phases": (
-                ("impact", *grid), columns["phases"], "rad", "load phase from the first impact to each",
+            "alpha": (
+                ("impact", *grid), columns["phases"], "rad", "phase of each impact from the first one on",
             ),
             "X": (
                 ("impact", *grid), columns["X"], "F0/K", "position of the primary mass at each impact",
@@ -211,7 +211,7 @@ def chart(
 
         - `consistent`, `admissible`, `stable`: 1, 0, or -1 for unknown;
         - `multiplier_modulus`, `multiplier_angle` (first dimension `multiplier`), leading one first;
-        - `x_min`, `x_max`, `attenuation` (max|x|/A), `tau`, and `X`, `phases` (first dimension
+        - `x_min`, `x_max`, `attenuation` (max|x|/A), `tau`, and `X`, `alpha` (first dimension
           `impact`);
         - `status`: 0 where there is a motion; other codes are explained by `status_text`;
         - `found`: motions at the point, with those for which there was no slot.

@@ -13,14 +13,12 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.jupyter import rows_html
-from ..base.status import VERDICT, sentence
-from ..motions.motion import motions_of
-from ..motions.structure_case import run_structure
-from ..motions.structure_motion import StructureMotion, _rests, check_numbers
+from ..base.status import sentence
+from ..motions.motion import Motion, motions_of, of_tables
 from ..results import door
 from ..results.noun import FORMER, Noun, key
 from ..results.states import state_by_coordinates
-from ..results.tables import Result, runs
+from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
@@ -107,7 +105,7 @@ class FoundMotions(
         Of a structure.
     load : float, or Load
         Amplitude of the load of an oscillator, or the load of a structure.
-    motions : tuple of Motion, or of StructureMotion
+    motions : tuple of Motion
     without_impacts : int
         Simulated states after which no impacts are left.
     search : Search
@@ -249,55 +247,29 @@ class FoundMotions(
 FORMER["Findings"] = (FoundMotions, "find")
 
 
-def structure_motions_of(noun: Noun) -> list[StructureMotion]:
-    """The motions of the tables of a result."""
+def structure_motions_of(noun: Noun) -> list[Motion]:
+    """The motions of a structure in the tables of a result."""
     result, structure, load = noun._result, noun.structure, noun.load
     if load is None or not load.frequency:
         raise ParameterError("case: must have a &load with a frequency")
     count = len(result.column("motions", "motion").values)
-    return [
-        _structure_motion_of(result, i, structure, load, *(
-            runs(result.tables[name], count)[i] for name in ("impacts", "multipliers", "derivative", "rests")
-        ))
-        for i in range(count)
-    ]  # fmt: skip
-
-
-def _structure_motion_of(
-    result: Result, i: int, structure: Structure, load: Load, impacts: slice, multipliers: slice,
-    derivative: slice, rests: slice,
-) -> StructureMotion:  # fmt: skip
-    """A motion of the tables of a result, from its rows."""
-
-    def rows(table: str, part: slice, *names: str) -> list[Any]:
-        return [result.column(table, name).decoded()[part] for name in names]
-
-    own = {
-        name: result.column("motions", name).decoded()[i].item()
-        for name in ("cycles", "residual", "determinant", "law", "consistent", "admissible", "stable")
-    }  # fmt: skip
-    gaps, phases, speeds, impulses = rows("impacts", impacts, "gap", "phase", "speed", "impulse")
-    states = np.stack(rows("impacts", impacts, "q", "q_dot"), axis=1)
-    gap, begin, end = rows("rests", rests, "gap", "begin", "end")
-    table = _rests(gap, (begin, end))
-    matrix, values = (
-        rows("derivative", derivative, "P")[0],
-        rows("multipliers", multipliers, "multiplier")[0],
-    )
-    check_numbers(own["cycles"], phases, states, values, matrix)
-    for array in (states, table):
-        array.flags.writeable = False
-    request: dict[str, Any] = {"kind": "exact", "gaps": gaps.tolist(), "phases": phases.tolist()}
-    if len(table):
-        request = {
-            "kind": "settled", "settling": 0, "q": states[0, 0].tolist(), "q_dot": states[0, 1].tolist(),
-            "start": float(phases[0] / load.frequency),
+    rows = [
+        runs(result.tables[name], count)
+        for name in ("impacts", "multipliers", "derivative", "rests")
+    ]
+    found: list[Motion] = []
+    for i in range(count):
+        motion = of_tables(result, structure, load, "motions", i, [part[i] for part in rows], None)
+        request: dict[str, Any] = {
+            "kind": "exact", "gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()
         }  # fmt: skip
-    return StructureMotion(
-        structure, load, gaps, own["cycles"], phases, speeds, impulses, states, own["residual"],
-        matrix, values, own["determinant"], own["law"], VERDICT[own["consistent"]], VERDICT[own["admissible"]],
-        VERDICT[own["stable"]], table, request | {"cycles": own["cycles"]},
-    )  # fmt: skip
+        if len(motion.rests):
+            request = {
+                "kind": "settled", "settling": 0, "q": motion.q.tolist(), "q_dot": motion.q_dot.tolist(),
+                "start": float(motion.phases[0] / load.frequency),
+            }  # fmt: skip
+        found.append(motion.__replace__(request=request | {"cycles": motion.cycles}))
+    return found
 
 
 def find_structure(
@@ -318,7 +290,7 @@ def find_structure(
         "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
         "settling": settling, "seed": seed, "max_events": max_events,
     }  # fmt: skip
-    found = run_structure(FoundMotions, structure, load, keys, threads, progress)
+    found = door.run_structure(FoundMotions, structure, load, keys, threads, progress)
     found.require()
     return found
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
-from ..motions.structure_case import run_structure, start_keys
 from ..results import door
 from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
@@ -140,10 +139,12 @@ def lyapunov_structure(
 ) -> Lyapunov:
     """As `lyapunov`, of a structure."""
     keys = {
-        **start_keys(structure, state, start), "cycles": cycles, "discard": discard, "batches": batches,
+        **door.start_keys(structure, state, start), "cycles": cycles, "discard": discard, "batches": batches,
         "directions": directions, "max_events": max_events,
     }  # fmt: skip
-    found = run_structure(Lyapunov, structure, load, keys, None, progress, needs_frequency=False)
+    found = door.run_structure(
+        Lyapunov, structure, load, keys, None, progress, needs_frequency=False
+    )
     found.require()
     return found
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.errors import ParameterError
-from ..motions.structure_case import run_structure, start_keys
 from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point
@@ -148,12 +147,12 @@ def response_structure(
 ) -> Response:
     """As `response`, of a structure."""
     array = ends(values)
-    start = start_keys(structure, state, 0.0)
+    start = door.start_keys(structure, state, 0.0)
     keys = {
         "low": array[0], "high": array[-1], "values": array.size, "sweep": sweep, "q": start["q"],
         "q_dot": start["q_dot"], "settling": settling, "keep": keep, "max_events": max_events,
     }  # fmt: skip
-    return run_structure(Response, structure, load, keys, threads, progress, ENDS)
+    return door.run_structure(Response, structure, load, keys, threads, progress, ENDS)
 
 
 @overload

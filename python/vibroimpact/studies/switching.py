@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from .. import _core
 from ..base.interrupt import with_stack
-from ..motions.exact import impact_motion
-from ..motions.motion import Motion
+from ..motions.motion import Motion, motion_of_oscillator
 from ..motions.periodic import impact_restitution
 from ..systems.oscillator import Pattern
 
@@ -30,7 +29,7 @@ def switched(motion: Motion, kind: str, flight: int, side: str, parameter: str) 
         pattern = Pattern(letters, int(cycles[i]))
         r, clearance, xi, mu, *walls = systems[:, i].tolist()
         osc = replace(motion.osc, xi=xi, mu=mu, restitution=(walls[0], walls[1]))
-        found.append(impact_motion(
+        found.append(motion_of_oscillator(
             osc, r, clearance, 1.0, pattern, impact_restitution(osc, pattern, None),
             phases[:m, i].copy(), impacts[:m, :, i].copy(order="F"),
             scalars[:, i], multipliers[:, i].copy(), verdicts[:, i],

@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
-from ..motions.exact import newton
+from ..motions.exact import exact_structure, newton
 from ..motions.likeness import is_symmetric, standard_motion
 from ..motions.motion import Motion
-from ..motions.structure_motion import StructureMotion, exact_structure
 from ..results import door
 from ..results.namelist import symmetric_word
 from ..results.parameters import Parameter, Path, keys_of_parameter
@@ -451,10 +450,10 @@ class Zone(Followed, study="zone", of_structure="zone_structure", formerly="Stru
                 last = newton(self.osc, float(ratio), there, 1.0, self.pattern, x * there, theta)
             except SingularError:
                 return None
-            x, theta = last.X / there, last.phases + last.tau
+            x, theta = last.X / there, last.alpha + last.tau
         return last
 
-    def _motion_of_structure(self, x: float, y: float) -> StructureMotion | None:
+    def _motion_of_structure(self, x: float, y: float) -> Motion | None:
         """As `motion`, of a structure."""
         target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
         size = np.array([np.ptp(self.x), np.ptp(self.y)])
@@ -475,9 +474,7 @@ class Zone(Followed, study="zone", of_structure="zone_structure", formerly="Stru
             other = other or found
         return other
 
-    def _followed_structure(
-        self, start: _Array, phases: _Array, target: _Array
-    ) -> StructureMotion | None:
+    def _followed_structure(self, start: _Array, phases: _Array, target: _Array) -> Motion | None:
         """The admissible motion at a point, followed from another point."""
         found, gaps = None, self.gaps
         for share in np.linspace(0, 1, 7)[1:]:
@@ -598,7 +595,7 @@ WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 
 def zone_structure(
-    motion: StructureMotion,
+    motion: Motion,
     x: tuple[Parameter, float, float],
     y: tuple[Parameter, float, float],
     lines: int = 17,
@@ -608,7 +605,6 @@ def zone_structure(
     y_at: float | None = None,
 ) -> Zone:
     """As `zone`, of a motion of a structure."""
-    checks.instance(motion, "motion", StructureMotion)
     keys: dict[str, Any] = {}
     names: dict[str, str] = {}
     for name, axis, start in (("x", x, x_at), ("y", y, y_at)):
@@ -633,7 +629,7 @@ def zone(
 ) -> Zone: ...  # fmt: skip
 @overload
 def zone(
-    motion: StructureMotion, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    motion: Motion, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
     lines: int = 17, max_points: int = 20_000, progress: door.Progress | None = None,
     x_at: float | None = None, y_at: float | None = None,
 ) -> Zone: ...  # fmt: skip
@@ -641,7 +637,7 @@ def zone(
 
 @every_system(
     zone_structure,
-    StructureMotion,
+    Motion,
     no_point="give its osc, a pattern, and ranges of r and clearance",
 )
 def zone(
@@ -682,7 +678,7 @@ def zone(
         At most 24 impacts.
     r, clearance : (float, float)
         The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
-    motion : StructureMotion
+    motion : Motion
         In place of the oscillator and the pattern: consistent and without rest, with at most 24 impacts (23 if a
         mode has frequency 0). It need be neither stable nor admissible.
     x, y : (parameter, float, float)
@@ -770,7 +766,7 @@ def seed_list(pattern: Pattern, seeds: Sequence[Motion]) -> list[float]:
             raise ParameterError(
                 f"seeds[{i}].pattern = {motion.pattern!r}: must be {pattern!r}, with the same first impact"
             )
-        own = np.r_[motion.X / motion.clearance, motion.phases + motion.tau]
+        own = np.r_[motion.X / motion.clearance, motion.alpha + motion.tau]
         if pattern.has_rest:
             # the release at the end of the last starred symbol
             side = [symbol for symbol in pattern.symbols if symbol.endswith("*")][-1][0]

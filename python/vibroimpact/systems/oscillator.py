@@ -89,7 +89,7 @@ class Oscillator:
 
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
     >>> vi.exact(osc, 0.94, 37.0, ([1.6, 6.0], [0, 1]))
-    <StructureMotion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
+    <Motion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
     """
 
     xi: float
@@ -260,7 +260,7 @@ class Oscillator:
         >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
         >>> pair = osc.structure(37.0, vi.PowerLaw(0.75, speed=20, exponent=0.25))
         >>> vi.exact(pair, vi.Load(0.94, sine=[1, 0]), ([1.6, 6.0], [0, 1]))
-        <StructureMotion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
+        <Motion of 2 impacts in 1 cycle: admissible, stable (max|lambda| = 0.9179)>
         """
         if not self.mu > 0:
             raise ParameterError(f"mu = {self.mu!r}: must be > 0 for a structure")

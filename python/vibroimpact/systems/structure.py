@@ -436,3 +436,20 @@ class Load(ByValue):
             return f"<Load, constant, on {self.coordinates} coordinates>"
         kinds = f"{n} harmonic{'s' if n != 1 else ''}"
         return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
+
+
+def check_load(
+    structure: Any, load: Any, frequency: bool = False, kinds: tuple[type, ...] = (Load,)
+) -> None:
+    """Checks that a load of one of some kinds is one for a structure, and has a frequency where it must."""
+    checks.instance(structure, "structure", Structure)
+    if not isinstance(load, kinds):
+        checks.instance(load, "load", Load)
+    if load is None:
+        return
+    if load.coordinates != structure.coordinates:
+        raise ParameterError(
+            f"load for {load.coordinates} coordinates: must be for {structure.coordinates} as the structure is"
+        )
+    if frequency and not load.frequency:
+        raise ParameterError(f"load = {load!r}: must have a frequency, which gives the period")

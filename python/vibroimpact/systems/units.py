@@ -262,7 +262,7 @@ class Units:
             "d": motion.clearance * self.length,
             "Omega": motion.r * self.omega,
             "period": motion.period * self.time,
-            "t": motion.phases / motion.r * self.time,
+            "t": motion.alpha / motion.r * self.time,
         }
         for name in ("X", "Z", "A", "x_min", "x_max"):
             physical[name] = getattr(motion, name) * self.length

@@ -26,7 +26,7 @@ def every_system(
     of_structure : callable
         The procedure for structures.
     kind : type, optional
-        The class of its first argument, if that is not `Structure`.
+        The class of its first argument, which tells its system, if that is not `Structure`.
     of_law : callable, optional
         Oscillators whose restitution depends on the speed are handed over, too; it turns further arguments, by
         name, into those for structures.
@@ -44,7 +44,10 @@ def every_system(
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
             given = dict(zip(["the first argument"], args, strict=False)) | kwargs
-            if any(isinstance(x, kind or Structure) for x in given.values()):
+            if any(
+                isinstance(x, kind or Structure) and getattr(x, "of_structure", True)
+                for x in given.values()
+            ):
                 return called(args, kwargs)
             first = args[0] if args else kwargs.get(parameters[0])
             if kind and any(isinstance(x, Structure) for x in given.values()):

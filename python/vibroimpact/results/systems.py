@@ -1,0 +1,224 @@
+"""The system of a result: an oscillator, or a structure with its load, in tables and in cases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import ParameterError, VibroimpactError
+from ..systems.oscillator import Oscillator
+from ..systems.record import Record
+from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution, law_of_keys
+from ..systems.structure import Gap, Load, Structure
+from . import namelist
+from .tables import Result
+
+__all__ = [
+    "check_gap_numbers", "from_groups", "osc_of", "structure_of", "structure_tables", "system_of", "units_of",
+    "with_owners",
+]  # fmt: skip
+
+
+def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
+    """The system of a row of a table that has its numbers."""
+    xi, mu, *walls = (
+        float(result.column(table, name).values.ravel()[row]) for name in ("xi", "mu", "R1", "R2")
+    )
+    columns = result.tables[table].columns
+    known: dict[str, Any] = {
+        name: columns[name].decoded().ravel()[row].item()
+        for name in ("M", "K", "F0", "units") if name in columns
+    }  # fmt: skip
+    if not known and result.case:
+        keys = namelist.keys_of(result.case)
+        of_system = {"M": "mass", "K": "stiffness", "F0": "force", "units": "unit_names"}
+        known = {name: keys[key] for name, key in of_system.items() if key in keys}
+    names = known.pop("units", None)
+    return Oscillator(xi=xi, mu=mu, restitution=(walls[0], walls[1]), **known, unit_names=names)
+
+
+def units_of(osc: Oscillator) -> dict[str, Any]:
+    """The columns of the physical units of an oscillator, None where they are not known."""
+    return {"M": osc.M, "K": osc.K, "F0": osc.F0, "units": osc.unit_names}
+
+
+def system_of(case: str) -> tuple[Structure, Load | Record | None]:
+    """The structure and the load of the case of a study, as the core has completed it.
+
+    Raises
+    ------
+    ParameterError
+        If it is not complete, as that of a file may be.
+    """
+    try:
+        return from_groups(namelist.parts_of(case)[:-1])
+    except VibroimpactError as error:
+        raise ParameterError(f"case: {error}") from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise ParameterError(
+            f"case = {case[:60]!r}: must be that of a structure; {type(error).__name__}: {error}"
+        ) from None
+
+
+def from_groups(
+    groups: Sequence[tuple[str, Mapping[str, Any]]],
+) -> tuple[Structure, Load | Record | None]:
+    """The structure and the load of the groups of a namelist, as the core has completed them."""
+    (_, keys), *parts = groups
+    gaps = [
+        Gap(np.atleast_1d(part["direction"]), part["opening"], law_of_keys(part))
+        for name, part in parts if name == "gap"
+    ]  # fmt: skip
+    if "frequencies" in keys:
+        omega = np.atleast_1d(keys["frequencies"])
+        shapes = np.reshape(keys["shapes"], (-1, len(omega)))
+        structure = Structure.from_modes(omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps)
+    else:
+        n = len(gaps[0].direction)
+        mass, damping, stiffness = (
+            _square(keys[name], n) for name in ("mass", "damping", "stiffness")
+        )
+        structure = Structure(mass, damping, stiffness, gaps)
+    load: Load | Record | None = None
+    for part in (part for name, part in parts if name == "load"):
+        n = structure.coordinates
+        constant = np.atleast_1d(part["constant"]) if "constant" in part else None
+        if "record" in part:
+            weights = (
+                np.reshape(part["weights"], (-1, n)) if "weights" in part
+                else np.eye(n)[np.atleast_1d(part.get("acts_on", np.arange(n)))]
+            )  # fmt: skip
+            samples = np.reshape(part["record"], (-1, len(weights)))
+            return structure, Record(part["step"], samples, constant, weights)
+        harmonics = {
+            name: np.reshape(part[name], (-1, n)) for name in ("sine", "cosine") if name in part
+        }
+        load = Load(part.get("frequency"), **harmonics, constant=constant)
+    return structure, load
+
+
+def check_gap_numbers(result: Result, structure: Structure) -> None:
+    """An error if a column of gaps has a number that is none of the structure's, with which the core would read
+    beyond its arrays."""
+    many = len(structure.gaps)
+    for name, table in result.tables.items():
+        for key in {"gap", "gaps"} & set(table.columns):
+            numbers = table.columns[key].values
+            wrong = numbers[~((numbers >= 0) & (numbers < many))]
+            if wrong.size:
+                raise ParameterError(
+                    f"{name}.{key} = {wrong[0]}: must be the number of one of {many} gaps, from 0"
+                )
+        for key, column in table.columns.items():
+            if column.each == "coordinate" and column.values.shape[-1] != structure.coordinates:
+                raise ParameterError(
+                    f"{name}.{key} of shape {column.values.shape}: must be for {structure.coordinates} coordinates"
+                )
+
+
+def _square(numbers: Any, n: int) -> Any:
+    """A matrix, or its diagonal, from a list."""
+    array = np.atleast_1d(numbers)
+    return array if len(array) == n else array.reshape(n, n)
+
+
+def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]:
+    """The tables of a structure, its gaps and its load in a result."""
+    n = s.coordinates
+    nothing = np.zeros((0, n))
+    periodic = load if isinstance(load, Load) else None
+    tabulated = [
+        gap.restitution for gap in s.gaps if isinstance(gap.restitution, TabulatedRestitution)
+    ]
+    return {
+        "gaps": (("number",), {
+            "opening": [gap.opening for gap in s.gaps], **_laws(s.gaps),
+            "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
+        }),
+        "law_points": (("law_point",), {
+            "speed": [v for gap in tabulated for v in gap.speeds],
+            "restitution": [value for gap in tabulated for value in gap.values],
+        }),
+        "matrices": (("row",), {
+            "mass": s.mass, "damping": s.damping, "stiffness": s.stiffness,
+            "constant": np.zeros(n) if load is None else load.constant,
+        }),
+        "harmonics": (("harmonic",), {
+            "cosine": periodic.cosine if periodic else nothing,
+            "sine": periodic.sine if periodic else nothing,
+        }),
+    }  # fmt: skip
+
+
+def with_owners(s: Structure, result: Result) -> Result:
+    """A result in which the points of tables of restitution know their gaps."""
+    owners = [i for i, gap in enumerate(s.gaps) for _ in getattr(gap.restitution, "speeds", ())]
+    points = result.tables["law_points"]
+    owned = replace(points, parent="gaps", owners=np.array(owners, np.int32))
+    return replace(result, tables=result.tables | {"law_points": owned})
+
+
+def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Structure, Load | None]:
+    """The structure and the load of a result."""
+
+    def values(table: str, *names: str) -> list[Any]:
+        return [result.column(table, name).decoded() for name in names]
+
+    gaps = [
+        Gap(direction, opening, law)
+        for direction, opening, law in zip(
+            *values("gaps", "direction", "opening"), _laws_of(result), strict=True
+        )
+    ]
+    mass, damping, stiffness, constant = values(
+        "matrices", "mass", "damping", "stiffness", "constant"
+    )
+    structure = Structure(mass, damping, stiffness, gaps)
+    if not loaded:
+        return structure, None
+    sine, cosine = values("harmonics", "sine", "cosine")
+    own = {"sine": sine, "cosine": cosine} if len(sine) else {}
+    return structure, Load(frequency or None, **own, constant=constant)
+
+
+def _laws(gaps: Sequence[Gap]) -> dict[str, Any]:
+    """The columns of the laws of restitution of some gaps."""
+    columns: dict[str, Any] = {
+        "restitution": [],
+        "law": [],
+        "law_numbers": np.zeros((len(gaps), 3)),
+    }
+    for i, gap in enumerate(gaps):
+        law = gap.restitution
+        if isinstance(law, PowerLaw):
+            columns["law_numbers"][i] = law.speed, law.exponent, law.sharpness
+            columns["restitution"].append(law.R0)
+        else:
+            first = law.values[0] if isinstance(law, TabulatedRestitution) else law
+            columns["restitution"].append(first)
+        names: dict[type, str] = {PowerLaw: "power", TabulatedRestitution: "table"}
+        columns["law"].append(names.get(type(law), "constant"))
+    return columns
+
+
+def _laws_of(result: Result) -> list[Restitution]:
+    """The laws of restitution of the gaps of a result."""
+    kinds, lowest, numbers = (
+        result.column("gaps", name).decoded() for name in ("law", "restitution", "law_numbers")
+    )
+    speeds, values = (result.column("law_points", name).values for name in ("speed", "restitution"))
+    owners = result.tables["law_points"].owners
+    if owners is None:
+        raise ParameterError("law_points.owners: must be there; they are missing")
+    laws: list[Restitution] = []
+    for i, kind in enumerate(kinds.tolist()):
+        if kind == "power":
+            laws.append(PowerLaw(float(lowest[i]), *map(float, numbers[i])))
+        elif kind == "table":
+            laws.append(TabulatedRestitution(speeds[owners == i], values[owners == i]))
+        else:
+            laws.append(float(lowest[i]))
+    return laws
