@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
-from ..systems.restitution import PowerLaw, TabulatedRestitution
+from ..systems.restitution import at_rest, from_columns, to_columns
 from ..systems.structure import Gap, Load, Structure
 from .tables import Result
 
@@ -40,11 +40,7 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
     ]
     for j, gap in enumerate(structure.gaps):
         parts.append((DIRECTION, np.arange(n), np.full(n, j), gap.direction))
-        law = gap.restitution
-        if isinstance(law, TabulatedRestitution):
-            first = law.values[0]
-        else:
-            first = law.R0 if isinstance(law, PowerLaw) else law
+        first = at_rest(gap.restitution)
         parts += [(OPENING, [j], [-1], [gap.opening]), (RESTITUTION, [j], [-1], [first])]
     parts += [
         (FREQUENCY, [-1], [-1], [load.frequency]),
@@ -62,16 +58,7 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
 
 def laws_of(structure: Structure) -> list[object]:
     """What a parameter cannot change in the laws of restitution of all gaps."""
-    found: list[object] = []
-    for gap in structure.gaps:
-        law = gap.restitution
-        if isinstance(law, PowerLaw):
-            found.append((law.speed, law.exponent, law.sharpness))
-        elif isinstance(law, TabulatedRestitution):
-            found.append((list(law.speeds), list(law.values)))
-        else:
-            found.append(None)
-    return found
+    return [to_columns(gap.restitution) | {"restitution": None} for gap in structure.gaps]
 
 
 def with_entries(
@@ -92,11 +79,7 @@ def with_entries(
         elif kind == OPENING:
             openings[i] = value
         elif kind == RESTITUTION:
-            law = laws[i]
-            if isinstance(law, PowerLaw):
-                laws[i] = PowerLaw(value, law.speed, law.exponent, law.sharpness)
-            else:
-                laws[i] = value
+            laws[i] = from_columns(to_columns(laws[i]) | {"restitution": value})
         elif kind == FREQUENCY:
             frequency = value
         elif kind == CONSTANT:

@@ -11,7 +11,7 @@ import numpy as np
 from ..base.errors import ParameterError, VibroimpactError
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record
-from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution, law_of_keys
+from ..systems.restitution import Restitution, at_rest, from_columns, to_columns
 from ..systems.structure import Gap, Load, Structure
 from . import namelist
 from .tables import Result
@@ -20,6 +20,9 @@ __all__ = [
     "check_gap_numbers", "from_groups", "osc_of", "structure_of", "structure_tables", "system_of", "units_of",
     "with_owners",
 ]  # fmt: skip
+
+#: The numbers of a power law in tables of gaps.
+LAW_NUMBERS = ("law_speed", "law_exponent", "law_sharpness")
 
 
 def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
@@ -69,7 +72,7 @@ def from_groups(
     """The structure and the load of the groups of a namelist, as the core has completed them."""
     (_, keys), *parts = groups
     gaps = [
-        Gap(np.atleast_1d(part["direction"]), part["opening"], law_of_keys(part))
+        Gap(np.atleast_1d(part["direction"]), part["opening"], from_columns(part))
         for name, part in parts if name == "gap"
     ]  # fmt: skip
     if "frequencies" in keys:
@@ -130,17 +133,18 @@ def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]
     n = s.coordinates
     nothing = np.zeros((0, n))
     periodic = load if isinstance(load, Load) else None
-    tabulated = [
-        gap.restitution for gap in s.gaps if isinstance(gap.restitution, TabulatedRestitution)
-    ]
+    laws = [to_columns(gap.restitution) for gap in s.gaps]
     return {
         "gaps": (("number",), {
-            "opening": [gap.opening for gap in s.gaps], **_laws(s.gaps),
+            "opening": [gap.opening for gap in s.gaps],
+            "restitution": [at_rest(gap.restitution) for gap in s.gaps],
+            "law": [law.get("law", "constant") for law in laws],
+            "law_numbers": np.reshape([[law.get(key, 0.0) for key in LAW_NUMBERS] for law in laws], (-1, 3)),
             "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
         }),
         "law_points": (("law_point",), {
-            "speed": [v for gap in tabulated for v in gap.speeds],
-            "restitution": [value for gap in tabulated for value in gap.values],
+            "speed": [v for law in laws for v in law.get("law_speeds", ())],
+            "restitution": [value for law in laws for value in law.get("law_values", ())],
         }),
         "matrices": (("row",), {
             "mass": s.mass, "damping": s.damping, "stiffness": s.stiffness,
@@ -184,26 +188,6 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     return structure, Load(frequency or None, **own, constant=constant)
 
 
-def _laws(gaps: Sequence[Gap]) -> dict[str, Any]:
-    """The columns of the laws of restitution of some gaps."""
-    columns: dict[str, Any] = {
-        "restitution": [],
-        "law": [],
-        "law_numbers": np.zeros((len(gaps), 3)),
-    }
-    for i, gap in enumerate(gaps):
-        law = gap.restitution
-        if isinstance(law, PowerLaw):
-            columns["law_numbers"][i] = law.speed, law.exponent, law.sharpness
-            columns["restitution"].append(law.R0)
-        else:
-            first = law.values[0] if isinstance(law, TabulatedRestitution) else law
-            columns["restitution"].append(first)
-        names: dict[type, str] = {PowerLaw: "power", TabulatedRestitution: "table"}
-        columns["law"].append(names.get(type(law), "constant"))
-    return columns
-
-
 def _laws_of(result: Result) -> list[Restitution]:
     """The laws of restitution of the gaps of a result."""
     kinds, lowest, numbers = (
@@ -213,12 +197,10 @@ def _laws_of(result: Result) -> list[Restitution]:
     owners = result.tables["law_points"].owners
     if owners is None:
         raise ParameterError("law_points.owners: must be there; they are missing")
-    laws: list[Restitution] = []
-    for i, kind in enumerate(kinds.tolist()):
-        if kind == "power":
-            laws.append(PowerLaw(float(lowest[i]), *map(float, numbers[i])))
-        elif kind == "table":
-            laws.append(TabulatedRestitution(speeds[owners == i], values[owners == i]))
-        else:
-            laws.append(float(lowest[i]))
-    return laws
+    return [
+        from_columns({
+            "law": kind, "restitution": float(lowest[i]), "law_speeds": speeds[owners == i],
+            "law_values": values[owners == i], **dict(zip(LAW_NUMBERS, numbers[i].tolist(), strict=True)),
+        })
+        for i, kind in enumerate(kinds.tolist())
+    ]  # fmt: skip

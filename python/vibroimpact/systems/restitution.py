@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
@@ -38,12 +37,8 @@ class ByValue:
         return hash(self._values())
 
 
-class _Law(abc.ABC):
+class _Law:
     """A law R(v)."""
-
-    @abc.abstractmethod
-    def _numbers(self) -> tuple[float, _Array]:
-        """Its kind and numbers, for the core."""
 
     def __call__(self, speed: ArrayLike) -> _Array:
         """R at approach speeds >= 0, of any shape."""
@@ -58,7 +53,8 @@ class _Law(abc.ABC):
         speeds = np.array(checks.real_array(speed, "speed", wanted), dtype=np.float64)
         if not (speeds >= 0).all():
             raise ParameterError(f"speed: must be {wanted}")
-        values, slopes = _core.restitution_values(*self._numbers(), speeds.ravel())
+        kind, *numbers = numbers_of(self)  # type: ignore[arg-type]
+        values, slopes = _core.restitution_values(kind, numbers, speeds.ravel())
         return values.reshape(speeds.shape), slopes.reshape(speeds.shape)
 
 
@@ -104,9 +100,6 @@ class PowerLaw(_Law):
                 raise ParameterError(f"{name} = {value!r}: must be {wanted}")
             object.__setattr__(self, name, value)
 
-    def _numbers(self) -> tuple[float, _Array]:
-        return 1.0, np.array([self.R0, self.speed, self.exponent, self.sharpness])
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TabulatedRestitution(ByValue, _Law):
@@ -149,13 +142,12 @@ class TabulatedRestitution(ByValue, _Law):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
-    def _numbers(self) -> tuple[float, _Array]:
-        return 2.0, np.concatenate([[len(self.speeds)], self.speeds, self.values])
-
     def __repr__(self) -> str:
         return f"TabulatedRestitution({self.speeds.tolist()}, {self.values.tolist()})"
 
 
+#: The kinds of laws, by their numbers in the core.
+KINDS = ("constant", "power", "table")
 #: What is taken as the coefficient of restitution of a gap.
 Restitution: TypeAlias = float | PowerLaw | TabulatedRestitution
 
@@ -173,16 +165,8 @@ def checked(restitution: Restitution, label: str | None = None) -> Restitution:
     return checks.number(restitution, "restitution", label)
 
 
-def numbers_of(restitution: Restitution) -> list[float]:
-    """The kind and numbers of a law, for the core."""
-    if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
-        kind, numbers = restitution._numbers()
-        return [kind, *numbers.tolist()]
-    return [0.0, restitution]
-
-
-def keys_of_law(restitution: Restitution) -> dict[str, Any]:
-    """The keys of a &gap for a law."""
+def to_columns(restitution: Restitution) -> dict[str, Any]:
+    """A law as the keys of a &gap, from which files, parameters and the core's arrays take it."""
     if isinstance(restitution, PowerLaw):
         return {
             "restitution": restitution.R0, "law": "power", "law_speed": restitution.speed,
@@ -194,13 +178,26 @@ def keys_of_law(restitution: Restitution) -> dict[str, Any]:
     return {"restitution": restitution}
 
 
-def law_of_keys(keys: Mapping[str, Any]) -> Restitution:
-    """The law of the keys of a &gap."""
-    law = keys.get("law", "constant")
+def from_columns(columns: Mapping[str, Any]) -> Restitution:
+    """The inverse of `to_columns`; other columns than those of the law do not matter."""
+    law = columns.get("law", "constant")
     if law == "power":
-        numbers = [keys[f"law_{name}"] for name in ("speed", "exponent", "sharpness")]
-        return PowerLaw(keys["restitution"], *numbers)
+        numbers = [columns[f"law_{name}"] for name in ("speed", "exponent", "sharpness")]
+        return PowerLaw(columns["restitution"], *numbers)
     if law == "table":
-        return TabulatedRestitution(keys["law_speeds"], keys["law_values"])
-    restitution: float = keys["restitution"]
+        return TabulatedRestitution(columns["law_speeds"], columns["law_values"])
+    restitution: float = columns["restitution"]
     return restitution
+
+
+def numbers_of(restitution: Restitution) -> list[float]:
+    """The kind and numbers of a law, for the core: of a table its length, speeds and values."""
+    columns = to_columns(restitution)
+    kind = KINDS.index(columns.pop("law", "constant"))
+    length = [len(columns["law_speeds"])] if KINDS[kind] == "table" else []
+    return [float(kind), *length, *np.hstack(list(columns.values())).tolist()]
+
+
+def at_rest(restitution: Restitution) -> float:
+    """The coefficient of restitution as the speed tends to 0."""
+    return float(restitution(0.0)) if isinstance(restitution, _Law) else restitution

@@ -18,8 +18,8 @@ from .restitution import (
     Restitution,
     TabulatedRestitution,
     checked,
-    keys_of_law,
     numbers_of,
+    to_columns,
 )
 
 __all__ = ["Gap", "Load", "Structure"]
@@ -265,7 +265,7 @@ class Structure(ByValue):
             matrices[name] = plain.tolist()
         return [("structure", matrices)] + [
             ("gap", {
-                "direction": gap.direction.tolist(), "opening": gap.opening, **keys_of_law(gap.restitution),
+                "direction": gap.direction.tolist(), "opening": gap.opening, **to_columns(gap.restitution),
             })
             for gap in self.gaps
         ]  # fmt: skip
