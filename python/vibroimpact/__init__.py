@@ -182,7 +182,7 @@ _ACTIONS.update(
         ".derivatives.structure_gradient:structure_trajectory_gradient"
     ),
     draw=_later(".plot.pictures:draw_result"),
-    animate=_later(".plot.pictures:animate_result"),
+    animate=_later(".plot.animation:animate"),
     thumbnail=_later(".plot.thumbnail:thumbnail"),
     report=_later(".plot.design:report"),
     html=_later(".formats.html:html"),

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.plot.animation import _Bodies
 from vibroimpact.plot.branch import parameter_label
-from vibroimpact.plot.structure import KINDS, _Scene, modes_of
-from vibroimpact.plot.structure_sketch import bodies_of, draw_sketch
+from vibroimpact.plot.history import KINDS_OF_STRUCTURE as KINDS
+from vibroimpact.plot.history import modes_of
+from vibroimpact.plot.sketch import bodies_of, draw_sketch
 from vibroimpact.plot.style import REST, condition_name
 
 plt = pytest.importorskip("matplotlib.pyplot")
@@ -187,7 +189,7 @@ def test_frames_show_the_state_and_the_contact():
     load = vi.Load(0.3, sine=[0, 0.1], constant=[1.0, 0])
     run = vi.simulate(structure, load, duration=40)
     (stick,) = run.events[run.events["kind"] == "stick"]
-    scene = _Scene(run, run.start, run.end, plt.subplots(2)[1])
+    scene = _Bodies(run, run.start, run.end, plt.subplots(2)[1])
     for time in (0.5 * stick["time"], 30.0):
         scene.show(time)
         q = run.sample([time])[0][:, 0]

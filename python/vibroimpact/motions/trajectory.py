@@ -645,11 +645,13 @@ class Trajectory(
             seconds = 10.0 if self.of_structure else 3.0
         return self._animate(path, *self._shown(cycles, window), seconds)
 
-    def _shown(self, cycles: float | None, window: ArrayLike | None) -> tuple[Any, ...]:
-        """What is shown, as pictures take it: of an oscillator a number of load cycles, or a window."""
-        if self.of_structure:
-            return (self._times(cycles, window),)
-        return (3.0 if cycles is None else cycles, window and self._times(cycles, window))
+    def _shown(
+        self, cycles: float | None, window: ArrayLike | None
+    ) -> tuple[float, tuple[float, float] | None]:
+        """What is shown, as pictures take it: load cycles of an oscillator, or a window."""
+        if self.of_structure or window is not None:
+            return 3.0, self._times(cycles, window)
+        return 3.0 if cycles is None else cycles, None
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Start of each segment (6, n), and the side on which the free mass rests in it."""

@@ -17,7 +17,8 @@ from ..base import checks
 from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..base.files import replacing
 from ..base.progress import Progress
-from .history import KINDS, History, history
+from .history import KINDS, KINDS_OF_STRUCTURE, History, history, times_of
+from .sketch import bodies_of
 from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def animate(
     window : (float, float), optional
         Times of a trajectory between which it is shown, in place of them.
     seconds : float
-        How long a load cycle lasts on the screen.
+        How long a load cycle lasts on the screen; of a structure, all that is shown.
     units : Units, optional
         Physical units of the axes and numbers; without them they are dimensionless.
 
@@ -61,18 +62,29 @@ def animate(
     -------
     Path, or matplotlib's FuncAnimation if there is no path.
     """
-    cycles, seconds = _positive(cycles, "cycles"), _positive(seconds, "seconds")
+    seconds = _positive(seconds, "seconds")
     target, writer = (None, "") if path is None else _writer(path)
-    h = history(thing, cycles, window, units)
-    n = round((h.last - h.first) * thing.r / (2 * math.pi) * seconds * RATE)
+    if thing.of_structure:
+        begin, end = window or (thing.start, thing.end)
+        n = round(seconds * RATE)
+        named = f"seconds = {seconds:g}: makes"
+        times = np.linspace(begin, end, max(n, 0))
+        height = 4.0
+    else:
+        h = history(thing, _positive(cycles, "cycles"), window, units)
+        n = round((h.last - h.first) * thing.r / (2 * math.pi) * seconds * RATE)
+        named = f"cycles = {cycles:g}, seconds = {seconds:g}: make"
+        # the end is left out: after a whole number of periods it equals the beginning
+        times = h.first + (h.last - h.first) * np.arange(n) / n if n else np.empty(0)
+        height = 3.6
     if not 2 <= n <= MOST:
-        raise ParameterError(
-            f"cycles = {cycles:g}, seconds = {seconds:g}: make {n} pictures at {RATE} a second; must be 2 to "
-            f"{MOST}"
-        )
-    # the end is left out: after a whole number of periods it equals the beginning
-    times = h.first + (h.last - h.first) * np.arange(n) / n
-    return film(lambda axes: _Scene(thing, h, axes), times, 3.6, target, writer)
+        raise ParameterError(f"{named} {n} pictures at {RATE} a second; must be 2 to {MOST}")
+
+    def scene(axes: Any) -> Any:
+        """The artists on two axes."""
+        return _Bodies(thing, begin, end, axes) if thing.of_structure else _Scene(thing, h, axes)
+
+    return film(scene, times, height, target, writer)
 
 
 def film(
@@ -269,3 +281,58 @@ def _mix(first: str, second: str, share: float) -> tuple[float, ...]:
     from matplotlib.colors import to_rgb
 
     return tuple((1 - share) * np.array(to_rgb(first)) + share * np.array(to_rgb(second)))
+
+
+class _Bodies:
+    """The artists of a frame of a structure: a dot at each coordinate, coloured by its last event."""
+
+    def __init__(self, run: Any, begin: float, end: float, axes: Any) -> None:
+        from matplotlib.ticker import MaxNLocator
+
+        self.run, self.flash = run, 0.02 * (end - begin)
+        ax, below = axes
+        n = run.structure.coordinates
+        q = run.sample(times_of(run, begin, end))[0]
+        alone = {body[0] for body in bodies_of(run.structure) if len(body) == 1}
+        self.base = [FREE if i in alone else PRIMARY for i in range(n)]
+        self.directions = [np.flatnonzero(gap.direction) for gap in run.structure.gaps]
+        x = np.arange(n)
+        size = 60.0 if n <= 12 else max(4.0, 700.0 / n)
+        self.stems = ax.vlines(x, 0, np.zeros(n), color="0.8", lw=0.8)
+        self.dots = ax.scatter(x, np.zeros(n), s=size, c=self.base, zorder=3)
+        # not empty, so that the layout leaves room for it
+        self.text = ax.text(1.0, 1.0, "$t$", transform=ax.transAxes, ha="right", va="bottom")
+        low, high = min(0.0, float(q.min())), max(0.0, float(q.max()))
+        margin = 0.08 * (high - low or 1.0)
+        ax.set(
+            xlim=(-0.7, n - 0.3), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
+            ylabel="$q_i$",
+        )  # fmt: skip
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+        ax.axhline(0, color="0.7", lw=0.6)
+        KINDS_OF_STRUCTURE["history"](below, run, begin, end)
+        self.cursor = below.axvline(begin, color="0.2", lw=0.8)
+
+    def show(self, time: float) -> list[Any]:
+        """Move all artists to their positions at a time."""
+        q = self.run.sample([time])[0][:, 0]
+        x = np.arange(len(q))
+        self.dots.set_offsets(np.column_stack([x, q]))
+        self.stems.set_segments([[(i, 0), (i, value)] for i, value in zip(x, q, strict=True)])
+        colours: list[Any] = [*self.base]
+        past = self.run.events[self.run.events["time"] <= time]
+        resting = set(self.run._resting())
+        for event in past[past["kind"] != "impact"]:
+            (resting.add if event["kind"] == "stick" else resting.discard)(int(event["gap"]))
+        for gap in resting:
+            for i in self.directions[gap]:
+                colours[i] = REST
+        for event in past[past["time"] > time - self.flash]:
+            if event["kind"] == "impact":
+                bright = max(0.0, 1 - (time - float(event["time"])) / self.flash)
+                for i in self.directions[int(event["gap"])]:
+                    colours[i] = _mix(self.base[i], IMPACT, math.sqrt(bright))
+        self.dots.set_color(colours)
+        self.cursor.set_xdata([time, time])
+        self.text.set_text(f"$t$ = {time:.4g}   impacts: {int((past['kind'] == 'impact').sum())}")
+        return [self.dots, self.stems, self.cursor, self.text]

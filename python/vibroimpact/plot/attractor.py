@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base import checks
 from ..base.errors import ParameterError
 from . import style
-from .structure_attractor import axes as structure_axes
-from .structure_attractor import symbol
 
 if TYPE_CHECKING:
     from ..studies.basins import Basins
@@ -28,6 +27,12 @@ MARKS = {
     ("L", True): {"marker": "D", "ms": 2.6, "mfc": "none"},
 }  # fmt: skip
 
+#: The marks of sweeps of structures.
+SWEEPS: dict[str, dict[str, Any]] = {
+    "up": {"marker": ".", "ms": 2.5, "color": style.PRIMARY},
+    "down": {"marker": "o", "ms": 3.5, "mfc": "none", "mew": 0.5, "color": style.FREE},
+}
+
 #: The label of a state in which a gap of a structure is closed.
 CLOSED = -4
 #: Symbols and units of what can be drawn of the impacts.
@@ -40,15 +45,25 @@ QUANTITIES = {
 
 
 def axes(
-    ax: Any, result: Any, scales: style.Scales, width: float = style.ONE_COLUMN, height: float = 3.0
-) -> Any:
-    """The given Axes, or those of a new figure with a line that identifies the system."""
+    ax: Any, result: Any, scales: style.Scales | None = None, width: float = style.ONE_COLUMN, height: float = 3.0,
+    swept: str = "", pad: float = 6.0,
+) -> Any:  # fmt: skip
+    """The given Axes, or those of a new figure with a line that identifies the system, of a structure above a
+    legend if `pad` leaves room for it."""
     if ax is not None:
         return ax
     plt = style.pyplot()
     with plt.rc_context(style.SETTINGS):
         ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
-    swept = getattr(result, "parameter", "")
+    swept = swept or getattr(result, "parameter", "")
+    if result.of_structure:
+        s, load = result.structure, result.load
+        n, gaps = s.coordinates, len(s.gaps)
+        text = f"{n} coordinate{'s' if n != 1 else ''}, {gaps} gap{'s' if gaps != 1 else ''}"
+        if load is not None and load.frequency and swept != "frequency":
+            text += rf", $\Omega$ = {load.frequency:.6g}"
+        ax.set_title(text, fontsize=7, pad=pad)
+        return ax
     names = ("r", "clearance", "load")
     values = style.system(result.osc) | {
         name: getattr(result, name) for name in names if name != swept
@@ -56,6 +71,7 @@ def axes(
     shown = {
         name: item for name, item in values.items() if swept != "restitution" or name[0] != "R"
     }
+    assert scales
     style.identify(ax, scales.given(shown))
     return ax
 
@@ -154,7 +170,7 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
         )
     scales, size = style.Scales(units), (style.ONE_COLUMN + 1.2, 3.4)
     if basins.of_structure:
-        ax = structure_axes(ax, basins, *size)
+        ax = axes(ax, basins, None, *size)
         shown = [(symbol(axis.name), axis.values) for axis in basins.axes]
     else:
         ax = axes(ax, basins, scales, *size)
@@ -196,3 +212,71 @@ def draw_response(response: Response, ax: Any = None, units: Units | None = None
     ax.set_ylabel(scales.name("attenuation"))
     style.add_legend(ax, **style.ABOVE)
     return ax
+
+
+def draw_exponents(result: Lyapunov, ax: Any = None) -> Any:
+    """The exponents per load cycle, or per unit of time, by their number, with three standard errors."""
+    ax = axes(ax, result)
+    numbers = np.arange(1, result.per_cycle.size + 1)
+    good = np.isfinite(result.per_cycle)
+    ax.axhline(0, color="0.6", lw=0.6)
+    ax.errorbar(
+        numbers[good], result.per_cycle[good], 3 * result.error_per_cycle[good], fmt="o", ms=3, lw=0.8,
+        color=style.PRIMARY,
+    )  # fmt: skip
+    if not good.all():  # an exponent of -inf: an open mark at the lower edge
+        ax.plot(
+            numbers[~good], np.full((~good).sum(), 0.02), "v", ms=4, mfc="none", color=style.PRIMARY,
+            transform=ax.get_xaxis_transform(),
+        )  # fmt: skip
+        ax.text(1.01, 0.0, r"$-\infty$", transform=ax.transAxes, va="bottom", fontsize=7)
+    ax.set_xlim(0.5, numbers[-1] + 0.5)
+    ax.set_xlabel("number of the exponent")
+    ax.set_ylabel(f"exponent per {result.cycle}")
+    return ax
+
+
+def draw_structure_bifurcation(
+    diagram: BifurcationDiagram, ax: Any = None, quantity: str = "q_0"
+) -> Any:
+    """A quantity along the parameter: dots on the way up, rings on the way down."""
+    values = diagram.column(quantity)
+    table = diagram.points if quantity in ("phase", "speed") else diagram.strobes
+    along, run = diagram.values[table["index"]], np.array(diagram.runs)[table["run"]]
+    ax = axes(ax, diagram, None, style.TWO_COLUMNS, pad=16.0)
+    for name, mark in SWEEPS.items():
+        here = run == name
+        if here.any():
+            ax.plot(along[here], values[here], linestyle="", label=name, rasterized=True, **mark)
+    ax.set_xlabel(diagram.parameter)
+    labels = {"phase": "load phase at the impacts (rad)", "speed": "approach speed"}
+    ax.set_ylabel(labels.get(quantity, f"{symbol(quantity)} at load phase 0"))
+    style.add_legend(ax, markerscale=2, **style.ABOVE)
+    return ax
+
+
+def draw_structure_response(response: Response, ax: Any = None, coordinate: int = 0) -> Any:
+    """The greatest magnitude of a coordinate over the frequency, with and without impacts."""
+    n = response.structure.coordinates
+    coordinate = checks.integer(coordinate, "coordinate", 0, n - 1)
+    ax = axes(ax, response, swept="frequency", pad=16.0)
+    largest = response.largest[coordinate]
+    for name, sizes in zip(response.runs, largest.T, strict=True):
+        ax.plot(response.values, sizes, lw=0.6, label=name, **SWEEPS[name])
+    ax.plot(
+        response.values, response.steady_largest[coordinate], "--", color="0.4", lw=0.8,
+        label="without impacts",
+    )  # fmt: skip
+    top = np.nanmax(largest)
+    if np.isfinite(top):
+        ax.set_ylim(0, 1.6 * top)
+    ax.set_xlabel(r"$\Omega$")
+    ax.set_ylabel(rf"$\max|q_{{{coordinate}}}|$")
+    style.add_legend(ax, **style.ABOVE)
+    return ax
+
+
+def symbol(name: str) -> str:
+    """A coordinate or velocity as the label of an axis."""
+    kind, _, number = name.rpartition("_")
+    return rf"$\dot q_{{{number}}}$" if kind == "q_dot" else f"$q_{{{number}}}$"

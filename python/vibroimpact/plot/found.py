@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import history, style
-from .structure_attractor import axes
+from .attractor import axes
 
 if TYPE_CHECKING:
     from ..motions.motion import Motion

@@ -1,12 +1,19 @@
-"""The pictures and animations of results by their classes."""
+"""The pictures of results by their classes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from .animation import animate
-from .attractor import draw_basins, draw_bifurcation, draw_lyapunov, draw_response
+from .attractor import (
+    draw_basins,
+    draw_bifurcation,
+    draw_exponents,
+    draw_lyapunov,
+    draw_response,
+    draw_structure_bifurcation,
+    draw_structure_response,
+)
 from .branch import draw_branch
 from .chart import draw_chart
 from .decay import draw_decay
@@ -14,13 +21,6 @@ from .design import draw_design
 from .found import draw_found
 from .history import draw
 from .identify import draw_identification
-from .structure import animate as animate_structure
-from .structure import draw_structure
-from .structure_attractor import (
-    draw_exponents,
-    draw_structure_bifurcation,
-    draw_structure_response,
-)
 from .uncertainty import draw_uncertainty
 from .zone import draw_atlas, draw_zone
 
@@ -31,27 +31,12 @@ PICTURES: dict[str, Callable[..., Any]] = {
     "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
     "Response": draw_response, "BifurcationDiagram of structures": draw_structure_bifurcation,
     "Lyapunov of structures": draw_exponents, "Response of structures": draw_structure_response,
-    "Trajectory": draw, "Trajectory of structures": draw_structure, "Uncertainty": draw_uncertainty,
-    "Zone": draw_zone,
-}  # fmt: skip
-#: The function that animates a result, by class, in the same way.
-ANIMATIONS: dict[str, Callable[..., Any]] = {
-    "Motion": animate, "Trajectory": animate, "Trajectory of structures": animate_structure,
+    "Trajectory": draw, "Uncertainty": draw_uncertainty, "Zone": draw_zone,
 }  # fmt: skip
 
 
 def draw_result(result: Any, *options: Any) -> Any:
     """Draw a result, with the options of its function in order."""
-    return own(PICTURES, result)(result, *options)
-
-
-def animate_result(result: Any, *options: Any) -> Any:
-    """Animate a result, with the options of its function in order."""
-    return own(ANIMATIONS, result)(result, *options)
-
-
-def own(functions: dict[str, Callable[..., Any]], result: Any) -> Callable[..., Any]:
-    """The function for the class of a result, and for its system where that has another one."""
     name = type(result).__name__
-    of_structure = f"{name} of structures"
-    return functions[of_structure if result.of_structure and of_structure in functions else name]
+    own = f"{name} of structures" if result.of_structure else name
+    return PICTURES[own if own in PICTURES else name](result, *options)

@@ -1,17 +1,29 @@
-"""A sketch of the system: masses, spring, dashpot, load, walls, and the clearance."""
+"""Sketches of systems: masses, spring, dashpot, load, walls and clearance, or the bodies of a structure."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..systems.record import Record
+from ..systems.structure import Load, Structure
 from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, pyplot
 
-__all__ = ["draw_system"]
+__all__ = ["bodies_of", "draw_sketch", "draw_system"]
 
 #: Left and right end of M, of its slot, and of m; bottom and top of the same (arbitrary unit).
 BODY, SLOT, MASS = ((2.6, 8.2, 0.0, 3.0), (3.4, 7.4, 0.8, 2.2), (4.8, 6.0, 0.85, 1.75))
+#: Most bodies that are drawn; of more, the first ones and the last one.
+MOST, FIRST = 10, 3
+#: Width and height of a body, width of one with a slot, and the distance between bodies.
+WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.7, 1.8, 2.9, 1.9
+#: Heights of springs, gaps and dashpots between bodies.
+UPPER, MIDDLE, LOWER = 1.5, 0.92, 0.34
+#: Width of a gap beside a body.
+GAP = 1.4
 
 
 def draw_system(ax: Any = None) -> Any:
@@ -123,3 +135,392 @@ def _draw_dimensions(ax: Any) -> None:
         ax.plot([x, x], [base + 0.1, top + 0.15], color=colour, lw=0.9)
         _arrow(ax, (x, top), (x + 0.9, top), color=colour, lw=1.4)
         ax.text(x + 1.0, top, name, ha="left", va="center", fontsize=10)
+
+
+def bodies_of(structure: Structure) -> list[list[int]]:
+    """The connected parts of a structure: coordinates that M, C or K couple."""
+    coupled = (structure.mass != 0) | (structure.damping != 0) | (structure.stiffness != 0)
+    found: list[list[int]] = []
+    left = list(range(structure.coordinates))
+    while left:
+        body, waiting = [], [left.pop(0)]
+        while waiting:
+            here = waiting.pop(0)
+            body.append(here)
+            waiting += [i for i in left if coupled[here, i]]
+            left = [i for i in left if i not in waiting]
+        found.append(body)
+    return found
+
+
+@dataclass
+class Box:
+    """A drawn body: its coordinate and place, and the free masses in its slot with the walls that they have."""
+
+    coordinate: int
+    left: float = 0.0
+    inner: list[tuple[int, set[int]]] = field(default_factory=list)
+
+    @property
+    def width(self) -> float:
+        return max(WIDTH, 0.4 + SLOTTED * len(self.inner)) if self.inner else WIDTH
+
+    @property
+    def right(self) -> float:
+        return self.left + self.width
+
+    @property
+    def middle(self) -> float:
+        return self.left + 0.5 * self.width
+
+
+def has_bodies(structure: Structure) -> bool:
+    """Whether the coordinates are displacements of bodies, and gaps lie between two of them or beside one;
+    those of modes are not."""
+    off = structure.mass - np.diag(np.diag(structure.mass))
+    ends = (sorted(gap.direction[gap.direction != 0]) for gap in structure.gaps)
+    return not off.any() and all(end in ([-1], [1], [-1, 1]) for end in ends)
+
+
+def draw_sketch(ax: Any, structure: Structure, load: Load | Record | None = None) -> None:
+    """Draw the bodies, or, where coordinates are no displacements of bodies, a block with its gaps."""
+    if has_bodies(structure):
+        _draw_row(ax, structure, load, [np.flatnonzero(gap.direction) for gap in structure.gaps])
+    else:
+        _draw_block(ax, structure)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+
+
+def _hosts(structure: Structure, pairs: list[NDArray[Any]]) -> dict[int, tuple[int, set[int]]]:
+    """The free masses that only touch one other body: that body, and the sides of its walls."""
+    found: dict[int, tuple[int, set[int]]] = {}
+    alone = [body[0] for body in bodies_of(structure) if len(body) == 1]
+    for i in alone:
+        if structure.stiffness[i, i] or structure.damping[i, i]:
+            continue
+        own = [j for j, pair in enumerate(pairs) if i in pair]
+        others = {int(k) for j in own for k in pairs[j]} - {i}
+        if len(others) == 1 and all(len(pairs[j]) == 2 for j in own):
+            (host,) = others
+            if host not in found:
+                sides = {1 if structure.gaps[j].direction[i] > 0 else -1 for j in own}
+                found[i] = (host, sides)
+    return found
+
+
+def _draw_row(
+    ax: Any, structure: Structure, load: Load | Record | None, pairs: list[NDArray[Any]]
+) -> None:
+    hosts = _hosts(structure, pairs)
+    row = [i for body in bodies_of(structure) for i in sorted(body) if i not in hosts]
+    cut = len(row) > MOST
+    shown = [*row[:FIRST], row[-1]] if cut else row
+    boxes = {i: Box(i) for i in shown}
+    for i, (host, sides) in hosts.items():
+        if host in boxes:
+            boxes[host].inner.append((i, sides))
+    place = 0.0
+    for k, each in enumerate(boxes.values()):
+        if cut and k == FIRST:
+            ax.text(place + 0.3, 0.5 * HEIGHT, r"$\cdots$", ha="center", va="center", fontsize=14)
+            place += 1.5
+        each.left = place
+        place = each.right + DISTANCE
+    first, last = boxes[shown[0]], boxes[shown[-1]]
+    walls = set()
+    # how far the picture reaches to both sides and down, and how much room loads leave above the bodies
+    reach, depth, lift = [first.left, last.right], -0.3, 0.0
+    stopped = any(
+        len(pair) == 1 and pair[0] == last.coordinate and gap.direction[pair[0]] > 0
+        for pair, gap in zip(pairs, structure.gaps, strict=True)
+    )
+    for box in boxes.values():
+        i = box.coordinate
+        for matrix, draw, letter, y in (
+            (structure.stiffness, _spring, "k", UPPER), (structure.damping, _dashpot, "c", LOWER),
+        ):  # fmt: skip
+            ground = float(matrix[i].sum())
+            if abs(ground) > 1e-12 * np.abs(matrix[i]).max(initial=0.0):
+                label = rf"${letter}$ = {ground:.3g}"
+                if box is first:
+                    draw(ax, box.left - DISTANCE, box.left, y, label)
+                    walls.add(-1)
+                elif box is last and not stopped:
+                    draw(ax, box.right, box.right + DISTANCE, y, label)
+                    walls.add(1)
+                else:
+                    _to_ground(ax, box, letter, label)
+                    depth = -1.7
+            for j, other in boxes.items():
+                if other.left > box.left and matrix[i, j]:
+                    label = rf"${letter}$ = {-matrix[i, j]:.3g}"
+                    if shown.index(j) == shown.index(i) + 1:
+                        draw(ax, box.right, other.left, y, label)
+                    else:
+                        _over(ax, box, other, label)
+                        lift = 0.6
+    _draw_boxes(ax, structure, boxes)
+    far = []
+    for pair, gap in zip(pairs, structure.gaps, strict=True):
+        if any(int(k) in hosts for k in pair) or any(int(k) not in boxes for k in pair):
+            continue
+        if len(pair) == 1:
+            own, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
+            beside = (own is last and side > 0) or (own is first and side < 0 and -1 not in walls)
+            _stop(ax, own, side, rf"$e$ = {gap.opening:.3g}", beside)
+            reach[0] = min(reach[0], own.left - GAP * beside * (side < 0))
+            reach[1] = max(reach[1], own.right + GAP * beside * (side > 0))
+            depth = depth if beside else min(depth, -1.3)
+            reach[0] = min(reach[0], own.left - 0.7 * (side < 0))
+            reach[1] = max(reach[1], own.right + 0.7 * (side > 0))
+        else:
+            low, high = sorted((boxes[int(k)] for k in pair), key=lambda box: box.left)
+            facing = bool(gap.direction[low.coordinate] > 0)
+            label = rf"$e$ = {gap.opening:.3g}"
+            if shown.index(high.coordinate) == shown.index(low.coordinate) + 1:
+                crowded = bool(structure.damping[low.coordinate, high.coordinate])
+                _between(ax, low, high, facing, label, crowded)
+                reach[1] = max(reach[1], high.right + 0.8 * (not facing))
+                lift = max(lift, 0.3 * (not facing))
+            else:
+                far.append((low, high, label + ("" if facing else " (apart)")))
+    floor = depth + 0.2 if depth < -1 else 0.0
+    for k, (low, high, label) in enumerate(far, 1):
+        _far(ax, low, high, floor - 0.6 * k + 0.15, label)
+        depth = min(depth, floor - 0.6 * k - 0.25)
+    if load is not None:
+        changing = _changing(load)
+        acting = changing + np.abs(load.constant)
+        for i, box in boxes.items():
+            # a load on a free mass in a slot stands beside that on its body, as in an earthquake
+            names = []
+            for j in (i, *(inner for inner, _ in box.inner)):
+                steady = f" = {load.constant[j]:.3g}" if not changing[j] else "$(t)$"
+                if acting[j]:
+                    names.append(f"$f_{{{j}}}$" + steady)
+            if names:
+                name = ", ".join(names)
+                half = -0.55 if "= -" in names[0] else 0.55
+                ax.annotate(
+                    "", (box.middle + half, HEIGHT + 0.25 + lift), (box.middle - half, HEIGHT + 0.25 + lift),
+                    arrowprops={"arrowstyle": "-|>", "color": LOAD, "lw": 1.3, "shrinkA": 0, "shrinkB": 0},
+                )  # fmt: skip
+                ax.text(
+                    box.middle, HEIGHT + 0.42 + lift, name, va="bottom", ha="center", fontsize=7
+                )
+    if -1 in walls:
+        _wall(ax, first.left - DISTANCE, -1, HEIGHT)
+        reach[0] = min(reach[0], first.left - DISTANCE)
+    if 1 in walls:
+        _wall(ax, last.right + DISTANCE, 1, HEIGHT)
+        reach[1] = max(reach[1], last.right + DISTANCE)
+    ax.set_xlim(reach[0] - 0.5, reach[1] + 0.5)
+    ax.set_ylim(depth, HEIGHT + 1.0 + lift)
+    if cut:
+        ax.text(
+            0.5 * (first.left + last.right), HEIGHT + 0.75,
+            f"{len(row)} bodies" + (f", {len(hosts)} free masses in their slots" if hosts else ""),
+            ha="center", va="center", fontsize=7,
+        )  # fmt: skip
+
+
+def _changing(load: Load | Record) -> NDArray[np.float64]:
+    """How much of a load changes with time, by coordinate."""
+    if isinstance(load, Record):
+        total: NDArray[np.float64] = np.abs(load.force).sum(0)
+        return total
+    both: NDArray[np.float64] = np.abs(load.sine).sum(0) + np.abs(load.cosine).sum(0)
+    return both
+
+
+def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
+    """The bodies with their slots and free masses."""
+    from matplotlib.patches import Rectangle
+
+    small = len(boxes) > 6
+    for i, box in boxes.items():
+        ax.add_patch(Rectangle((box.left, 0), box.width, HEIGHT, fc=PRIMARY, ec="none", alpha=0.3))
+        ax.add_patch(Rectangle((box.left, 0), box.width, HEIGHT, fc="none", ec="k", lw=0.9))
+        name = f"$m_{{{i}}}$"
+        if not small:
+            name += f" = {structure.mass[i, i]:.3g}"
+        ax.text(
+            box.middle, 0.27 if box.inner else 0.5 * HEIGHT, name, ha="center", va="center",
+            fontsize=6 if box.inner else 7,
+        )  # fmt: skip
+        for k, (j, sides) in enumerate(box.inner):
+            left = box.left + 0.2 + k * SLOTTED + 0.15
+            right = left + SLOTTED - 0.3
+            ax.add_patch(Rectangle((left, 0.55), right - left, 1.05, fc="w", ec="k", lw=0.7))
+            for side, x in ((-1, left), (1, right)):
+                if side in sides:
+                    ax.plot([x, x], [0.55, 1.6], color=IMPACT, lw=2.4, solid_capstyle="butt")
+            middle = 0.5 * (left + right)
+            ax.add_patch(Rectangle((middle - 0.45, 0.58), 0.9, 0.76, fc=FREE, ec="k", lw=0.7))
+            ax.text(middle, 0.96, f"$m_{{{j}}}$", ha="center", va="center", color="w", fontsize=7)
+            if small:
+                continue
+            for gap in structure.gaps:
+                if gap.direction[j]:
+                    side = int(np.sign(gap.direction[j]))
+                    at = 0.5 * (middle + side * 0.45 + (right if side > 0 else left))
+                    ax.text(at, 0.96, f"{gap.opening:.3g}", ha="center", va="center", fontsize=6)
+
+
+def _spring(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
+    turns = np.linspace(0, 1, 12)
+    height = 0.14 * np.r_[0, np.tile([1, -1], 5), 0]
+    x = np.r_[x0, x0 + (x1 - x0) * (0.15 + 0.7 * turns), x1]
+    ax.plot(x, y + np.r_[0, height, 0], color="k", lw=0.9)
+    ax.text(0.5 * (x0 + x1), y + 0.2, label, ha="center", va="bottom", fontsize=6.5)
+
+
+def _dashpot(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
+    cup, end, piston = (x0 + t * (x1 - x0) for t in (0.3, 0.68, 0.5))
+    ax.plot([x0, cup], [y, y], "k", lw=0.9)
+    ax.plot([end, cup, cup, end], [y + 0.15, y + 0.15, y - 0.15, y - 0.15], "k", lw=0.9)
+    ax.plot([piston, piston], [y - 0.1, y + 0.1], "k", lw=1.6)
+    ax.plot([piston, x1], [y, y], "k", lw=0.9)
+    ax.annotate(
+        label, (0.5 * (x0 + x1), y - 0.15), (0, -2.5), textcoords="offset points", ha="center", va="top",
+        fontsize=6.5,
+    )  # fmt: skip
+
+
+def _to_ground(ax: Any, box: Box, letter: str, label: str) -> None:
+    """A spring or dashpot from a body down to the ground."""
+    x = box.middle + (-0.3 if letter == "k" else 0.3)
+    if letter == "k":
+        turns = np.linspace(-0.15, -0.85, 9)
+        ax.plot(
+            [x, *(x + 0.12 * np.r_[0, np.tile([1, -1], 3), 1, 0]), x], [0, *turns, -1], "k", lw=0.9
+        )
+    else:
+        ax.plot([x, x], [0, -0.45], "k", lw=0.9)
+        ax.plot([x - 0.1, x + 0.1], [-0.45, -0.45], "k", lw=1.6)
+        ax.plot([x - 0.14, x - 0.14, x + 0.14, x + 0.14], [-0.3, -0.65, -0.65, -0.3], "k", lw=0.9)
+        ax.plot([x, x], [-0.65, -1], "k", lw=0.9)
+    side = -0.45 if letter == "k" else 0.45
+    ax.text(box.middle + side, -1.33, label, ha="center", va="top", fontsize=6)
+    _floor(ax, box.left, box.right)
+
+
+def _over(ax: Any, low: Box, high: Box, label: str) -> None:
+    """A link between bodies that are not neighbours."""
+    y = HEIGHT + 0.35
+    ax.plot(
+        [low.middle, low.middle, high.middle, high.middle], [HEIGHT, y, y, HEIGHT], "0.4", lw=0.8
+    )
+    ax.text(0.5 * (low.middle + high.middle), y + 0.05, label, ha="center", va="bottom", fontsize=6)
+
+
+def _wall(ax: Any, x: float, side: int, height: float) -> None:
+    """A fixed wall that faces the bodies."""
+    from matplotlib.patches import Rectangle
+
+    left = x if side > 0 else x - 0.3
+    ax.add_patch(
+        Rectangle((left, -0.2), 0.3, height + 0.4, fc="none", ec="0.5", lw=0.0, hatch="//////")
+    )
+    ax.plot([x, x], [-0.2, height + 0.2], color="k", lw=1.0)
+
+
+def _floor(ax: Any, x0: float, x1: float) -> None:
+    from matplotlib.patches import Rectangle
+
+    ax.add_patch(Rectangle((x0, -1.25), x1 - x0, 0.25, fc="none", ec="0.5", lw=0.0, hatch="//////"))
+    ax.plot([x0, x1], [-1, -1], color="k", lw=1.0)
+
+
+def _opening(ax: Any, x0: float, x1: float, y: float, label: str, below: bool = True) -> None:
+    """The dimension of a gap."""
+    ax.annotate(
+        "", (x1, y), (x0, y),
+        arrowprops={"arrowstyle": "<|-|>", "mutation_scale": 5, "lw": 0.6, "color": "k", "shrinkA": 0,
+                    "shrinkB": 0},
+    )  # fmt: skip
+    ax.text(
+        0.5 * (x0 + x1), y + (-0.1 if below else 0.08), label, ha="center", va="top" if below else "bottom",
+        fontsize=6.5,
+    )  # fmt: skip
+
+
+def _stop(ax: Any, box: Box, side: int, label: str, alone: bool) -> None:
+    """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body."""
+    if alone:
+        face = box.right if side > 0 else box.left
+        x = face + side * GAP
+        _wall(ax, x, side, HEIGHT)
+        ax.plot([x, x], [0.0, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        _opening(ax, min(face, x), max(face, x), MIDDLE, label)
+        return
+    lug = box.right - 0.2 if side > 0 else box.left + 0.2
+    x = lug + side * 0.7
+    ax.plot([lug, lug], [0, -0.5], color="k", lw=2.2)
+    ax.plot([x, x], [-1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    _floor(ax, min(box.left, x - 0.3), max(box.right, x + 0.3))
+    _opening(ax, min(lug, x), max(lug, x), -0.35, "")
+    ax.text(
+        x + side * 0.12, -0.6, label, ha="left" if side > 0 else "right", va="center", fontsize=6.5
+    )
+
+
+def _between(ax: Any, low: Box, high: Box, facing: bool, label: str, crowded: bool) -> None:
+    """A gap between two bodies: facing stops, or an arm of the left one around the right one."""
+    y = MIDDLE
+    if facing:
+        x0, x1 = low.right, high.left
+        half = 0.5 * (x0 + x1)
+        for face, end in ((x0, half - 0.3), (x1, half + 0.3)):
+            ax.plot([face, end], [y, y], color="k", lw=1.6)
+            ax.plot([end, end], [y - 0.18, y + 0.18], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        # above the gap where a dashpot is below it
+        shift, va = (0.2, "bottom") if crowded else (-0.24, "top")
+        ax.text(half, y + shift, label, ha="center", va=va, fontsize=6)
+        return
+    x = high.right + 0.6
+    top = HEIGHT + 0.25
+    ax.plot([low.middle, low.middle, x, x], [HEIGHT, top, top, y], color="k", lw=1.2)
+    ax.plot([x, x], [y, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    _opening(ax, high.right, x, y + 0.3, label)
+
+
+def _far(ax: Any, low: Box, high: Box, y: float, label: str) -> None:
+    """A gap between bodies that are not neighbours: a line below those between them."""
+    half = 0.5 * (low.middle + high.middle)
+    for box, end in ((low, half - 0.3), (high, half + 0.3)):
+        ax.plot([box.middle, box.middle, end], [0, y, y], color="k", lw=1.0)
+        ax.plot([end, end], [y - 0.14, y + 0.14], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    ax.text(half + 0.45, y - 0.1, label, ha="left", va="top", fontsize=6.5)
+
+
+def _draw_block(ax: Any, structure: Structure) -> None:
+    """A structure whose coordinates are no displacements of bodies, such as one given by its modes."""
+    from matplotlib.patches import Rectangle
+
+    n, gaps = structure.coordinates, structure.gaps
+    shown = gaps[:4]
+    height = max(1.6, 0.8 * len(shown) + 0.3 * (len(gaps) > 4))
+    ax.add_patch(Rectangle((0, 0), 6.2, height, fc=PRIMARY, ec="none", alpha=0.3))
+    ax.add_patch(Rectangle((0, 0), 6.2, height, fc="none", ec="k", lw=0.9))
+    inertia, stiffness = structure.mass, structure.stiffness
+    factor = np.linalg.inv(np.linalg.cholesky(inertia))
+    squares = np.linalg.eigvalsh(factor @ stiffness @ factor.T)
+    omega = np.sqrt(np.clip(squares, 0, None))
+    listed = ", ".join(f"{value:.3g}" for value in omega[:4]) + (", …" if n > 4 else "")
+    ax.text(
+        3.1, 0.5 * height, f"linear structure, $n$ = {n}\n" + rf"$\omega$ = {listed}",
+        ha="center", va="center", fontsize=7.5,
+    )  # fmt: skip
+    for k, gap in enumerate(shown):
+        y = height - 0.4 - 0.8 * k if len(gaps) > 1 else 0.5 * height
+        ax.plot([6.2, 6.9], [y, y], color="k", lw=1.6)
+        ax.plot([6.9, 6.9], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        ax.plot([7.8, 7.8], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        _opening(ax, 6.93, 7.77, y, "", below=False)
+        ax.text(8.0, y, rf"gap {k}: $e$ = {gap.opening:.3g}", ha="left", va="center", fontsize=6.5)
+    if len(gaps) > 4:
+        ax.text(7.3, 0.0, f"and {len(gaps) - 4} more gaps", ha="center", va="center", fontsize=6.5)
+    ax.set_xlim(-0.3, 10.2)
+    ax.set_ylim(-0.4, height + 0.4)
