@@ -11,7 +11,7 @@ SUBJECTS = {
     "Motions": ("motions.periodic", "motions.exact", "studies.find", "motions.motion", "results.events",
                 "motions.flags", "results.gradient", "base.status"),
     "Simulation": ("motions.trajectory", "motions.bundle"),
-    "Response quantities": ("motions.quantities", "motions.structure_quantities"),
+    "Response quantities": ("motions.quantities",),
     "Structures": ("systems.structure", "systems.restitution", "systems.record"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),

@@ -49,24 +49,54 @@ subroutine narrow_gap(n, gaps, width, harmonics, matrices, directions, gap_value
       new_load(frequency, loads, constant), q, gap, least)
 end subroutine narrow_gap
 
-!> Coordinates and velocities of a structure at the given times, which ascend.
+!> Coordinates, velocities and, with `parts` 3 and not 2, accelerations of a structure at the given
+!! times, which ascend.
 subroutine sample_structure(n, gaps, width, harmonics, samples, m, k, matrices, directions, &
-   gap_values, frequency, loads, constant, step, record, starts, labels, times, values, status)
+   gap_values, frequency, loads, constant, step, record, starts, labels, times, parts, values, &
+   status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_structure, only: new_load, new_structure
    use vi_structure_trajectory, only: sample_structure_arrays
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, m, k, labels(2, m)
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, m, k, labels(2, m), parts
    real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
       frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), &
       starts(2*n + 1, m), times(k)
-   real(c_double), intent(out) :: values(2*n, k)
+   real(c_double), intent(out) :: values(parts*n, k)
    integer(c_int), intent(out) :: status
 
    call sample_structure_arrays(new_structure(matrices, directions, gap_values), &
       new_load(frequency, loads, constant, step, record), starts, labels, times, values, status)
 end subroutine sample_structure
+
+!> Response quantities of a structure over a window of time, as of `quantities_of`.
+!!
+!! A row of `numbers` is mean, rms, least and greatest value, one of `parts` the complex amplitudes
+!! of the harmonics; the rows are coordinates, velocities, accelerations and forces of springs and
+!! dashpots. `energies` are the work of the load, the losses of dashpots and where rests begin, and
+!! the change of energy. With `share` less than 1, nothing was computed: so much of the window would
+!! not be too long.
+subroutine structure_quantities(n, gaps, width, harmonics, samples, m, matrices, directions, &
+   gap_values, frequency, loads, constant, step, record, starts, labels, window, orders, numbers, &
+   parts, energies, share, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
+   use vi_quantities, only: quantities_of
+   use vi_structure, only: new_load, new_structure
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, m, labels(2, m), orders
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), &
+      starts(2*n + 1, m), window(2)
+   real(c_double), intent(out) :: numbers(4*n, 4), energies(4), share
+   complex(c_double_complex), intent(out) :: parts(4*n, orders)
+   integer(c_int), intent(out) :: status
+
+   call quantities_of(new_structure(matrices, directions, gap_values), &
+      new_load(frequency, loads, constant, step, record), starts, labels, window, numbers, parts, &
+      energies, share, status)
+end subroutine structure_quantities
 
 !> Fills in the states (time, coordinates and velocities) of a motion where rests begin and end.
 subroutine complete_rests(n, gaps, width, harmonics, m, matrices, directions, gap_values, &

@@ -35,7 +35,6 @@ from .motions.likeness import is_symmetric, motion_images, same_motion, standard
 from .motions.motion import Motion, Motions
 from .motions.periodic import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
 from .motions.quantities import Quantities, Signal
-from .motions.structure_quantities import StructureQuantities
 from .motions.trajectory import Period, Trajectory, simulate
 from .physical import Physical, physical
 from .results.events import Sample
@@ -111,7 +110,6 @@ __all__ = [
     "SpecialPoint",
     "StabilityFlags",
     "Structure",
-    "StructureQuantities",
     "StudyInterrupted",
     "SurveyPoint",
     "Sweep",

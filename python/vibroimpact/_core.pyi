@@ -522,6 +522,7 @@ class _SampleStructure(Protocol):
         starts: ArrayLike,
         labels: ArrayLike,
         times: ArrayLike,
+        parts: int,
         n: int = ...,
         gaps: int = ...,
         width: int = ...,
@@ -727,6 +728,31 @@ class _StatusText(Protocol):
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
+class _StructureQuantities(Protocol):
+    # numbers, parts, energies, share, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        step: float,
+        record: ArrayLike,
+        starts: ArrayLike,
+        labels: ArrayLike,
+        window: ArrayLike,
+        orders: int,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+        samples: int = ...,
+        m: int = ...,
+    ) -> tuple[_Real, _Complex, _Real, float, int]: ...
+
+@type_check_only
 class _SwitchBranch(Protocol):
     # found, lengths, all_cycles, all_sides, systems, all_phases, all_impacts, scalars, multipliers,
     # verdicts
@@ -849,6 +875,7 @@ spaced: _Spaced
 stability_flags: _StabilityFlags
 start_state: _StartState
 status_text: _StatusText
+structure_quantities: _StructureQuantities
 switch_branch: _SwitchBranch
 trajectory_gradient: _TrajectoryGradient
 winding: _Winding

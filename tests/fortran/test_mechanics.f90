@@ -6,6 +6,7 @@ program test_mechanics
    use mechanics_decoupling, only: test_decoupling
    use mechanics_extrema, only: test_extrema
    use mechanics_march, only: test_march
+   use mechanics_moments, only: test_moments
    use mechanics_rest, only: test_rest
    use mechanics_structure, only: test_structure
    use random_numbers, only: draw, random_type
@@ -32,6 +33,7 @@ program test_mechanics
    call test_structure()
    call test_channels()
    call test_decoupling()
+   call test_moments()
    call finish()
 
 contains

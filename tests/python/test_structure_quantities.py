@@ -1,5 +1,7 @@
 """Response quantities of structures: those of the oscillator, the balance of energy, Newton's law, and records."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -120,3 +122,64 @@ def test_windows_add_up():
     for window in ((0, 0), (1, 0), (-1, 2), (0, 1e9), (0, np.nan), 3):
         with pytest.raises(ParameterError, match=r"^window = "):
             run.quantities(window=window)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_quadrature(name):
+    """Means, rms, harmonics and energies are integrals of samples by Gauss's rule between the events."""
+    run = RUNS[name]
+    q, load = run.quantities(harmonics=4), run.load
+    if name == "motion":
+        run = run._run()
+    edges = [run.start, *run.events["time"], run.end]
+    if name == "shock":
+        edges += [load.step * i for i in range(len(load.samples))]
+    edges = np.unique(edges)
+    edges = np.unique(
+        np.concatenate([np.linspace(a, b, 2 + int(4 * (b - a))) for a, b in pairwise(edges)])
+    )
+    node, weight = np.polynomial.legendre.leggauss(12)
+    half = 0.5 * np.diff(edges)
+    t = ((edges[:-1] + half)[:, None] + half[:, None] * node).ravel()
+    weight = (half[:, None] * weight).ravel()
+    x, rate = run.sample(t)
+    s = run.structure
+    values = {"q": x, "q_dot": rate, "q_ddot": run.acceleration(t)}
+    values["transmitted"] = s.stiffness @ x + s.damping @ rate
+    for key, value in values.items():
+        signal, size = getattr(q, key), np.abs(value).max(axis=1)
+        np.testing.assert_allclose(
+            signal.rms, np.sqrt(value**2 @ weight / q.duration), rtol=1e-10, atol=1e-12
+        )
+        if key == "q_ddot":
+            change = run.final_state[1] - run.initial_state[1]
+            assert (np.abs(signal.mean - change / q.duration) <= 1e-10 * size).all()
+            continue
+        assert (np.abs(signal.mean - value @ weight / q.duration) <= 1e-11 * size).all()
+        for h in range(signal.harmonics.shape[1]):
+            turned = np.exp(-1j * (h + 1) * load.frequency * t)
+            part = 2 * value @ (weight * turned) / q.duration
+            assert (np.abs(signal.harmonics[:, h] - part) <= 1e-10 * size).all()
+    lost = np.einsum("im,ij,jm,m", rate, s.damping, rate, weight)
+    assert q.damping_loss == pytest.approx(lost, rel=1e-10)
+
+
+def test_names():
+    """Quantities of an oscillator have names of their own, and those of its structure."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    point = osc.at(0.9, 6.0)
+    own = vi.simulate(osc, 0.9, 6.0, cycles=7).quantities()
+    found = vi.simulate(point.structure, point.load, cycles=7).quantities()
+    assert own.impacts["gap"].tolist() == found.impacts["gap"].tolist()
+    assert own.cycles == pytest.approx(found.cycles, rel=1e-12)
+    for key in ("q", "q_dot", "q_ddot"):
+        mine, theirs = getattr(own, key), getattr(found, key)
+        for part in ("mean", "rms", "least", "greatest", "harmonics"):
+            size = 1e-9 * np.max(theirs.peak)
+            np.testing.assert_allclose(getattr(mine, part), getattr(theirs, part), atol=size)
+    assert own.x.rms == own.q.rms[0]
+    assert own.transmitted.peak == pytest.approx(found.transmitted.peak[0], rel=1e-9)
+    with pytest.raises(
+        AttributeError, match=r"^x_dot: .* of a Structure does not have it; it has q_dot"
+    ):
+        _ = found.x_dot

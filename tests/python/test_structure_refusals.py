@@ -168,15 +168,12 @@ def test_events_that_do_not_fit_into_memory(monkeypatch):
         run.sample([0.0])
 
 
-def test_quantities_of_many_harmonics_are_those_of_few(monkeypatch):
-    """The table of harmonics is made in blocks."""
+def test_quantities_of_many_harmonics_are_those_of_few():
+    """The number of harmonics changes none of them."""
     wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
     run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
-    whole = run.quantities(harmonics=40).q.harmonics
-    monkeypatch.setattr("vibroimpact.motions.structure_quantities.MOST_TURNED", 3000)
-    np.testing.assert_allclose(
-        run.quantities(harmonics=40).q.harmonics, whole, rtol=1e-13, atol=1e-15
-    )
+    few, many = (run.quantities(harmonics=n).q.harmonics for n in (2, 400))
+    np.testing.assert_allclose(many[:, :2], few, rtol=1e-13, atol=1e-15)
 
 
 @pytest.mark.parametrize(("words", "message"), [

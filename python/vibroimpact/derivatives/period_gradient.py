@@ -13,8 +13,7 @@ from .. import _core
 from ..base.errors import ParameterError, SingularError
 from ..base.status import raise_status, status_text
 from ..motions.exact import exact_structure, settled
-from ..motions.quantities import segments_of, turns
-from ..results.events import EVENT_TYPE, WORDS, segments
+from ..results.events import EVENT_TYPE, WORDS
 from ..results.gradient import Gradient, frozen
 from ..results.states import later, start_of, state_of
 from ..systems.structure import Gap, Load, Structure
@@ -38,6 +37,8 @@ _Array = NDArray[Any]
 STATE = ("x", "x_dot", "z", "z_dot")
 #: Relative distance at which a simulated period counts as closed; largest number of events of a period.
 CLOSED, MOST_EVENTS = 1e-8, 20_000
+#: Points in a radian of the faster of load and free vibration, between which extremes are enclosed.
+POINTS = 8
 #: Relative differences at which extremes count as equal, and their derivatives by a parameter.
 ALIKE, SAME = 1e-9, 1e-6
 #: What rounding may leave of a derivative, over those of the state by the same parameter, and over the position:
@@ -119,11 +120,20 @@ class Period:
         """The derivatives of the greatest (side 1) or least (side -1) position of the primary mass, one for each
         instant at which it is reached: where the velocity passes through 0, or changes its sign by an impact."""
         motion, events = self.motion, self.motion.events
-        starts, resting = segments(events, motion.clearance)
-        parts = segments_of(
-            motion.osc, motion.r, motion.load, starts, resting, events["time"][0] + motion.period
-        )
-        times, values, _ = turns(parts, parts.x, motion.r)
+        starts = events["time"]
+        lengths = np.diff(starts, append=starts[0] + motion.period)
+        nodes = np.linspace(0, 1, 2 + math.ceil(POINTS * max(1.0, motion.r) * lengths.max()))
+        grid = starts[:, None] + lengths[:, None] * nodes
+        # velocities jump at the ends
+        grid[:, -1] = np.nextafter(grid[:, -1], 0)
+        rates = side * motion.sample(grid).X_dot
+        turns = (lengths[:, None] > 0) & (rates[:, :-1] > 0) & (rates[:, 1:] <= 0)
+        times, high = grid[:, :-1][turns], grid[:, 1:][turns]
+        for _ in range(60):
+            middle = 0.5 * (times + high)
+            rising = side * motion.sample(middle).X_dot > 0
+            times, high = np.where(rising, middle, times), np.where(rising, high, middle)
+        values = motion.sample(times).X
         before, after = side * events["x_dot_before"], side * events["x_dot_after"]
         corners = np.flatnonzero((before > 0) & (after < 0))
         positions = side * np.concatenate([values, events["x"][corners]])

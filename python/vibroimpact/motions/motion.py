@@ -40,8 +40,7 @@ from ..results.systems import (
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
-from .quantities import quantities_of
-from .structure_quantities import structure_quantities
+from .quantities import Quantities, oscillator_quantities
 from .trajectory import EVENTS_OF_STRUCTURE, Trajectory, core_arrays, request_of, segments_of_events
 
 __all__ = ["Motion", "Motions", "Sample"]
@@ -360,7 +359,7 @@ class Motion(Solution, study="motion", of_structure="motion_structure", formerly
         return run, run.start + np.mod(times - run.start, self.period)
 
     @memory_for("quantities, by their window and harmonics")
-    def quantities(self, harmonics: int = 10) -> Any:
+    def quantities(self, harmonics: int = 10) -> Quantities:
         """Response quantities over a period: rms, extremes and harmonics, impacts and energies.
 
         Parameters
@@ -370,7 +369,7 @@ class Motion(Solution, study="motion", of_structure="motion_structure", formerly
 
         Returns
         -------
-        Quantities, or StructureQuantities of a structure
+        Quantities
 
         Raises
         ------
@@ -390,13 +389,15 @@ class Motion(Solution, study="motion", of_structure="motion_structure", formerly
         True
         """
         if self.of_structure:
-            return structure_quantities(self._run(), None, harmonics, closed=True)
+            return self._run().quantities(harmonics=harmonics)
         events = self.events
         starts, resting = segments(events, self.clearance)
-        end = starts[0, 0] + self.period
-        return quantities_of(
-            self.osc, self.r, self.load, starts, resting, end, None, events, harmonics
-        )
+        window = (starts[0, 0], starts[0, 0] + self.period)
+        again = np.append(window[1], starts[1:, 0])
+        return oscillator_quantities(
+            self.osc, self.r, self.load, self.clearance, np.column_stack([starts, again]),
+            np.append(resting, resting[0]), window, events, harmonics,
+        )  # fmt: skip
 
     def plot(
         self, ax: Any = None, kind: str | None = None, cycles: float | None = None,

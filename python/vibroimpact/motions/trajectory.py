@@ -54,8 +54,7 @@ from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
 from ..systems.structure import Load, Structure, check_load
 from ..systems.verbs import every_system
-from .quantities import quantities_of
-from .structure_quantities import accelerations, structure_quantities
+from .quantities import Quantities, oscillator_quantities, structure_quantities
 
 __all__ = ["Period", "State", "Trajectory", "simulate"]
 
@@ -223,23 +222,31 @@ class Trajectory(
 
     def _sample_structure(self, t: ArrayLike) -> tuple[_Array, _Array]:
         """As `sample`, of a structure."""
+        q, rate = self._sampled(t, 2)
+        return q, rate
+
+    def _sampled(self, t: ArrayLike, parts: int) -> _Array:
+        """Coordinates and velocities of a structure, and with three `parts` accelerations (parts, n, m)."""
         wanted = f"times from {self.start!r} to {self.end!r}"
         times = np.atleast_1d(checks.real_array(t, "t", wanted))
         inside = (times >= self.start) & (times <= self.end)
         if times.ndim != 1 or not inside.all():
             raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
         order = np.argsort(times, kind="stable")
-        n = self.structure.coordinates
-        starts, labels = segments_of_events(
-            self.start, self.initial_state, self.events, self.states
-        )
         values, status = _core.sample_structure(
-            *core_arrays(self.structure, self.load), starts, labels, times[order]
+            *core_arrays(self.structure, self.load),
+            *self._segments_of_structure(),
+            times[order],
+            parts,
         )
         raise_status(status)
-        found = np.empty((2 * n, len(times)))
+        found = np.empty(values.shape)
         found[:, order] = values
-        return found[:n], found[n:]
+        return found.reshape(parts, self.structure.coordinates, len(times))
+
+    def _segments_of_structure(self) -> tuple[_Array, NDArray[np.int32]]:
+        """What begins at the start and just after each event, as the core takes it."""
+        return segments_of_events(self.start, self.initial_state, self.events, self.states)
 
     def _resting(self) -> tuple[int, ...]:
         """The gaps of a structure that rest from the start."""
@@ -268,15 +275,15 @@ class Trajectory(
         ParameterError
             If a time is outside.
         """
+        if self.of_structure:
+            return np.asarray(self._sampled(t, 3)[2])
         found = self.sample(t)
-        if not self.of_structure:
-            return np.array([found.X_ddot, found.Z_ddot])
-        return accelerations(self, np.atleast_1d(np.asarray(t, dtype=np.float64)), *found)
+        return np.array([found.X_ddot, found.Z_ddot])
 
     @memory_for("quantities, by their window and harmonics")
     def quantities(
         self, cycles: float | None = None, harmonics: int = 10, window: ArrayLike | None = None
-    ) -> Any:
+    ) -> Quantities:
         """Response quantities over a window of time: rms, extremes and harmonics, impacts and energies.
 
         Parameters
@@ -291,7 +298,7 @@ class Trajectory(
 
         Returns
         -------
-        Quantities, or StructureQuantities of a structure
+        Quantities
 
         Raises
         ------
@@ -310,17 +317,15 @@ class Trajectory(
         """
         first, end = self._times(cycles, window)
         if self.of_structure:
-            return structure_quantities(self, (first, end), harmonics)
+            return structure_quantities(
+                self, core_arrays(self.structure, self.load), self._segments_of_structure(),
+                (first, end), harmonics,
+            )  # fmt: skip
         starts, resting = self._segments()
-        here, last = np.searchsorted(starts[0], [first, end], side="right") - [1, 0]
-        starts, resting = starts[:, here:last], resting[here:last]
-        at, final = self.sample(first), self.sample(end)
-        phase = starts[1, 0] + self.r * (first - starts[0, 0])
-        starts[:, 0] = [first, phase, at.X, at.X_dot, at.Z, at.Z_dot]
         within = (self.events["time"] > first) & (self.events["time"] <= end)
-        return quantities_of(
-            self.osc, self.r, self.load, starts, resting, end,
-            (float(final.X), float(final.X_dot), float(final.Z_dot)), self.events[within], harmonics,
+        return oscillator_quantities(
+            self.osc, self.r, self.load, self.clearance, starts, resting, (first, end),
+            self.events[within], harmonics,
         )  # fmt: skip
 
     def _times(self, cycles: float | None, window: ArrayLike | None) -> tuple[float, float]:

@@ -11,9 +11,29 @@ module vi_structure_record
    implicit none (type, external)
    private
 
-   public :: advance_recorded, bound_interval, modal_forces, pass_intervals, rows_now, set_forces
+   public :: advance_recorded, bound_interval, forces_at, modal_forces, pass_intervals, rows_now, &
+      set_forces
 
 contains
+
+   !> The forces of a record at a time, and the rates at which they change from there.
+   pure subroutine forces_at(load, cycle, elapsed, force, rate)
+      !> The load, with a record.
+      type(load_type), intent(in) :: load
+      !> Whole intervals before the time, and the remainder.
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: elapsed
+      !> (n)
+      real(wp), intent(out) :: force(:), rate(:)
+
+      force = 0
+      rate = 0
+      if (cycle >= size(load%record, 2) - 1) return
+      associate (from => load%record(:, cycle + 1), to => load%record(:, cycle + 2))
+         rate = (to - from)/load%step
+         force = from + elapsed*rate
+      end associate
+   end subroutine forces_at
 
    !> Sets the forces of a regime for a flight that begins at a given time.
    pure subroutine set_forces(regime, load, cycle, elapsed)
@@ -27,14 +47,7 @@ contains
       real(wp) :: force(size(load%constant)), rate(size(load%constant))
       integer :: m, n, rows
 
-      force = 0
-      rate = 0
-      if (cycle < size(load%record, 2) - 1) then
-         associate (from => load%record(:, cycle + 1), to => load%record(:, cycle + 2))
-            rate = (to - from)/load%step
-            force = from + elapsed*rate
-         end associate
-      end if
+      call forces_at(load, cycle, elapsed, force, rate)
       m = size(regime%base_force)
       n = size(force)
       rows = size(regime%base_offset)

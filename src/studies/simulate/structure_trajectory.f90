@@ -6,7 +6,8 @@ module vi_structure_trajectory
    use vi_processor, only: has_memory
    use vi_progress, only: add_expected_work, is_stopped, report_share
    use vi_status, only: stat
-   use vi_structure_record, only: advance_recorded
+   use vi_structure_map, only: accelerations
+   use vi_structure_record, only: advance_recorded, set_forces
    use vi_structure, only: find_narrow, load_type, regime_type, state_of, structure_type, to_pairs
    use vi_structure_run, only: find_regime, impact_event, new_run, release_event, run_event_type, &
       run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
@@ -14,8 +15,8 @@ module vi_structure_trajectory
    implicit none (type, external)
    private
 
-   public :: complete_rests, resting_at_start, sample_structure_arrays, simulate_structure_arrays, &
-      simulate_structure_case
+   public :: complete_rests, find_parts, find_start, pass_label, resting_at_start, &
+      sample_structure_arrays, simulate_structure_arrays, simulate_structure_case
 
    !> Events between two looks at the progress counters.
    integer, parameter :: chunk = 256
@@ -311,7 +312,7 @@ contains
       end do
    end subroutine store
 
-   !> Coordinates and velocities of a trajectory at given times.
+   !> Coordinates, velocities and, if wanted, accelerations of a trajectory at given times.
    pure subroutine sample_structure_arrays(structure, load, starts, labels, times, values, status)
       !> The structure and its load.
       type(structure_type), intent(in) :: structure
@@ -324,7 +325,7 @@ contains
       integer, intent(in) :: labels(:, :)
       !> Times in ascending order, none before the first segment.
       real(wp), intent(in) :: times(:)
-      !> (2n, times) Coordinates and velocities.
+      !> (2n or 3n, times) Coordinates, velocities and accelerations, just after an event.
       real(wp), contiguous, intent(out) :: values(:, :)
       !> `stat%ok`, or as in `new_regime` and `start_at`.
       integer, intent(out) :: status
@@ -355,10 +356,10 @@ contains
          if (load%step > 0) then
             if (fresh) call start_segment(run, number, starts(:, j), state)
             fresh = .false.
-            call sample_recorded(run, state, times(i), values(:n, i), values(n + 1:, i))
+            call sample_recorded(run, state, times(i), values(:, i))
             cycle
          end if
-         call sample_one(run, number, starts(:, j), times(i), values(:n, i), values(n + 1:, i))
+         call sample_one(run, number, starts(:, j), times(i), values(:, i))
       end do
    end subroutine sample_structure_arrays
 
@@ -437,7 +438,7 @@ contains
                j == 2) before = after
          end if
          if (labels(1, j) /= impact_event) call sample_one(run, before, starts(:, j - 1), &
-            starts(1, j), starts(2:n + 1, j), starts(n + 2:, j))
+            starts(1, j), starts(2:, j))
          before = after
       end do
    end subroutine complete_rests
@@ -474,16 +475,16 @@ contains
       call to_pairs(run%regimes(number), 0.0_wp, start(2:n + 1), start(n + 2:), state%x, state%v)
    end subroutine start_segment
 
-   !> Coordinates and velocities at a time under a record.
-   pure subroutine sample_recorded(run, state, time, q, rate)
+   !> The state at a time under a record.
+   pure subroutine sample_recorded(run, state, time, values)
       !> In and out: the run, whose forces are set.
       type(run_type), intent(inout) :: run
       !> In: a state before the time. Out: one at the last sample of the record before it.
       type(run_state_type), intent(inout) :: state
       !> The time.
       real(wp), intent(in) :: time
-      !> (n)
-      real(wp), contiguous, intent(out) :: q(:), rate(:)
+      !> (2n or 3n) As of `sample_structure_arrays`.
+      real(wp), contiguous, intent(out) :: values(:)
       real(wp), dimension(size(state%x)) :: x, v
       real(wp) :: elapsed
       integer(int64) :: cycle
@@ -500,9 +501,27 @@ contains
          x = state%x
          v = state%v
          call advance_recorded(regime, run%load, cycle, state%elapsed, cycle, elapsed, x, v)
-         call state_of(regime, 0.0_wp, x, v, q, rate)
+         call set_forces(regime, run%load, cycle, elapsed)
+         call values_of(regime, 0.0_wp, x, v, values)
       end associate
    end subroutine sample_recorded
+
+   !> Coordinates, velocities and, if wanted, accelerations from the pairs.
+   pure subroutine values_of(regime, phase, x, v, values)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Load phase (rad).
+      real(wp), intent(in) :: phase
+      !> (m) The pairs.
+      real(wp), contiguous, intent(in) :: x(:), v(:)
+      !> (2n or 3n)
+      real(wp), contiguous, intent(out) :: values(:)
+      integer :: n
+
+      n = size(regime%offset)
+      call state_of(regime, phase, x, v, values(:n), values(n + 1:2*n))
+      if (size(values) > 2*n) call accelerations(regime, phase, x, v, values(2*n + 1:))
+   end subroutine values_of
 
    !> A set in ascending order with one more member.
    pure function sorted_with(set, one) result(larger)
@@ -513,8 +532,8 @@ contains
       larger = [pack(set, set < one), one, pack(set, set > one)]
    end function sorted_with
 
-   !> Coordinates and velocities at a time of a segment.
-   pure subroutine sample_one(run, number, start, time, q, rate)
+   !> The state at a time of a segment.
+   pure subroutine sample_one(run, number, start, time, values)
       !> The run.
       type(run_type), intent(in) :: run
       !> The regime.
@@ -523,16 +542,16 @@ contains
       real(wp), intent(in) :: start(:)
       !> The time.
       real(wp), intent(in) :: time
-      !> (n)
-      real(wp), contiguous, intent(out) :: q(:), rate(:)
+      !> (2n or 3n) As of `sample_structure_arrays`.
+      real(wp), contiguous, intent(out) :: values(:)
       real(wp), dimension(size(run%regimes(number)%xq, 1)) :: x, v, x_now, v_now
       integer :: n
 
-      n = size(q)
+      n = (size(start) - 1)/2
       associate (regime => run%regimes(number))
          call to_pairs(regime, phase_at(run, start(1)), start(2:n + 1), start(n + 2:), x, v)
          call advance(regime%modes, time - start(1), x, v, x_now, v_now)
-         call state_of(regime, phase_at(run, time), x_now, v_now, q, rate)
+         call values_of(regime, phase_at(run, time), x_now, v_now, values)
       end associate
    end subroutine sample_one
 
