@@ -248,6 +248,7 @@ def test_mirror_images_go_to_mirror_images(batch):
     assert len(there) == 1
 
 
+@pytest.mark.slow
 def test_what_never_settles_is_not_decided(batch, command):
     """Free vibration decays without end: only a free mass that the walls do not reach has settled."""
     done = batch.case(PLANE.replace("probes", "load = 0, cycles = 50, probes"))

@@ -152,6 +152,7 @@ def test_budget_of_a_zone(batch):
     assert "0" in {row["loop"] for row in rows(batch.cwd / "results/case.csv")}
 
 
+@pytest.mark.slow
 def test_lost_attractor(batch, tool, same_build):
     """If too few vertices leave a zone out, every program names its attractors, with status 1."""
     done = batch.case(ATLAS.replace("survey = 12", "survey = 12, max_points = 100"))

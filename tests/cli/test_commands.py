@@ -244,6 +244,7 @@ def test_plot_of_what_is_not_there(tool):
     assert "other.nml: &output name = 'case_2': " in done.faults[-1]
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn_from_the_motion(tmp_path):
     """One case gives the same bytes every time, and another case another picture."""
     pictures = []

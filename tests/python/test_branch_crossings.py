@@ -225,6 +225,7 @@ NARROW = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("system", range(len(NARROW)))
 def test_branch_beside_another_sheet(system):
     """Branches closer to each other than the length of a step are followed without a jump."""

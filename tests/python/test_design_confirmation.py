@@ -88,6 +88,7 @@ def test_parts_of_a_band_without_samples_have_no_share():
     assert found.feasible is None
 
 
+@pytest.mark.slow
 def test_over_basins_each_attractor_counts_by_its_share():
     """Two attractors with different max|X|/A, and a limit between them: the shares are those of `basins`."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

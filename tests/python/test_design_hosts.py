@@ -45,6 +45,7 @@ def test_extent_of_a_harmonic_motion():
     assert extent(run, 2.0, 400, 0)[2] == pytest.approx(math.sqrt(square), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_design_of_a_structure_chooses_the_number_of_units():
     """More free masses reduce the motion: the search chooses the largest number that is offered."""
 

@@ -44,6 +44,7 @@ def sensitivity(rng, osc, r, phases, pattern, radius):
     return np.abs(np.abs(moved.multipliers[0]) / radius - 1).max()
 
 
+@pytest.mark.slow
 def test_a_million_points_agree_with_lapack():
     m, referred, compared, far = 5_000, 0, 0, 0
     for rng, osc, pattern in systems(seed=1, count=200, most=6):

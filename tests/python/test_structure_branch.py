@@ -131,6 +131,7 @@ def midway(motion):
     return (motion.phases + motion.phases[::-1] + [-math.pi, math.pi]) / 2
 
 
+@pytest.mark.slow
 def test_motions_of_branches_are_starts(pair):
     """The motion of any point, at a fold too, begins simulations, exact motions and branches."""
     shifted = ([phase - 2 * math.pi for phase in PHASES], [0, 1])
@@ -518,6 +519,7 @@ def test_a_corner_where_two_multipliers_are_1():
     assert min(np.sort(np.abs(m - 1))[1] for m in multipliers) < 1e-3
 
 
+@pytest.mark.slow
 def test_zones_hold_what_simulation_finds():
     """In a zone of a structure simulations stay on its stable motion; outside there is no such motion."""
     gaps = [vi.Gap([0, -1, 1], 6.0, 0.7), vi.Gap([0, 1, -1], 6.0, 0.7)]

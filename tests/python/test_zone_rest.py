@@ -202,6 +202,7 @@ def test_a_boundary_that_turns_round_encloses_nothing():
         zone.contains(0.1995, 0.6)
 
 
+@pytest.mark.slow
 def test_a_bounce_that_touches_bounds_a_zone():
     """Where a bounce of an accumulation begins to touch the wall a zone ends, and it closes beside the loose ends.
 
@@ -273,6 +274,7 @@ def test_zones_of_rest_without_restitution(walls):
     np.testing.assert_allclose(np.log(one.clearance[common]), spline(one.r[common]), atol=2e-6)
 
 
+@pytest.mark.slow
 def test_a_zone_that_simulations_reach_slowly():
     """With little damping and impacts without restitution the motion is reached after hundreds of cycles."""
     osc = vi.Oscillator(
