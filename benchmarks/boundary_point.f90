@@ -7,16 +7,15 @@
 !! piece from there (u_i, theta_i, r, log D) and prints how far the curve is from them.
 program boundary_point
    use vi_curve, only: correct, tangent_at
-   use vi_frame, only: condition_type
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
    use vi_lattice, only: new_lattice
+   use vi_motion_family, only: condition_type
    use vi_net, only: add_seed, cover, net_type, new_net
    use vi_orbit, only: by_clearance, by_r
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: new_pattern
    use vi_steps, only: begin_walk, exchange, place_type, stride_type, take_step
-   use vi_seeds, only: motions_at
    use vi_zone_request, only: zone_request_type
    use vi_trace, only: trace_loop
    use vi_zone, only: find_zone, zone_type
@@ -134,7 +133,7 @@ contains
       c = zone%surface%c
       m = request%lines/2 + 1
       c([by_r, by_clearance]) = zone%surface%origin + zone%surface%scale*0.5_wp
-      call motions_at(zone%surface%frame, request%pattern, c, 4*request%guesses, 0, found)
+      call zone%surface%family%motions_at(c, 4*request%guesses, 0, found)
       do k = 1, size(found, 2)
          call add_seed(net, m, m, found(:, k), node)
       end do

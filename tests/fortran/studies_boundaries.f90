@@ -3,10 +3,9 @@ module studies_boundaries
    use checks, only: check, check_close
    use vi_boundary_shift, only: shift_boundary, shift_found, shift_types
    use vi_condition_names, only: condition_name
-   use vi_family, only: image_of, whole_unknowns
-   use vi_frame, only: condition_type, edge, grazing, repetition, unknown_count, zero_approach
    use vi_kinds, only: wp
    use vi_loop, only: ends, loop_type
+   use vi_motion_family, only: condition_type, edge, grazing, repetition, zero_approach
    use vi_orbit, only: by_xi
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -121,10 +120,11 @@ contains
       real(wp), allocatable :: x(:, :), theta(:, :), places(:, :), normals(:, :), slopes(:, :), &
          shifts(:, :)
       integer, allocatable :: types(:), outcomes(:, :), status(:), kept(:)
-      real(wp) :: changes(m, 1 + 2*m), whole(2*max(1, size(request%pattern%sides)))
+      real(wp) :: changes(m, 1 + 2*m)
+      real(wp), allocatable :: whole(:)
       integer :: j, k, n, v, compared
 
-      n = unknown_count(zone%surface%frame)
+      n = zone%surface%family%unknown_count()
       allocate (types, source=[(findloc(shift_types, condition_name(loop%conditions(k)%kind, &
          loop%conditions(k)%index, request%symmetric, .true.), dim=1), k=1, loop%n)])
       kept = pack([(k, k=1, loop%n)], types > 0 .and. loop%corner == 0 .and. &
@@ -134,20 +134,15 @@ contains
       v = size(kept)
       allocate (places(2, v), normals(2, v), slopes(m, v), shifts(1 + 2*m, v), outcomes(1 + 2*m, &
          v), status(v))
-      k = merge(1, size(whole)/2, zone%surface%frame%resting)
+      k = merge(1, size(request%pattern%sides), zone%surface%family%jumps)
       allocate (x(k, v), theta(k, v))
       do j = 1, v
          associate (point => loop%points(:, kept(j)), surface => zone%surface)
             places(:, j) = surface%origin + surface%scale*point(n + 1:)
             places(2, j) = exp(places(2, j))
-            if (surface%frame%resting) then
-               theta(1, j) = point(1)
-               x(1, j) = sinh(point(2))
-            else
-               whole = whole_unknowns(surface%frame%family, point(:n))
-               x(:, j) = whole(:size(whole)/2)
-               theta(:, j) = whole(size(whole)/2 + 1:)
-            end if
+            whole = surface%family%whole_of(point(:n))
+            x(:, j) = whole(:size(whole)/2)
+            theta(:, j) = whole(size(whole)/2 + 1:)
          end associate
       end do
       changes = spread([1.0_wp, 1.0_wp, request%osc%xi, request%osc%mu, &
@@ -191,13 +186,13 @@ contains
       type(loop_type) :: moved, image
       integer :: k, n, twin
 
-      n = unknown_count(zone%surface%frame)
+      n = zone%surface%family%unknown_count()
       moved = loop
       image = loop
-      associate (family => zone%surface%frame%family, way => zone%surface%frame%repetitions(1))
+      associate (family => zone%surface%family, way => zone%surface%family%repetitions(1))
          do k = 1, loop%n
-            image%points(:n, k) = image_of(family, way, loop%points(:n, k))
-            image%tangents(:n, k) = image_of(family, way, loop%points(:n, k) &
+            image%points(:n, k) = family%image_of(way, loop%points(:n, k))
+            image%tangents(:n, k) = family%image_of(way, loop%points(:n, k) &
                + loop%tangents(:n, k)) - image%points(:n, k)
             associate (c => image%conditions(k))
                if (all(c%kind /= [grazing, zero_approach])) cycle
@@ -211,7 +206,7 @@ contains
             if (loop%conditions(k)%kind /= repetition) cycle
             call check_close(norm2(image%points(n + 1:, k) - moved%points(n + 1:, k)), 0.0_wp, &
                1.0e-8_wp, 'images: the same place')
-            call check_close(norm2(image%points(:n, k) - image_of(family, way, &
+            call check_close(norm2(image%points(:n, k) - family%image_of(way, &
                moved%points(:n, k))), 0.0_wp, 1.0e-7_wp, 'images: the image of the motion')
             if (loop%conditions(k)%index == 1) call check_close(norm2(image%points(:n, k) &
                - moved%points(:n, k)), 0.0_wp, 1.0e-7_wp, 'images: a motion that is its own image')

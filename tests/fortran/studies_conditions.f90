@@ -3,13 +3,14 @@ module studies_conditions
    use checks, only: check, check_close
    use motions_orbit, only: random_member
    use random_numbers, only: draw, draw_integer, fill, random_type
-   use vi_conditions, only: all_conditions, condition_value
-   use vi_curve, only: condition_slope, curve_type, parameters_of, unknowns_of
+   use vi_conditions, only: all_conditions, condition_count, condition_slope, condition_value
+   use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_family, only: new_family, whole_unknowns
-   use vi_frame, only: condition_count, condition_type, grazing
    use vi_kinds, only: wp
-   use vi_orbit, only: by_clearance, by_r, most_impacts, orbit_type, period_parts, set_orbit, &
-      split_part
+   use vi_motion_family, only: condition_type, grazing
+   use vi_orbit, only: by_clearance, by_r, family_type, most_impacts, n_parameters, orbit_type, &
+      period_parts, set_orbit, split_part
+   use vi_pair_family, only: pair_family_type
    use vi_pattern, only: pattern_type
    use vi_spectrum, only: multiplier_sums, spectrum_type
    implicit none (type, external)
@@ -26,19 +27,23 @@ contains
 
    subroutine test_conditions()
       type(curve_type) :: curve
+      type(pair_family_type) :: pair
       real(wp), allocatable :: unknowns(:)
       integer :: i, smooth, rough
 
       smooth = 0
       rough = 0
-      allocate (curve%frame%repetitions(0), curve%frame%edges(0), curve%origin(2))
+      allocate (pair%repetitions(0), curve%edges(0), curve%origin(2))
       allocate (curve%active, source=[by_r, by_clearance])
       allocate (curve%scale, source=[0.3_wp, 0.7_wp])
       do i = 1, 300
-         call random_member(random, curve%frame%family, unknowns, curve%c)
+         call random_member(random, pair%impacts, unknowns, curve%c)
+         if (allocated(curve%family)) deallocate (curve%family)
+         allocate (curve%family, source=pair)
          curve%origin(:) = curve%c(curve%active) - 0.5_wp*curve%scale
          call check_conditions(curve, [unknowns, 0.5_wp, 0.5_wp], smooth, rough)
-         if (curve%frame%family%mirror) call check_nearly_symmetric(curve, unknowns, smooth, rough)
+         if (pair%impacts%mirror) call check_nearly_symmetric(pair%impacts, curve, unknowns, &
+            smooth, rough)
       end do
       call check(smooth > 9*rough, 'conditions: most are smooth')
       call test_hardly_any_approach()
@@ -46,9 +51,9 @@ contains
 
    !> The numbers that decide stability, where approach speeds are tiny and the map of
    !! the period is large, against the same product in quadruple precision.
-   subroutine check_spectrum(curve, point)
-      type(curve_type), intent(in) :: curve
-      real(wp), intent(in) :: point(:)
+   subroutine check_spectrum(family, unknowns, c)
+      type(family_type), intent(in) :: family
+      real(wp), intent(in) :: unknowns(:), c(:)
       type(orbit_type) :: o
       type(spectrum_type) :: spectrum
       real(wp) :: parts(4, 4, most_impacts), p(4, 4), base(3, 4), column(3)
@@ -56,7 +61,7 @@ contains
       logical :: regular
       integer :: i, j
 
-      call set_orbit(curve%frame%family, unknowns_of(curve, point), parameters_of(curve, point), o)
+      call set_orbit(family, unknowns, c, o)
       call multiplier_sums(o, spectrum)
       if (.not. spectrum%regular) return
       call period_parts(o, parts, p, regular)
@@ -92,61 +97,56 @@ contains
 
    !> Motions with tiny approach speeds at one or two impacts.
    subroutine test_hardly_any_approach()
-      type(curve_type) :: curve
-      real(wp), allocatable :: unknowns(:), point(:)
+      type(family_type) :: family
+      real(wp), allocatable :: unknowns(:)
       type(orbit_type) :: o
-      real(wp) :: wanted, step, h, speed(2)
+      real(wp) :: wanted, step, h, speed(2), c(n_parameters)
       integer :: i, j, k, n
 
-      allocate (curve%frame%repetitions(0), curve%frame%edges(0), curve%origin(2))
-      allocate (curve%active, source=[by_r, by_clearance])
-      allocate (curve%scale, source=[0.3_wp, 0.7_wp])
       do i = 1, 500
-         call random_member(random, curve%frame%family, unknowns, curve%c)
-         curve%origin(:) = curve%c(curve%active) - 0.5_wp*curve%scale
+         call random_member(random, family, unknowns, c)
          n = size(unknowns)/2
          wanted = 10.0_wp**draw(random, -9.0_wp, -3.0_wp)
          ! the position of an impact changes its approach in proportion
          k = draw_integer(random, 1, n)
          h = 1.0e-3_wp
          do j = 1, 4
-            call set_orbit(curve%frame%family, unknowns, curve%c, o)
+            call set_orbit(family, unknowns, c, o)
             speed(1) = o%side(k)*(o%speed(k - 1) - o%before(k))
             unknowns(k) = unknowns(k) + h
-            call set_orbit(curve%frame%family, unknowns, curve%c, o)
+            call set_orbit(family, unknowns, c, o)
             speed(2) = o%side(k)*(o%speed(k - 1) - o%before(k))
             unknowns(k) = unknowns(k) - h
             step = h*(wanted - speed(1))/(speed(2) - speed(1))
             if (.not. abs(step) < 10) exit
             unknowns(k) = unknowns(k) + step
          end do
-         point = [unknowns, 0.5_wp, 0.5_wp]
-         call check_spectrum(curve, point)
+         call check_spectrum(family, unknowns, c)
       end do
    end subroutine test_hardly_any_approach
 
    !> Where the motion is close to its mirror image, the distance between them matters too.
-   subroutine check_nearly_symmetric(symmetric, half, smooth, rough)
+   subroutine check_nearly_symmetric(family, symmetric, half, smooth, rough)
+      type(family_type), intent(in) :: family
       type(curve_type), intent(in) :: symmetric
       real(wp), intent(in) :: half(:)
       integer, intent(inout) :: smooth, rough
       type(curve_type) :: curve
+      type(pair_family_type) :: pair
       type(pattern_type) :: pattern
       real(wp) :: away(2*size(half))
       logical :: possible
 
       curve = symmetric
-      associate (family => symmetric%frame%family)
-         allocate (pattern%sides, source=[family%sides, -family%sides])
-         pattern%cycles = family%cycles
-         deallocate (curve%frame%repetitions)
-         call new_family(pattern, .false., .true., curve%frame%family, curve%frame%repetitions, &
-            possible)
-         call check(possible .and. size(curve%frame%repetitions) > 0, 'conditions: a repetition')
-         call fill(random, -0.1_wp, 0.1_wp, away)
-         call check_conditions(curve, [whole_unknowns(family, half) + away, 0.5_wp, 0.5_wp], &
-            smooth, rough)
-      end associate
+      allocate (pattern%sides, source=[family%sides, -family%sides])
+      pattern%cycles = family%cycles
+      call new_family(pattern, .false., .true., pair%impacts, pair%repetitions, possible)
+      call check(possible .and. size(pair%repetitions) > 0, 'conditions: a repetition')
+      deallocate (curve%family)
+      allocate (curve%family, source=pair)
+      call fill(random, -0.1_wp, 0.1_wp, away)
+      call check_conditions(curve, [whole_unknowns(family, half) + away, 0.5_wp, 0.5_wp], &
+         smooth, rough)
    end subroutine check_nearly_symmetric
 
    !> All values together are those of single conditions; slopes are those of wider differences.
@@ -155,12 +155,12 @@ contains
       real(wp), intent(in) :: point(:)
       !> Conditions whose slope could be examined, and those that are not smooth there.
       integer, intent(inout) :: smooth, rough
-      type(condition_type) :: found(condition_count(curve%frame))
+      type(condition_type) :: found(condition_count(curve))
       real(wp) :: values(size(found)), value, scale
       real(wp), dimension(size(point)) :: slope, wide, wider
       integer :: j
 
-      call all_conditions(curve%frame, unknowns_of(curve, point), parameters_of(curve, point), &
+      call all_conditions(curve, unknowns_of(curve, point), parameters_of(curve, point), &
          values, found)
       do j = 1, size(found)
          if (found(j)%kind == grazing .and. found(j)%side == 0) cycle
@@ -195,7 +195,7 @@ contains
             if (k == 0) cycle
             moved = point
             moved(j) = point(j) + k*h
-            slope(j) = slope(j) + weights(k)*condition_value(curve%frame, unknowns_of(curve, &
+            slope(j) = slope(j) + weights(k)*condition_value(curve, unknowns_of(curve, &
                moved), parameters_of(curve, moved), condition)
          end do
       end do

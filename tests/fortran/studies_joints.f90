@@ -4,11 +4,12 @@ module studies_joints
    use checks, only: check
    use vi_borders, only: zone_type
    use vi_condition_names, only: condition_detail, condition_name
-   use vi_frame, only: alike, condition_type, edge, flip, fold, grazing, joint, neimark_sacker, &
-      repetition, rest_splits, rest_vanishes, together, zero_approach
    use vi_join, only: join_loose_ends
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type, picked, reversed
+   use vi_motion_family, only: alike, condition_type, edge, flip, fold, grazing, joint, &
+      neimark_sacker, repetition, rest_splits, rest_vanishes, together, zero_approach
+   use vi_resting_family, only: new_resting_family
    implicit none (type, external)
    private
 
@@ -149,8 +150,7 @@ contains
 
       zone%n = 2
       allocate (zone%loops(4))
-      zone%surface%frame%resting = .true.
-      allocate (zone%surface%frame%rest%symbols(0))
+      allocate (zone%surface%family, source=new_resting_family([integer :: ], 1))
       zone%loops(1) = arc(0.5_wp*gaps(1), pi - 0.5_wp*gaps(2), fold)
       zone%loops(2) = arc(pi + 0.5_wp*gaps(2), 2*pi - 0.5_wp*gaps(1), flip)
       if (btest(turned, 0)) zone%loops(1) = reversed(zone%loops(1))

@@ -3,18 +3,20 @@ module studies_rest
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
+   use vi_conditions, only: all_conditions, condition_count, condition_slope, condition_value
+   use vi_curve_point, only: curve_type
    use vi_forced_system, only: event_type, new_forced_system
    use vi_found_motion, only: are_same, described_type, found_type, store_described
    use vi_kinds, only: wp
    use vi_likeness, only: same
-   use vi_frame, only: condition_count, condition_type, edge, frame_type, neimark_sacker
    use vi_motion, only: motion_type, unknown, yes
+   use vi_motion_family, only: condition_type, edge
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: new_pattern
-   use vi_rest_conditions, only: measure_in_period, rest_condition, rest_conditions
    use vi_rest_family, only: follow_symbols, measure_type, new_rest_family, plane_map, &
       rest_family_type, rest_period, rest_period_type, rest_stability, rest_unknowns
    use vi_rest_motion, only: find_rest_motion, solve_rest_motion
+   use vi_resting_family, only: new_resting_family
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -245,51 +247,50 @@ contains
 
    !> The conditions of a motion that is cut by edges, and what is left of them where its symbols
    !! cannot be followed.
-   subroutine check_conditions(family, unknowns, c, period)
+   subroutine check_conditions(family, unknowns, c)
       type(rest_family_type), intent(in) :: family
       real(wp), intent(in) :: unknowns(:), c(6)
-      type(rest_period_type), intent(in) :: period
-      type(frame_type) :: frame
-      type(measure_type) :: measure
+      type(curve_type) :: curve
       type(condition_type), allocatable :: found(:)
       real(wp), allocatable :: values(:), lost(:)
-      real(wp) :: room, by
-      integer :: i, j, n, side
+      real(wp) :: room, slope(size(unknowns) + 2), value, wanted(size(slope))
+      integer :: i, n, side
 
-      frame%resting = .true.
-      frame%rest = family
-      allocate (frame%edges(12))
+      allocate (curve%family, source=new_resting_family(family%symbols, family%cycles))
+      curve%c = c
+      curve%active = [1, 2]
+      curve%origin = c(:2)
+      curve%scale = [1.0_wp, 1.0_wp]
+      allocate (curve%edges(12))
       do i = 1, 6
          do side = 1, -1, -2
-            frame%edges(2*i - (side + 1)/2) = condition_type(edge, i, side, &
+            curve%edges(2*i - (side + 1)/2) = condition_type(edge, i, side, &
                bound=c(i) - side*0.1_wp*i)
          end do
       end do
-      n = condition_count(frame)
+      n = condition_count(curve)
       allocate (values(n), lost(n), found(n))
-      call rest_conditions(frame, unknowns, c, values, found)
+      call all_conditions(curve, unknowns, c, values, found)
       do i = 1, n
          associate (condition => found(i))
-            call check_close(rest_condition(frame, unknowns, c, condition), values(i), &
+            call check_close(condition_value(curve, unknowns, c, condition), values(i), &
                1e-14_wp*abs(values(i)), 'rest: one condition and all')
-            if (condition%kind <= neimark_sacker) cycle
-            measure = measure_in_period(period, c, condition)
             if (condition%kind /= edge) cycle
             room = 0.1_wp*condition%index
             call check_close(values(i), room, 1e-14_wp, 'rest: the room up to an edge')
-            do j = 1, size(unknowns) + 2
-               by = 0
-               if (j == size(unknowns) + condition%index) by = condition%side
-               call check_close(measure%by(j), by, 0.0_wp, 'rest: how it changes')
-            end do
+            call condition_slope(curve, condition, [unknowns, 0.0_wp, 0.0_wp], value, slope)
+            wanted = 0
+            if (condition%index <= 2) wanted(size(unknowns) + condition%index) = condition%side
+            call check(all(abs(slope - wanted) <= 0), 'rest: how it changes')
          end associate
       end do
       ! impacts in the wrong order
-      call rest_conditions(frame, [unknowns(:2), unknowns(3:) - 100], c, lost, found)
+      call all_conditions(curve, [unknowns(:2), unknowns(3:) - 100], c, lost, found)
       do i = 1, n
          call check_close(lost(i), merge(values(i), -1.0_wp, found(i)%kind == edge), 0.0_wp, &
             'rest: edges alone have a value where no motion is')
-         call check(ieee_is_nan(rest_condition(frame, [unknowns(:2), unknowns(3:) - 100], c, &
+         if (found(i)%kind == edge) cycle
+         call check(ieee_is_nan(condition_value(curve, [unknowns(:2), unknowns(3:) - 100], c, &
             found(i))), 'rest: one condition where no motion is')
       end do
    end subroutine check_conditions
@@ -314,7 +315,7 @@ contains
       if (.not. good(1)) return
       call rest_period(family, unknowns, c, period)
       call check(period%right, 'rest: what was followed is a period')
-      call check_conditions(family, unknowns, c, period)
+      call check_conditions(family, unknowns, c)
       if (.not. period%right .or. .not. is_generic(period)) return
       followed = followed + 1
       call check_stability(period)

@@ -3,15 +3,16 @@
 module studies_structure_conditions
    use checks, only: check, check_close
    use random_numbers, only: draw, fill, random_type
-   use vi_frame, only: condition_count, condition_type, edge, flip, fold, frame_type, grazing, &
-      neimark_sacker, zero_approach
+   use vi_conditions, only: all_conditions, condition_count, condition_slope, condition_value
+   use vi_curve_point, only: curve_type
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge, flip, fold, grazing, neimark_sacker
    use vi_orbit, only: n_parameters
    use vi_spectrum, only: spectrum_type
    use vi_status, only: stat
    use vi_structure, only: check_structure, new_load, new_structure
-   use vi_structure_conditions, only: structure_condition, structure_conditions, structure_slope
-   use vi_structure_family, only: member_type, set_member, set_sides
+   use vi_structure_family, only: structure_family_type
+   use vi_structure_members, only: member_type, set_member, set_sides
    use vi_structure_path, only: change_type, new_change
    implicit none (type, external)
    private
@@ -32,9 +33,9 @@ contains
 
    !> Two masses, the second one of them between two walls, and the mass that couples them as the
    !! parameter: from 0.8 to 1.2 times the geometric mean of the masses.
-   subroutine new_frame(damping, frame)
+   subroutine new_motions(damping, family)
       real(wp), intent(in) :: damping(2)
-      type(frame_type), intent(out) :: frame
+      type(structure_family_type), intent(out) :: family
       real(wp) :: matrices(2, 2, 3), harmonics(2, 2, 1)
       type(change_type) :: change
       character(:), allocatable :: message
@@ -48,8 +49,8 @@ contains
       matrices(2, 1, 1) = 0.8_wp
       call fill(random, -1.0_wp, 1.0_wp, harmonics(:, 1, 1))
       call fill(random, -1.0_wp, 1.0_wp, harmonics(:, 2, 1))
-      allocate (frame%structure, frame%repetitions(0), frame%edges(2))
-      associate (s => frame%structure)
+      allocate (family%repetitions(0))
+      associate (s => family%members)
          s%path%structure = new_structure(matrices, reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp], &
             [2, 2]), reshape([0.7_wp, 0.98_wp, 0.9_wp, 0.99_wp], [2, 2]))
          call check_structure(s%path%structure, status)
@@ -62,16 +63,28 @@ contains
          call set_sides(s)
          allocate (s%free(2, 0))
       end associate
-      frame%family%sides = [1, -1]
-      frame%family%cycles = 1
-      frame%edges(1) = condition_type(edge, 1, 1, bound=0.0_wp)
-      frame%edges(2) = condition_type(edge, 1, -1, bound=1.0_wp)
-   end subroutine new_frame
+      family%impacts%sides = [1, -1]
+      family%impacts%cycles = 1
+   end subroutine new_motions
+
+   !> The curve of these motions along their parameter, between its bounds.
+   subroutine new_curve(family, curve)
+      type(structure_family_type), intent(in) :: family
+      type(curve_type), intent(out) :: curve
+
+      allocate (curve%family, source=family)
+      curve%edges = [condition_type(edge, 1, 1, bound=0.0_wp), condition_type(edge, 1, -1, &
+         bound=1.0_wp)]
+      curve%active = [1]
+      curve%origin = [0.0_wp]
+      curve%scale = [1.0_wp]
+   end subroutine new_curve
 
    !> Where the masses are not positive definite there is no motion: no condition is met there but
    !! those on the parameter, and none changes.
    subroutine test_absent()
-      type(frame_type) :: frame
+      type(structure_family_type) :: family
+      type(curve_type) :: curve
       type(condition_type) :: found(9)
       type(spectrum_type) :: spectrum
       type(member_type) :: member
@@ -79,22 +92,23 @@ contains
       real(wp) :: values(9), c(n_parameters), value, slope(5)
       integer :: i, j
 
-      call new_frame([0.1_wp, 0.2_wp], frame)
-      call check(condition_count(frame) == 9, 'conditions of structures: number')
+      call new_motions([0.1_wp, 0.2_wp], family)
+      call new_curve(family, curve)
+      call check(condition_count(curve) == 9, 'conditions of structures: number')
       do i = 1, 4
          c = 0
          c(1) = 0.4_wp + 0.2_wp*i
-         call structure_conditions(frame, unknowns, c, values, found, spectrum)
+         call all_conditions(curve, unknowns, c, values, found, spectrum)
          call check(all(abs(values(:7) + 1) <= 0), 'no motion: no condition is met')
          call check_close(values(8), c(1), 1e-15_wp, 'no motion: the lower bound')
          call check_close(values(9), 1 - c(1), 1e-15_wp, 'no motion: the upper bound')
          call check(all(found(8:)%kind == edge), 'no motion: kinds of conditions')
-         call set_member(frame%structure, frame%family, unknowns, c(:1), member)
+         call set_member(family%members, family%impacts, unknowns, c(:1), member)
          call check(.not. member%exists, 'no motion: there is none')
          do j = 1, 7
-            call check_close(structure_condition(frame, unknowns, c, found(j)), -1.0_wp, 0.0_wp, &
+            call check_close(condition_value(curve, unknowns, c, found(j)), -1.0_wp, 0.0_wp, &
                'no motion: one condition is not met')
-            call structure_slope(frame, unknowns, c, found(j), [1], member, value, slope)
+            call condition_slope(curve, found(j), [unknowns, c(1)], value, slope)
             call check(abs(value + 1) <= 0 .and. all(abs(slope) <= 0), 'no motion: no slope')
          end do
       end do
@@ -102,17 +116,19 @@ contains
 
    !> An impact without approach speed: the numbers of stability are 0, and so is its approach.
    subroutine test_no_approach()
-      type(frame_type) :: frame
+      type(structure_family_type) :: family
+      type(curve_type) :: curve
       type(condition_type) :: found(9)
       type(spectrum_type) :: spectrum
       real(wp) :: unknowns(4), values(9)
       integer :: j, k
 
-      call new_frame([0.1_wp, 0.2_wp], frame)
+      call new_motions([0.1_wp, 0.2_wp], family)
+      call new_curve(family, curve)
       do k = 1, 2
          unknowns = [0.5_wp, -0.6_wp, 0.3_wp, 3.5_wp]
          unknowns(k) = 0
-         call structure_conditions(frame, unknowns, spread(0.2_wp, 1, n_parameters), values, &
+         call all_conditions(curve, unknowns, spread(0.2_wp, 1, n_parameters), values, &
             found, spectrum)
          call check(.not. spectrum%regular, 'no approach: no multipliers')
          call check(all(abs(values(:3)) <= 0), 'no approach: numbers of stability')
@@ -127,7 +143,8 @@ contains
    !! of them are positive at stable motions alone, also where two pairs of multipliers are outside
    !! the unit circle.
    subroutine test_crossings()
-      type(frame_type) :: frame
+      type(structure_family_type) :: family
+      type(curve_type) :: curve
       type(condition_type) :: found(9)
       type(spectrum_type) :: spectrum
       real(wp) :: values(9, 2), c(n_parameters), unknowns(4)
@@ -137,13 +154,14 @@ contains
       hidden = 0
       stable = 0
       do i = 1, 2000
-         call new_frame(spread(draw(random, -0.3_wp, 0.3_wp), 1, 2), frame)
+         call new_motions(spread(draw(random, -0.3_wp, 0.3_wp), 1, 2), family)
+         call new_curve(family, curve)
          unknowns = [draw(random, 0.5_wp, 5.0_wp), -draw(random, 0.5_wp, 5.0_wp), 0.3_wp, &
             draw(random, 2.0_wp, 5.0_wp)]
          c = draw(random, 0.0_wp, 0.3_wp)
          do j = 1, 2
-            frame%every_crossing = j == 2
-            call structure_conditions(frame, unknowns, c, values(:, j), found, spectrum)
+            curve%family%every_crossing = j == 2
+            call all_conditions(curve, unknowns, c, values(:, j), found, spectrum)
          end do
          if (.not. spectrum%regular) cycle
          associate (lambda => spectrum%multipliers)
@@ -170,7 +188,8 @@ contains
    !> The gap of a particle that flies freely changes in proportion to the time; a flight that
    !! touches no wall counts as one with a wide gap.
    subroutine test_touches()
-      type(frame_type) :: frame
+      type(structure_family_type) :: family
+      type(curve_type) :: curve
       type(condition_type) :: touch
       type(change_type) :: change
       character(:), allocatable :: message
@@ -179,8 +198,8 @@ contains
       type(member_type) :: member
       integer :: i, status
 
-      allocate (frame%structure, frame%repetitions(0), frame%edges(0))
-      associate (s => frame%structure)
+      allocate (family%repetitions(0))
+      associate (s => family%members)
          s%path%structure = new_structure(reshape([1.0_wp, 0.0_wp, 0.0_wp], [1, 1, 3]), &
             reshape([1.0_wp, -1.0_wp], [1, 2]), reshape([opening(1), 0.6_wp, opening(2), 0.8_wp], &
             [2, 2]))
@@ -193,26 +212,27 @@ contains
          s%p = 1
          s%free = reshape([1.0_wp], [1, 1])
       end associate
-      frame%family%sides = [1, -1]
-      frame%family%cycles = 1
+      family%impacts%sides = [1, -1]
+      family%impacts%cycles = 1
+      call new_curve(family, curve)
       c = 0.5_wp
       unknowns = [0.4_wp, -0.3_wp, 0.5_wp, 2.5_wp, 0.2_wp]
       touch = condition_type(grazing, 1, 0)
-      call set_member(frame%structure, frame%family, unknowns, c(:1), member)
+      call set_member(family%members, family%impacts, unknowns, c(:1), member)
       call check(member%exists, 'touches: a flight')
-      call structure_slope(frame, unknowns, c, touch, [1], member, values(1), slope)
+      call condition_slope(curve, touch, [unknowns, c(1)], values(1), slope)
       call check(abs(values(1) - 1) <= 0 .and. all(abs(slope) <= 0), 'touches: no wall')
       do i = 1, 9
          touch%share = 0.1_wp*i
          touch%side = 1
-         values(1) = structure_condition(frame, unknowns, c, touch)
+         values(1) = condition_value(curve, unknowns, c, touch)
          touch%side = -1
-         values(2) = structure_condition(frame, unknowns, c, touch)
+         values(2) = condition_value(curve, unknowns, c, touch)
          call check_close(sum(values), sum(opening), 1e-14_wp, 'touches: both gaps')
          touch%share = 0
-         ends(1) = structure_condition(frame, unknowns, c, touch)
+         ends(1) = condition_value(curve, unknowns, c, touch)
          touch%share = 1
-         ends(2) = structure_condition(frame, unknowns, c, touch)
+         ends(2) = condition_value(curve, unknowns, c, touch)
          call check_close(values(2), ends(1) + 0.1_wp*i*(ends(2) - ends(1)), 1e-14_wp, &
             'touches: in proportion')
          call check(abs(ends(2) - ends(1)) > 0.1_wp, 'touches: the particle moves')
@@ -222,7 +242,7 @@ contains
    !> Coefficients of restitution lie between 0 and 1, the bounds included, whether or not the wrong
    !! bound is asked for.
    subroutine test_range_of_restitution()
-      type(frame_type) :: frame
+      type(structure_family_type) :: family
       type(change_type) :: change
       character(:), allocatable :: message
       real(wp), parameter :: bounds(2, 4) = reshape([0.0_wp, 1.0_wp, -1.0e-9_wp, 1.0_wp, 0.0_wp, &
@@ -230,8 +250,8 @@ contains
       integer, parameter :: wrong(4) = [0, 1, 2, 1]
       integer :: bound, i
 
-      call new_frame([0.1_wp, 0.2_wp], frame)
-      associate (path => frame%structure%path)
+      call new_motions([0.1_wp, 0.2_wp], family)
+      associate (path => family%members%path)
          do i = 1, size(wrong)
             call new_change('restitution_1', bounds(:, i), path%structure, path%load, change, &
                message, bound)

@@ -10,8 +10,8 @@ module studies_structure_slopes
    use vi_restitution, only: power_law
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, new_load, new_structure, structure_type
-   use vi_structure_family, only: free_unknowns, member_type, set_member, set_sides, &
-      structure_family_type
+   use vi_structure_members, only: free_unknowns, member_type, set_member, set_sides, &
+      structure_members_type
    use vi_structure_path, only: change_type, new_change, new_function
    use vi_structure_slopes, only: by_differences, equations_by_parameter
    implicit none (type, external)
@@ -27,7 +27,7 @@ module studies_structure_slopes
 contains
 
    subroutine test_structure_slopes()
-      type(structure_family_type) :: s
+      type(structure_members_type) :: s
       type(family_type) :: family
       integer :: compared(size(names)), i, k
 
@@ -45,7 +45,7 @@ contains
    !! and drags on the particle.
    subroutine random_family(number, s, family)
       integer, intent(in) :: number
-      type(structure_family_type), intent(out) :: s
+      type(structure_members_type), intent(out) :: s
       type(family_type), intent(out) :: family
       type(repetition_type), allocatable :: repetitions(:)
       type(pattern_type) :: pattern
@@ -118,7 +118,7 @@ contains
 
    !> One parameter at random unknowns, which need not be those of a motion.
    subroutine compare(s, family, k, compared)
-      type(structure_family_type), intent(inout) :: s
+      type(structure_members_type), intent(inout) :: s
       type(family_type), intent(in) :: family
       integer, intent(in) :: k
       integer, intent(inout) :: compared
@@ -155,7 +155,7 @@ contains
 
    !> A parameter of a family; a function changes many entries.
    subroutine start_at(s, k, change, message)
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       integer, intent(in) :: k
       type(change_type), intent(out) :: change
       character(:), allocatable, intent(out) :: message

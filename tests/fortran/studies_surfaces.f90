@@ -6,22 +6,21 @@ module studies_surfaces
    use random_numbers, only: draw, draw_integer, draw_log, random_type
    use vi_branch, only: branch_type, follow_branch
    use vi_boundary_shift, only: shift_boundary, shift_lost
-   use vi_conditions, only: all_conditions, condition_value
+   use vi_conditions, only: all_conditions, condition_count, condition_value
    use vi_crossing, only: innermost_zero, locate
    use vi_curve, only: curve_type, parameters_of, unknowns_of
-   use vi_frame, only: condition_count, condition_type, grazing, is_inside, neimark_sacker, &
-      repetition, unknown_count
    use vi_kinds, only: wp
    use vi_loop, only: loop_type
    use vi_lattice, only: density, even_lattice, lattice_type, new_lattice
+   use vi_motion_family, only: condition_type, grazing, is_inside, neimark_sacker, repetition
    use vi_net, only: add_seed, cover_from, net_type, new_net
    use vi_net_line, only: line_of, start_type
    use vi_orbit, only: n_parameters
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: pattern_type
+   use vi_releases, only: release_type, simulate_releases
    use vi_repetition_vertices, only: move_to_repetition
    use vi_search, only: search_pattern
-   use vi_seeds, only: motions_at, release_type, simulate_releases
    use vi_status, only: stat
    use vi_steps, only: begin_walk, place_type, stride_type, take_step
    use vi_zone_request, only: make_surface, zone_request_type
@@ -192,11 +191,10 @@ contains
       do i = 1, 300
          call random_request(i, request)
          call make_surface(request, surface, status)
-         call motions_at(surface%frame, request%pattern, parameters_at(surface, middle), 6, 0, &
-            found)
+         call surface%family%motions_at(parameters_at(surface, middle), 6, 0, found)
          do k = 1, size(found, 2)
             call line_of(surface, start_type(found(:, k), middle), 1 + mod(i + k, 2), line)
-            line%frame%every_crossing = mod(i, 2) == 0
+            line%family%every_crossing = mod(i, 2) == 0
             call walk(line, [found(:, k), 0.5_wp], zeros, borders, hidden)
          end do
       end do
@@ -211,7 +209,7 @@ contains
       real(wp) :: c(n_parameters)
       integer :: i
 
-      c = parameters_of(surface, [(0.0_wp, i=1, unknown_count(surface%frame)), at])
+      c = parameters_of(surface, [(0.0_wp, i=1, surface%family%unknown_count()), at])
    end function parameters_at
 
    !> Vertices without a motion: a pattern with more unknowns than there is room for together with
@@ -274,11 +272,11 @@ contains
          call random_request(i, request)
          call make_surface(request, surface, status)
          c = parameters_at(surface, at)
-         call motions_at(surface%frame, request%pattern, c, 6, 0, found)
-         n = condition_count(surface%frame)
+         call surface%family%motions_at(c, 6, 0, found)
+         n = condition_count(surface)
          allocate (values(n), conditions(n))
          do k = 1, size(found, 2)
-            call all_conditions(surface%frame, found(:, k), c, values, conditions)
+            call all_conditions(surface, found(:, k), c, values, conditions)
             if (.not. all(values > 0)) cycle
             nets = nets + 1
             call check_net(surface, at, found(:, k))
@@ -305,7 +303,7 @@ contains
       request%r = [0.97_wp, 1.03_wp]
       request%clearance = [40.0_wp, 60.0_wp]
       call make_surface(request, surface, status)
-      call motions_at(surface%frame, request%pattern, parameters_at(surface, at), 6, 0, found)
+      call surface%family%motions_at(parameters_at(surface, at), 6, 0, found)
       call check(size(found, 2) > 0, 'full nets: a motion to begin with')
       do limit = 0, 4
          if (allocated(net)) deallocate (net)
@@ -370,8 +368,7 @@ contains
       do i = 1, 60
          call random_request(i, request)
          call make_surface(request, surface, status)
-         call motions_at(surface%frame, request%pattern, parameters_at(surface, middle), 6, 0, &
-            found)
+         call surface%family%motions_at(parameters_at(surface, middle), 6, 0, found)
          do k = 1, size(found, 2)
             call line_of(surface, start_type(found(:, k), middle), 2, line)
             call begin_walk(line, none, [found(:, k), middle(2)], [0*found(:, k), 1.0_wp], &
@@ -451,23 +448,23 @@ contains
       request%r = [0.9_wp, 1.1_wp]
       request%clearance = [20.0_wp, 40.0_wp]
       call make_surface(request, surface, status)
-      n = unknown_count(surface%frame) + 2
+      n = surface%family%unknown_count() + 2
       loop%n = 3
       allocate (loop%points(n, 3), loop%tangents(n, 3), source=0.0_wp)
       loop%points(1:6, :) = 0.3_wp
       loop%tangents(n, :) = 1
       loop%corner = [0, 0, 0]
-      do i = 1, size(surface%frame%repetitions)
+      do i = 1, size(surface%family%repetitions)
          loop%points(7:12, :) = spread([0.0_wp, 3.0_wp, 6.2_wp, 9.3_wp, 12.4_wp, 15.5_wp], 2, 3)
          loop%points(n, :) = [0.1_wp, 0.2_wp, 0.3_wp]
-         loop%conditions = [(condition_type(repetition, i, bound=surface%frame%apart), k=1, 3)]
+         loop%conditions = [(condition_type(repetition, i, bound=surface%family%apart), k=1, 3)]
          points = loop%points
          tangents = loop%tangents
          call move_to_repetition(surface, loop)
          call check(all(abs(loop%points - points) <= 0) .and. &
             all(abs(loop%tangents - tangents) <= 0), 'vertices that no motion is near stay')
       end do
-      call check(any(2*surface%frame%repetitions%shift /= 6), 'repetitions after a third')
+      call check(any(2*surface%family%repetitions%shift /= 6), 'repetitions after a third')
    end subroutine test_other_repetitions
 
    !> Special points that account for the multipliers that cross the unit circle need no short
@@ -485,10 +482,9 @@ contains
       do i = 1, 60
          call random_request(i, request)
          call make_surface(request, surface, status)
-         surface%frame%every_crossing = .true.
-         surface%frame%apart = 1.0e-5_wp
-         call motions_at(surface%frame, request%pattern, parameters_at(surface, middle), 6, 0, &
-            found)
+         surface%family%every_crossing = .true.
+         surface%family%apart = 1.0e-5_wp
+         call surface%family%motions_at(parameters_at(surface, middle), 6, 0, found)
          do k = 1, size(found, 2)
             call line_of(surface, start_type(found(:, k), middle), 2, line)
             do way = -1, 1, 2
@@ -537,7 +533,7 @@ contains
                   if (.not. now%values(j)*next%values(j) < 0) cycle
                   ! elsewhere its sign jumps where another multiplier crosses the unit circle
                   if (now%conditions(j)%kind == neimark_sacker .and. .not. &
-                     line%frame%every_crossing) cycle
+                     line%family%every_crossing) cycle
                   call check_zero(line, now, next, j)
                   zeros = zeros + 1
                end do
@@ -569,7 +565,7 @@ contains
       if (now%conditions(j)%kind /= grazing) call check_close(norm2(place%point - other%point), &
          0.0_wp, 1.0e-6_wp, 'zeros: the same one from either end')
       scale = max(abs(now%values(j)), abs(next%values(j)))
-      call check_close(condition_value(line%frame, unknowns_of(line, place%point), &
+      call check_close(condition_value(line, unknowns_of(line, place%point), &
          parameters_of(line, place%point), place%conditions(j)), 0.0_wp, 1.0e-9_wp*(1 + scale), &
          'zeros: of the condition')
       call check_close(place%came, dot_product(now%tangent, place%point - now%point) &

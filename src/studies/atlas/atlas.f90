@@ -313,32 +313,48 @@ contains
       type(release_type), intent(in) :: releases(:, :, :)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(zone_type), allocatable :: zone
-      integer :: j, status
+      integer :: j
 
       ! patterns with rest and long patterns take longest, so they come first
-      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads) private(status, zone)
+      !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do j = size(atlas%families), 1, -1
          if (.not. wanted(j)) cycle
          if (is_stopped(progress)) cycle
-         allocate (zone)
-         ! a family without motions has an empty zone, whatever the status
-         if (rests(atlas%families(j)%pattern)) then
-            call find_zone(zone_request(request, atlas%families(j), finer), seeds_of(atlas, &
-               atlas%families(j)%pattern), zone, status, progress, releases)
-         else
-            call find_zone(zone_request(request, atlas%families(j), finer), seeds_of(atlas, &
-               atlas%families(j)%pattern), zone, status, progress)
-         end if
-         ! an incomplete zone is discarded; one that an earlier search found is kept
-         if (.not. is_stopped(progress)) then
-            atlas%families(j)%zone = zone
-            atlas%families(j)%searched = .true.
-         end if
-         deallocate (zone)
+         call trace_family(request, seeds_of(atlas, atlas%families(j)%pattern), finer, releases, &
+            atlas%families(j), progress)
       end do
       !$omp end parallel do
    end subroutine trace_families
+
+   !> Finds the zones of a family.
+   subroutine trace_family(request, seeds, finer, releases, family, progress)
+      !> The request.
+      type(atlas_request_type), intent(in) :: request
+      !> (2 + 2N, m) Its motions that are known.
+      real(wp), intent(in) :: seeds(:, :)
+      !> As in `trace_families`.
+      integer, intent(in) :: finer
+      !> As in `trace_families`.
+      type(release_type), intent(in) :: releases(:, :, :)
+      !> In and out: the family.
+      type(family_type), intent(inout) :: family
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(zone_type) :: zone
+      integer :: status
+
+      ! a family without motions has an empty zone, whatever the status
+      if (rests(family%pattern)) then
+         call find_zone(zone_request(request, family, finer), seeds, zone, status, progress, &
+            releases)
+      else
+         call find_zone(zone_request(request, family, finer), seeds, zone, status, progress)
+      end if
+      ! an incomplete zone is discarded; one that an earlier search found is kept
+      if (is_stopped(progress)) return
+      family%zone = zone
+      family%searched = .true.
+   end subroutine trace_family
 
    !> The request for the zone of a family.
    pure function zone_request(request, family, finer) result(one)

@@ -6,18 +6,17 @@
 module vi_survey
    use vi_attractor_known, only: is_free
    use vi_attractor_lyapunov, only: is_chaotic
-   use vi_conditions, only: all_conditions
+   use vi_conditions, only: all_conditions, condition_count
    use vi_curve, only: correct, curve_type
    use vi_event_symbols, only: period_type, read_periods, symbol_sequence_type, total_phase
-   use vi_family, only: new_family
-   use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_forced_system, only: initial_state
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge, repetition
    use vi_symbols, only: standard_symbols
    use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters
    use vi_oscillator, only: left, oscillator_type, right
+   use vi_oscillator_families, only: choose_family
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: follow_symbols, new_rest_family
    use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_cycles, &
       state_type
    use vi_starts, only: state_start
@@ -287,7 +286,7 @@ contains
    end subroutine name_it
 
    !> The exact motion of a window of events, in standard order, if it is stable and admissible.
-   pure subroutine identify(osc, system, events, reading, cycles, attractor)
+   subroutine identify(osc, system, events, reading, cycles, attractor)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> The forced system.
@@ -331,7 +330,7 @@ contains
    end subroutine identify
 
    !> Newton's method for a motion, and whether it is stable and admissible.
-   pure subroutine polish(osc, attractor, resting)
+   subroutine polish(osc, attractor, resting)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> In: the point, symbols, cycles and approximate unknowns. Out: exact unknowns and `found`,
@@ -348,15 +347,9 @@ contains
       integer :: n, iterations
 
       if (size(attractor%symbols) > most_impacts) return
-      allocate (surface%frame%edges(0))
-      surface%frame%resting = resting
-      if (resting) then
-         surface%frame%rest = new_rest_family(attractor%symbols, attractor%cycles)
-         allocate (surface%frame%repetitions(0))
-      else
-         call new_family(pattern_type(attractor%symbols, attractor%cycles), .false., .true., &
-            surface%frame%family, surface%frame%repetitions, possible)
-      end if
+      allocate (surface%edges(0))
+      call choose_family(pattern_type(attractor%symbols, attractor%cycles), .false., .true., &
+         surface%family, possible)
       c = [attractor%r, log(attractor%clearance), osc%xi, osc%mu, osc%restitution(right), &
          osc%restitution(left)]
       surface%c = c
@@ -365,19 +358,12 @@ contains
       surface%scale = [1.0_wp, 1.0_wp]
       fixed = [condition_type(edge, by_r, 1, bound=c(1)), &
          condition_type(edge, by_clearance, 1, bound=c(2))]
-      n = unknown_count(surface%frame)
-      allocate (point(n + 2), source=0.0_wp)
-      point(:min(n, size(attractor%unknowns))) = &
-         attractor%unknowns(:min(n, size(attractor%unknowns)))
-      if (resting) then
-         call follow_symbols(surface%frame%rest, [point(1), asinh(point(2))], c, point(:n), &
-            possible)
-         if (.not. possible) return
-      end if
+      n = surface%family%unknown_count()
+      point = [surface%family%part_of(c, attractor%unknowns), 0.0_wp, 0.0_wp]
       call correct(surface, fixed, point, iterations)
       if (iterations == 0) return
-      allocate (values(condition_count(surface%frame)), conditions(condition_count(surface%frame)))
-      call all_conditions(surface%frame, point(:n), c, values, conditions)
+      allocate (values(condition_count(surface)), conditions(condition_count(surface)))
+      call all_conditions(surface, point(:n), c, values, conditions)
       ! a motion that repeats itself may still be stable
       if (.not. all(values > 0 .or. conditions%kind == repetition)) return
       if (resting) then

@@ -7,9 +7,9 @@
 module vi_branch
    use vi_crossing, only: locate, look_between
    use vi_curve, only: curve_type, distance_from
-   use vi_frame, only: condition_type, edge, fold, grazing, neimark_sacker, repetition, &
-      wrap_phases, zero_approach
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge, fold, grazing, neimark_sacker, &
+      repetition, zero_approach
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_progress, only: is_stopped, report_share
@@ -112,7 +112,7 @@ contains
       if (.not. good) return
       call append(branch, now, condition_type())
       if (on_bound(curve, now, way)) then
-         branch%special(1) = curve%frame%edges((3 + way)/2)
+         branch%special(1) = curve%edges((3 + way)/2)
          branch%reason = end_bound
          return
       end if
@@ -460,7 +460,7 @@ contains
       closes = .false.
       if (branch%n < 4) return
       offset = branch%points(:, 1) - now%point
-      call wrap_phases(curve%frame, offset)
+      call curve%family%wrap_phases(offset)
       share = dot_product(offset, now%tangent)
       closes = share > 0 .and. share <= next%came .and. &
          norm2(offset - share*now%tangent) < 0.2_wp*share + 1.0e-9_wp

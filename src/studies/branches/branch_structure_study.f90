@@ -5,13 +5,14 @@ module vi_branch_structure_study
    use vi_branch_table, only: branch_work, follow_both, follow_work
    use vi_condition_names, only: condition_name
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
-   use vi_frame, only: condition_type, edge, grazing, zero_approach
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge, grazing, zero_approach
    use vi_motion_structure_study, only: check_structure_motion, find_structure_motion
    use vi_progress, only: add_expected_work, is_stopped, report_share
    use vi_status, only: stat, status_text
    use vi_steps, only: stride_type
    use vi_structure, only: check_structure, load_type, structure_type
+   use vi_structure_family, only: structure_family_type
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_parameter, only: check_parameter, function_keys, parameter_change
    use vi_structure_path, only: change_type, parameter_takes, value_at
@@ -181,8 +182,8 @@ contains
          call result%fail(message)
          return
       end if
-      curve%frame%apart = 1.0e-5_wp
-      curve%frame%every_crossing = .true.
+      curve%family%apart = 1.0e-5_wp
+      curve%family%every_crossing = .true.
       call follow_both(curve, stride_type(longest=case%study%number('longest_step'), turn=0.3_wp), &
          start, case%study%whole_number('max_points'), points, conditions, reasons, progress)
       reported = follow_work
@@ -206,8 +207,8 @@ contains
       end do
       call report_share(1.0_wp, branch_work, reported, progress)
       result%empty = .false.
-      call put_branch(result, curve, found, points(:, :n), conditions(:n), motions(:n), &
-         extremes(:, :n, :), reasons, mirrored, change, case%study%word('parameter'))
+      call put_branch(result, curve, found, load%frequency, points(:, :n), conditions(:n), &
+         motions(:n), extremes(:, :n, :), reasons, mirrored, change, case%study%word('parameter'))
       call put_path(result, [change])
       call put_structure(result, structure, load)
       if (any(reasons == end_stopped)) then
@@ -232,14 +233,16 @@ contains
    end subroutine run_branch
 
    !> Fills the tables of a branch.
-   subroutine put_branch(result, curve, found, points, conditions, motions, extremes, reasons, &
-      mirrored, change, name)
+   subroutine put_branch(result, curve, found, frequency, points, conditions, motions, extremes, &
+      reasons, mirrored, change, name)
       !> The result.
       type(result_type), intent(inout) :: result
       !> The curve.
       type(curve_type), intent(in) :: curve
       !> The motion at the start.
       type(settled_type), intent(in) :: found
+      !> The load frequency there.
+      real(wp), intent(in) :: frequency
       !> (size of a point, n) The points.
       real(wp), intent(in) :: points(:, :)
       !> (n) The condition that is zero at each point; kind 0 if none.
@@ -272,7 +275,7 @@ contains
             detail(i)%text = ''
             if (condition%kind == 0) cycle
             special(i)%text = trim(condition_name(condition%kind, condition%index, &
-               curve%frame%family%mirror, mirrored))
+               curve%family%is_symmetric(), mirrored))
             if (condition%kind == grazing .and. condition%share >= 1) special(i)%text = &
                'simultaneous'
             call touch_detail(curve, condition, [trim(name)], detail(i)%text)
@@ -298,7 +301,7 @@ contains
       call result%open('branch', 'branch', [1])
       call result%put('branch', 'gaps', found%gaps - 1)
       call result%put('branch', 'cycles', [found%cycles])
-      call result%put('branch', 'frequency', [curve%frame%structure%path%load%frequency])
+      call result%put('branch', 'frequency', [frequency])
       ends(1)%text = end_text(reasons(1))
       ends(2)%text = end_text(reasons(2))
       call result%put_text('branch', 'first_end', ends(1:1))
@@ -325,12 +328,16 @@ contains
 
       text = ''
       number = condition%index
-      associate (s => curve%frame%structure)
-         if (allocated(s%impact_of)) number = findloc(s%impact_of, number, dim=1, &
-            back=condition%kind == grazing)
-         gap = findloc(s%path%structure%channel*s%path%structure%wall, condition%side, dim=1)
-         if (allocated(s%impact_of) .and. gap > 0) gap = s%path%kept(gap)
-      end associate
+      gap = 0
+      select type (family => curve%family)
+      type is (structure_family_type)
+         associate (s => family%members)
+            if (allocated(s%impact_of)) number = findloc(s%impact_of, number, dim=1, &
+               back=condition%kind == grazing)
+            gap = findloc(s%path%structure%channel*s%path%structure%wall, condition%side, dim=1)
+            if (allocated(s%impact_of) .and. gap > 0) gap = s%path%kept(gap)
+         end associate
+      end select
       select case (condition%kind)
       case (grazing)
          text = 'flight '//whole(number)//' touches gap '//whole(gap - 1)

@@ -7,9 +7,9 @@ module vi_branch_study
    use vi_common_keys, only: parameter_of, parameter_place, parameter_range, parameter_takes, &
       parameter_words, parameters, resonance
    use vi_condition_names, only: condition_detail, condition_name, name_length
-   use vi_frame, only: edge, grazing, repetition
    use vi_kinds, only: wp
    use vi_motion, only: motion_type
+   use vi_motion_family, only: edge, grazing, repetition
    use vi_motion_study, only: check_motion, find_motions, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
    use vi_oscillator, only: at_resonance

@@ -4,13 +4,12 @@ module vi_branch_table
    use vi_branch, only: branch_type, end_simultaneous, end_stopped, end_stuck, follow_branch
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
-   use vi_family, only: new_family, whole_unknowns
-   use vi_frame, only: condition_type, edge, zero_approach
    use vi_kinds, only: wp
    use vi_motion, only: no, unknown
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, &
-      span_of
+   use vi_motion_family, only: condition_type, edge, zero_approach
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
    use vi_oscillator, only: oscillator_type
+   use vi_oscillator_families, only: choose_family
    use vi_pattern, only: default_restitution, pattern_type
    use vi_points, only: member_point
    use vi_status, only: stat
@@ -177,7 +176,7 @@ contains
       do i = 1, 2
          if (ends(i) == merge(1, n, i == 1)) cycle
          reasons(i) = end_stuck
-         call last_flight(curve, points(:, ends(i)), condition)
+         call last_flight(curve, points(:, ends(i)), request%pattern%cycles, condition)
          if (condition%kind == 0) cycle
          reasons(i) = end_simultaneous
          special(:, ends(i)) = [condition%kind, condition%index, condition%side]
@@ -200,25 +199,27 @@ contains
    end subroutine cut_ends
 
    !> The impact that comes together with the one before it at an end of a branch.
-   pure subroutine last_flight(curve, point, condition)
+   pure subroutine last_flight(curve, point, cycles, condition)
       !> The curve of motions.
       type(curve_type), intent(in) :: curve
       !> The last point.
       real(wp), intent(in) :: point(:)
+      !> Load cycles of the period.
+      integer, intent(in) :: cycles
       !> The zero approach of the second impact; kind 0 if no flight is short.
       type(condition_type), intent(out) :: condition
       !> Rounding hides the speed of a flight (rad) that is shorter than about this.
       real(wp), parameter :: short = 1.0e-2_wp
-      real(wp), allocatable :: theta(:)
+      real(wp), allocatable :: whole(:), theta(:)
       integer :: i, n
 
-      n = size(curve%frame%family%sides)
-      allocate (theta(n + 1))
-      theta(:n) = point(n + 1:2*n)
-      theta(n + 1) = theta(1) + span_of(curve%frame%family)
+      allocate (whole, source=curve%family%whole_of(unknowns_of(curve, point)))
+      n = size(whole)/2
+      theta = [whole(n + 1:), whole(n + 1) + 2*acos(-1.0_wp)*cycles]
       i = minloc(theta(2:) - theta(:n), dim=1)
+      ! of a symmetric motion the impacts of the first half are counted
       if (theta(i + 1) - theta(i) < short) condition = condition_type(zero_approach, &
-         modulo(i, n) + 1)
+         modulo(i, size(unknowns_of(curve, point))/2) + 1)
    end subroutine last_flight
 
    !> One point of a branch as a motion in arrays.
@@ -252,7 +253,7 @@ contains
       setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
          c(by_r), 1.0_wp, c(by_clearance), request%pattern, &
          default_restitution(request%pattern%sides, c(by_right), c(by_left)))
-      whole = whole_unknowns(curve%frame%family, unknowns_of(curve, point))
+      whole = curve%family%whole_of(unknowns_of(curve, point))
       m = size(whole)/2
       call member_point(setting, whole(:m)*c(by_clearance), whole(m + 1:), phases, impacts, &
          scalars, multipliers, verdicts, code)
@@ -265,7 +266,7 @@ contains
    end subroutine write_point
 
    !> The curve and the start on it.
-   pure subroutine make_curve(request, unknowns, curve, start, status)
+   subroutine make_curve(request, unknowns, curve, start, status)
       !> What to follow.
       type(branch_request_type), intent(in) :: request
       !> (2N) x_i/D and theta_i at the start.
@@ -278,13 +279,11 @@ contains
       integer, intent(out) :: status
       real(wp) :: low, high
       logical :: possible, equal
-      integer :: n, total
 
       associate (c => request%c, p => request%parameter)
          equal = abs(c(by_right) - c(by_left)) <= 0
-         call new_family(request%pattern, request%symmetric, equal .and. (request%tied .or. &
-            p /= by_right .and. p /= by_left), curve%frame%family, curve%frame%repetitions, &
-            possible)
+         call choose_family(request%pattern, request%symmetric, equal .and. (request%tied .or. &
+            p /= by_right .and. p /= by_left), curve%family, possible)
          status = merge(stat%ok, stat%no_motion, possible)
          if (.not. possible) return
          low = request%bounds(1)
@@ -298,15 +297,12 @@ contains
          curve%tied = request%tied
          curve%origin = [low]
          curve%scale = [high - low]
-         curve%frame%apart = 1.0e-5_wp
-         curve%frame%every_crossing = .true.
-         allocate (curve%frame%edges(2))
-         curve%frame%edges(1) = condition_type(edge, p, 1, bound=low)
-         curve%frame%edges(2) = condition_type(edge, p, -1, bound=high)
-         total = size(unknowns)/2
-         n = size(curve%frame%family%sides)
-         allocate (start(2*n + 1))
-         start = [unknowns(:n), unknowns(total + 1:total + n), (c(p) - low)/(high - low)]
+         curve%family%apart = 1.0e-5_wp
+         curve%family%every_crossing = .true.
+         allocate (curve%edges(2))
+         curve%edges(1) = condition_type(edge, p, 1, bound=low)
+         curve%edges(2) = condition_type(edge, p, -1, bound=high)
+         start = [curve%family%part_of(c, unknowns), (c(p) - low)/(high - low)]
       end associate
    end subroutine make_curve
 

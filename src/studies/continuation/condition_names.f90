@@ -1,7 +1,7 @@
 !> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
-   use vi_frame, only: edge, flip, fold, grazing, joint, neimark_sacker, repetition, &
-      rest_splits, rest_vanishes, together, zero_approach
+   use vi_motion_family, only: edge, flip, fold, grazing, joint, neimark_sacker, &
+      repetition, rest_splits, rest_vanishes, together, zero_approach
    implicit none (type, external)
    private
 
@@ -19,7 +19,7 @@ contains
 
    !> The type of a condition that is zero.
    pure function condition_name(kind, index, symmetric, mirrored) result(name)
-      !> Kind and index of the condition, as in vi_frame.
+      !> Kind and index of the condition, as in vi_motion_family.
       integer, intent(in) :: kind, index
       !> Whether the family consists of symmetric motions.
       logical, intent(in) :: symmetric
@@ -57,7 +57,7 @@ contains
    !> The detail of a condition: which flight touches which wall, which impact has no approach
    !! speed, which parameter is at a bound.
    pure function condition_detail(kind, index, side) result(detail)
-      !> Kind, index and side of the condition, as in vi_frame.
+      !> Kind, index and side of the condition, as in vi_motion_family.
       integer, intent(in) :: kind, index, side
       character(detail_length) :: detail
 

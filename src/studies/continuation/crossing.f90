@@ -2,9 +2,9 @@
 module vi_crossing
    use vi_conditions, only: condition_value
    use vi_curve, only: correct, curve_type, parameters_of, unknowns_of
-   use vi_frame, only: condition_type, grazing, is_inside, rest_splits, rest_vanishes
    use vi_kinds, only: wp
-   use vi_steps, only: can_shorten, has_other_symbols, place_type, survey
+   use vi_motion_family, only: condition_type, grazing, is_inside, rest_splits, rest_vanishes
+   use vi_steps, only: can_shorten, place_type, survey
    implicit none (type, external)
    private
 
@@ -142,7 +142,7 @@ contains
          call correct(curve, conditions, place%point, iterations, from%tangent, place%tangent)
          if (iterations == 0) return
          call survey(curve, place)
-         if (has_other_symbols(curve, place)) return
+         if (curve%family%has_other_symbols(place%values)) return
          found = sign_of*place%values(which) < 0
          if (found) return
          slope = sign_of*rate_along(curve, place, which)/dot_product(from%tangent, place%tangent)
@@ -172,7 +172,7 @@ contains
          real(wp) :: point(size(place%point))
 
          point = place%point + step*place%tangent
-         at = condition_value(curve%frame, unknowns_of(curve, point), parameters_of(curve, point), &
+         at = condition_value(curve, unknowns_of(curve, point), parameters_of(curve, point), &
             place%conditions(which))
       end function at
    end function rate_along

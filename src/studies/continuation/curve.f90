@@ -3,20 +3,11 @@
 !! With one active parameter, the motions of a family form a curve; with two active parameters, the
 !! motions on which one condition is zero (for example, a fold) form a curve.
 module vi_curve
-   use vi_conditions, only: condition_value
-   use vi_curve_point, only: curve_type, parameters_of, point_size, to_point, unknowns_of
-   use vi_family, only: repetition_distance
-   use vi_frame, only: condition_type, edge, neimark_sacker, unknown_count, wrap_phases
+   use vi_conditions, only: condition_slope
+   use vi_curve_point, only: curve_type, parameters_of, point_size, unknowns_of
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
-   use vi_orbit, only: by_clearance, by_left, by_right, n_parameters, orbit_by_parameter, &
-      orbit_slopes, orbit_type, set_orbit, span_of
-   use vi_rest_conditions, only: measure_in_period, touching_in
-   use vi_rest_family, only: measure_type, rest_period, rest_period_type
-   use vi_structure_conditions, only: structure_slope
-   use vi_structure_family, only: member_equations, member_type, set_member
-   use vi_structure_slopes, only: equations_by_parameter
-   use vi_slopes, only: has_slope, value_and_slope
+   use vi_motion_family, only: condition_type, edge, repeats
    implicit none (type, external)
    private
 
@@ -35,8 +26,6 @@ module vi_curve
    integer, parameter :: most_iterations = 8
    !> Residual due to rounding, relative to the coefficients of an equation.
    real(wp), parameter :: rounding = 1.0e-13_wp
-   !> A residual that makes Newton's method fail: the period has other symbols.
-   real(wp), parameter :: at_fault = huge(1.0_wp)
 
 contains
 
@@ -93,36 +82,20 @@ contains
          ! quadratic convergence: the ratio of the next step to this one is the square of the ratio
          ! of this one to the previous one; near a singular point the next step is not yet
          ! negligible
-         if (done .and. .not. curve%frame%resting .and. i < most_iterations) then
+         if (done .and. .not. curve%family%jumps .and. i < most_iterations) then
             done = moved*(moved/before)**2 < 1.0e-13_wp .or. moved > 0.5_wp*before
             ! motions that repeat themselves are such singular points
-            if (i == 1 .and. moved >= 1.0e-11_wp) done = .not. nearly_repeats(curve, point)
+            if (i == 1 .and. moved >= 1.0e-11_wp) done = .not. repeats(curve%family, &
+               unknowns_of(curve, point), 10*curve%family%apart)
          end if
          if (done .or. (residual < rounding .and. moved < 1.0e-4_wp .and. &
             moved > 0.9_wp*before)) then
-            if (in_order(curve, point)) iterations = i
+            if (curve%family%in_order(unknowns_of(curve, point))) iterations = i
             if (present(tangent)) tangent = b(2, :n)/norm2(b(2, :n))
             return
          end if
       end do
    end subroutine correct
-
-   !> Whether a motion is near one that repeats itself within its period.
-   pure logical function nearly_repeats(curve, point)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> A point of it.
-      real(wp), intent(in) :: point(:)
-      integer :: j
-
-      nearly_repeats = .false.
-      associate (frame => curve%frame)
-         do j = 1, size(frame%repetitions)
-            nearly_repeats = nearly_repeats .or. repetition_distance(frame%family, &
-               frame%repetitions(j), point(:unknown_count(frame))) < 10*frame%apart
-         end do
-      end associate
-   end function nearly_repeats
 
    !> Distance of a point from the place where a curve crosses the plane through it; huge if
    !! Newton's method does not find the curve there.
@@ -141,33 +114,15 @@ contains
       integer :: iterations
 
       offset = point - guess
-      call wrap_phases(curve%frame, offset)
+      call curve%family%wrap_phases(offset)
       place = guess + dot_product(offset, normal)*normal
       distance_from = huge(1.0_wp)
       call correct(curve, conditions, place, iterations, normal)
       if (iterations == 0) return
       offset = point - place
-      call wrap_phases(curve%frame, offset)
+      call curve%family%wrap_phases(offset)
       distance_from = norm2(offset)
    end function distance_from
-
-   !> Whether the impacts are in the order of time; the equations have other roots as well.
-   pure logical function in_order(curve, point)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> A root of its equations.
-      real(wp), intent(in) :: point(:)
-      real(wp) :: slack
-      integer :: n
-
-      in_order = .true.
-      if (curve%frame%resting) return
-      n = size(curve%frame%family%sides)
-      ! impacts on two gaps of a structure may change their order, which is located like a touch
-      slack = merge(0.1_wp, 0.0_wp, allocated(curve%frame%structure))
-      in_order = all(point(n + 2:2*n) > point(n + 1:2*n - 1) - slack) .and. point(2*n) &
-         - point(n + 1) < span_of(curve%frame%family) + slack
-   end function in_order
 
    !> Residuals of the motion and of the conditions, each with its gradient; the second right-hand
    !! sides are 0.
@@ -181,319 +136,16 @@ contains
       !> Out: b(1, j): residual j, b(2, :): 0; a(:, j): gradient of residual j with respect to the
       !! coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
-      type(orbit_type) :: o
-      real(wp) :: c(n_parameters), slope(most)
-      integer :: n, j, k
+      integer :: j, n
 
-      n = unknown_count(curve%frame)
+      n = size(point) - size(curve%active)
       b(2, :size(point)) = 0
-      if (curve%frame%resting) then
-         call rest_equations(curve, conditions, point, b, a)
-         return
-      else if (allocated(curve%frame%structure)) then
-         call structure_equations(curve, conditions, point, b, a)
-         return
-      end if
-      c = parameters_of(curve, point)
-      call set_orbit(curve%frame%family, point(:n), c, o)
-      call orbit_slopes(o, a, b(1, :n))
-      do j = 1, n
-         call to_point(curve, a(:, j))
-      end do
-      do k = 1, size(curve%active)
-         if (curve%active(k) <= by_clearance) cycle
-         slope(:n) = orbit_by_parameter(o, curve%active(k))
-         if (curve%tied .and. curve%active(k) == by_right) slope(:n) = slope(:n) &
-            + orbit_by_parameter(o, by_left)
-         a(n + k, :n) = curve%scale(k)*slope(:n)
-      end do
+      call curve%family%set_equations(curve%coordinates_type, conditions, point, b, a)
       do j = 1, size(conditions)
-         call orbit_slope(curve, conditions(j), point, c, o, b(1, n + j), a(:, n + j))
+         if (conditions(j)%kind == edge) call condition_slope(curve, conditions(j), point, &
+            b(1, n + j), a(:size(point), n + j))
       end do
    end subroutine equations
-
-   !> As `equations`, for motions with rest.
-   pure subroutine rest_equations(curve, conditions, point, b, a)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> Conditions that are to be zero.
-      type(condition_type), intent(in) :: conditions(:)
-      !> A guess.
-      real(wp), intent(in) :: point(:)
-      !> Out: b(1, j): residual j, or huge where the symbols cannot be followed; a(:, j): its
-      !! gradient with respect to the coordinates.
-      real(wp), intent(inout) :: b(2, most), a(most, most)
-      type(rest_period_type) :: period
-      type(measure_type) :: measure
-      real(wp) :: c(n_parameters)
-      integer :: j, m, n
-
-      m = unknown_count(curve%frame)
-      n = m + size(conditions)
-      b(1, :n) = at_fault
-      a(:size(point), :n) = 0
-      c = parameters_of(curve, point)
-      call rest_period(curve%frame%rest, point(:m), c, period, touching_in(conditions))
-      if (.not. period%right) return
-      do j = 1, n
-         if (j <= m) then
-            measure = period%equations(j)
-         else
-            measure = measure_in_period(period, c, conditions(j - m))
-         end if
-         b(1, j) = measure%value
-         a(:m + 2, j) = measure%by(:m + 2)
-         call to_point(curve, a(:, j))
-      end do
-      do j = 1, size(conditions)
-         if (conditions(j)%kind > neimark_sacker) cycle
-         call differences(curve, conditions(j), point, 1, a(:size(point), m + j))
-      end do
-      if (any(curve%active > by_clearance)) call rest_differences(curve, conditions, point, a)
-   end subroutine rest_equations
-
-   !> As `equations`, for motions of a structure.
-   pure subroutine structure_equations(curve, conditions, point, b, a)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> Conditions that are to be zero.
-      type(condition_type), intent(in) :: conditions(:)
-      !> A guess.
-      real(wp), intent(in) :: point(:)
-      !> Out: b(1, j): residual j, or huge where there is no motion; a(:, j): its gradient with
-      !! respect to the coordinates.
-      real(wp), intent(inout) :: b(2, most), a(most, most)
-      type(member_type) :: member
-      real(wp) :: c(n_parameters), slope(unknown_count(curve%frame)), &
-         jacobian(size(slope), size(slope))
-      integer :: j, k, m
-      logical :: good
-
-      m = size(slope)
-      b(1, :m + size(conditions)) = at_fault
-      a(:size(point), :m + size(conditions)) = 0
-      c = parameters_of(curve, point)
-      associate (s => curve%frame%structure, family => curve%frame%family, &
-         shares => c(:size(curve%frame%structure%path%changes)))
-         call set_member(s, family, point(:m), shares, member)
-         if (.not. member%exists) return
-         call member_equations(s, family, member, slope, jacobian)
-         b(1, :m) = slope
-         a(:m, :m) = jacobian
-         do k = 1, size(curve%active)
-            call equations_by_parameter(s, family, point(:m), shares, member, curve%active(k), &
-               slope, good)
-            if (.not. good) b(1, :m) = at_fault
-            if (.not. good) return
-            a(m + k, :m) = curve%scale(k)*slope
-         end do
-      end associate
-      do j = 1, size(conditions)
-         call member_slope(curve, conditions(j), point, member, b(1, m + j), &
-            a(:size(point), m + j))
-      end do
-   end subroutine structure_equations
-
-   !> The derivatives of the equations of motions with rest with respect to parameters other than r
-   !! and log(D), by central differences.
-   pure subroutine rest_differences(curve, conditions, point, a)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> Conditions that are to be zero.
-      type(condition_type), intent(in) :: conditions(:)
-      !> A guess.
-      real(wp), intent(in) :: point(:)
-      !> In and out: gradients, a column each; the rows of such parameters are set.
-      real(wp), intent(inout) :: a(most, most)
-      real(wp), parameter :: h = 1.0e-6_wp
-      real(wp) :: moved(size(point)), ahead(unknown_count(curve%frame) + size(conditions))
-      integer :: k, m
-
-      m = unknown_count(curve%frame)
-      do k = 1, size(curve%active)
-         if (curve%active(k) <= by_clearance) cycle
-         moved = point
-         moved(m + k) = point(m + k) + h
-         ahead = rest_values(curve, conditions, moved)
-         moved(m + k) = point(m + k) - h
-         a(m + k, :size(ahead)) = (ahead - rest_values(curve, conditions, moved))/(2*h)
-      end do
-   end subroutine rest_differences
-
-   !> Residual of a period with rest, and the conditions that the same period gives.
-   pure function rest_values(curve, conditions, point) result(values)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> Conditions whose values are wanted.
-      type(condition_type), intent(in) :: conditions(:)
-      !> A guess.
-      real(wp), intent(in) :: point(:)
-      real(wp) :: values(unknown_count(curve%frame) + size(conditions))
-      type(rest_period_type) :: period
-      type(measure_type) :: measure
-      real(wp) :: c(n_parameters)
-      integer :: j, m
-
-      m = unknown_count(curve%frame)
-      values = at_fault
-      c = parameters_of(curve, point)
-      call rest_period(curve%frame%rest, point(:m), c, period)
-      if (.not. period%right) return
-      values(:m) = period%equations%value
-      do j = 1, size(conditions)
-         measure = measure_in_period(period, c, conditions(j))
-         values(m + j) = measure%value
-      end do
-   end function rest_values
-
-   !> Value of a condition, and its gradient with respect to the coordinates of a point.
-   pure subroutine condition_slope(curve, condition, point, value, slope)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point of the curve.
-      real(wp), intent(in) :: point(:)
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      type(member_type) :: member
-      type(orbit_type) :: o
-      real(wp) :: c(n_parameters), whole(most)
-
-      c = parameters_of(curve, point)
-      if (curve%frame%resting) then
-         call rest_slope(curve, condition, point, c, value, slope)
-      else if (allocated(curve%frame%structure)) then
-         if (condition%kind == edge) then
-            call member_slope(curve, condition, point, member, value, slope)
-         else
-            call set_member(curve%frame%structure, curve%frame%family, unknowns_of(curve, point), &
-               c(:size(curve%frame%structure%path%changes)), member)
-            call member_slope(curve, condition, point, member, value, slope)
-         end if
-      else
-         call set_orbit(curve%frame%family, unknowns_of(curve, point), c, o)
-         call orbit_slope(curve, condition, point, c, o, value, whole)
-         slope = whole(:size(slope))
-      end if
-   end subroutine condition_slope
-
-   !> As `condition_slope`, for a motion of a structure.
-   pure subroutine member_slope(curve, condition, point, member, value, slope)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point of the curve.
-      real(wp), intent(in) :: point(:)
-      !> In and out: the motion, as in `structure_slope`; not used for an edge.
-      type(member_type), intent(inout) :: member
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      real(wp) :: c(n_parameters)
-
-      c = parameters_of(curve, point)
-      associate (by => slope(size(slope) - size(curve%active) + 1:))
-         if (condition%kind == edge) then
-            value = condition_value(curve%frame, unknowns_of(curve, point), c, condition)
-            slope = 0
-            where (curve%active == condition%index) by = condition%side*curve%scale
-         else
-            call structure_slope(curve%frame, unknowns_of(curve, point), c, condition, &
-               curve%active, member, value, slope)
-            by = curve%scale*by
-         end if
-      end associate
-   end subroutine member_slope
-
-   !> As `condition_slope`, for a motion with rest.
-   pure subroutine rest_slope(curve, condition, point, c, value, slope)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point of the curve, and the parameters there.
-      real(wp), intent(in) :: point(:), c(:)
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      type(rest_period_type) :: period
-      type(measure_type) :: measure
-      real(wp) :: whole(most)
-      integer :: m
-
-      m = unknown_count(curve%frame)
-      call rest_period(curve%frame%rest, point(:m), c, period)
-      measure = measure_in_period(period, c, condition)
-      value = measure%value
-      whole(:m + 2) = measure%by(:m + 2)
-      call to_point(curve, whole)
-      slope = whole(:size(slope))
-      if (condition%kind <= neimark_sacker .or. any(curve%active > by_clearance)) then
-         call differences(curve, condition, point, 1, slope)
-      end if
-   end subroutine rest_slope
-
-   !> As `condition_slope`, from the orbit of the point; central differences where no closed form
-   !! is known.
-   pure subroutine orbit_slope(curve, condition, point, c, o, value, slope)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point of the curve, and the parameters there.
-      real(wp), intent(in) :: point(:), c(:)
-      !> The orbit of the point.
-      type(orbit_type), intent(in) :: o
-      !> The value, and the gradient (the first elements, as `point`).
-      real(wp), intent(out) :: value, slope(most)
-      integer :: n
-
-      n = unknown_count(curve%frame)
-      if (has_slope(condition)) then
-         call value_and_slope(curve%frame, point(:n), c, o, condition, value, slope(:n + 2))
-         call to_point(curve, slope)
-         if (any(curve%active > by_clearance)) call differences(curve, condition, point, n + 1, &
-            slope(:size(point)))
-      else
-         value = condition_value(curve%frame, point(:n), c, condition)
-         call differences(curve, condition, point, 1, slope(:size(point)))
-      end if
-   end subroutine orbit_slope
-
-   !> The derivatives of a condition with respect to all coordinates from a given one on, by central
-   !! differences.
-   pure subroutine differences(curve, condition, point, first, slope)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point of the curve.
-      real(wp), intent(in) :: point(:)
-      !> Number of the first coordinate.
-      integer, intent(in) :: first
-      !> (as `point`) In and out: elements from `first` on are set.
-      real(wp), intent(inout) :: slope(:)
-      real(wp) :: moved(size(point)), h
-      integer :: j
-
-      h = 1.0e-6_wp
-      do j = first, size(point)
-         moved = point
-         moved(j) = point(j) + h
-         slope(j) = at(moved)
-         moved(j) = point(j) - h
-         slope(j) = (slope(j) - at(moved))/(2*h)
-      end do
-   contains
-      !> The value of the condition at a nearby point.
-      pure real(wp) function at(place)
-         !> The point.
-         real(wp), intent(in) :: place(:)
-
-         at = condition_value(curve%frame, unknowns_of(curve, place), parameters_of(curve, place), &
-            condition)
-      end function at
-   end subroutine differences
 
    !> The unit tangent of a curve at a point of it, in the direction of a given vector.
    pure subroutine tangent_at(curve, conditions, point, along, tangent, regular, orientation)

@@ -6,14 +6,15 @@
 !! are followed as well. Where a motion grazes a wall, a line of another pattern begins, in which
 !! that touch is an additional impact.
 module vi_passages
-   use vi_conditions, only: gap_of_flight, polish_touch
    use vi_curve, only: correct, curve_type, tangent_at
-   use vi_frame, only: condition_type, edge, grazing
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge, grazing
    use vi_symbols, only: standard_symbols
    use vi_likeness, only: distance, same
-   use vi_orbit, only: by_clearance, by_left, by_r, by_right, by_xi, orbit_type, set_orbit
+   use vi_orbit, only: by_clearance, by_left, by_r, by_right, by_xi, family_type, orbit_type, &
+      set_orbit
    use vi_oscillator, only: gain
+   use vi_pair_family, only: gap_of_flight, pair_family_type, polish_touch
    use vi_pattern, only: pattern_type
    use vi_progress, only: is_stopped
    use vi_search, only: search_pattern
@@ -49,6 +50,7 @@ module vi_passages
    type, public :: lines_type
       private
       type(pattern_type) :: pattern
+      type(family_type) :: impacts
       type(curve_type) :: curve
       !> Unit of x_i/D.
       real(wp) :: scale = 1
@@ -147,14 +149,16 @@ contains
       real(wp), intent(in) :: c(:)
       !> Out: without motions.
       type(lines_type), intent(inout) :: lines
+      type(pair_family_type) :: pair
 
       lines%pattern = pattern
       lines%scale = max(1.0_wp, min(huge(1.0_wp), gain(c(by_xi), c(by_r)))*exp(-c(by_clearance)))
-      associate (frame => lines%curve%frame)
-         frame%family%sides = pattern%sides
-         frame%family%cycles = pattern%cycles
-         allocate (frame%edges(0), frame%repetitions(0))
-      end associate
+      allocate (lines%curve%edges(0))
+      pair%impacts%sides = pattern%sides
+      pair%impacts%cycles = pattern%cycles
+      allocate (pair%repetitions(0))
+      lines%impacts = pair%impacts
+      allocate (lines%curve%family, source=pair)
       lines%curve%c = c
       lines%curve%active = [by_r]
       lines%curve%origin = [0.0_wp]
@@ -187,7 +191,7 @@ contains
       lines%curve%scale = unit(direction)
       now%point = [unknowns, place]
       looks = size(gaps) < lines%symbols
-      call look(lines%curve, now%point, looks, o, right, gaps, touches)
+      call look(lines, now%point, looks, o, right, gaps, touches)
       ! at a birth the approach speed of the new impact is zero
       if (.not. (right .or. abs(place) > 0)) return
       along = 0
@@ -202,7 +206,7 @@ contains
             good, blind=.true.)
          if (.not. good) return
          if (.not. next%came < now%step) next%step = 1.6_wp*next%came
-         call look(lines%curve, next%point, looks, o, right, gaps_next, touches_next)
+         call look(lines, next%point, looks, o, right, gaps_next, touches_next)
          if (looks) call note_births(lines, now, next, gaps, gaps_next, touches_next)
          call note_passages(lines, now, next, known)
          if (known .or. abs(next%point(n)) > reach .or. .not. right) return
@@ -213,9 +217,9 @@ contains
 
    !> The orbit of a point of a line: whether the masses approach each other at every impact, and
    !! the gaps of its flights.
-   pure subroutine look(curve, point, looks, o, right, gaps, touches)
+   pure subroutine look(lines, point, looks, o, right, gaps, touches)
       !> The line.
-      type(curve_type), intent(in) :: curve
+      type(lines_type), intent(in) :: lines
       !> A point of it.
       real(wp), intent(in) :: point(:)
       !> Whether the gaps are wanted.
@@ -228,15 +232,17 @@ contains
       real(wp), intent(inout) :: gaps(:)
       !> The grazing condition of each gap, with its wall and share of the flight.
       type(condition_type), intent(inout) :: touches(:)
-      real(wp) :: c(size(curve%c))
+      real(wp) :: c(size(lines%curve%c))
       integer :: i
 
-      c = curve%c
-      c(curve%active(1)) = curve%origin(1) + curve%scale(1)*point(size(point))
+      associate (curve => lines%curve)
+         c = curve%c
+         c(curve%active(1)) = curve%origin(1) + curve%scale(1)*point(size(point))
+      end associate
       right = .false.
       gaps = 0
       if (.not. c(by_r) > 0) return
-      call set_orbit(curve%frame%family, point(:size(point) - 1), c, o)
+      call set_orbit(lines%impacts, point(:size(point) - 1), c, o)
       right = all(o%side(1:o%n)*(o%speed(0:o%n - 1) - o%before(1:o%n)) > 0)
       if (.not. (looks .and. right)) return
       do i = 1, o%n
@@ -311,7 +317,7 @@ contains
       birth%direction = lines%curve%active(1)
       birth%place = point(size(point))
       c(birth%direction) = lines%curve%origin(1) + lines%curve%scale(1)*birth%place
-      call set_orbit(lines%curve%frame%family, point(:2*n), c, o)
+      call set_orbit(lines%impacts, point(:2*n), c, o)
       ! the touch of a motion a step away happens at another time; from there the longer pattern
       ! does not solve the equations, and its line would not be found
       there = touch

@@ -1,16 +1,15 @@
 !> Steps along a curve of motions.
 module vi_steps
-   use vi_conditions, only: all_conditions
+   use vi_conditions, only: all_conditions, condition_count
    use vi_curve, only: correct, correction_type, curve_type, parameters_of, tangent_at, unknowns_of
-   use vi_family, only: image_of
-   use vi_frame, only: condition_count, condition_type, neimark_sacker, repetition, unknown_count
    use vi_kinds, only: wp
    use vi_linear, only: most
+   use vi_motion_family, only: condition_type, neimark_sacker, repetition
    use vi_spectrum, only: spectrum_type
    implicit none (type, external)
    private
 
-   public :: begin_walk, can_shorten, exchange, has_other_symbols, survey, take_step
+   public :: begin_walk, can_shorten, exchange, survey, take_step
 
    !> A point of a curve with the direction of travel and all conditions.
    type, public :: place_type
@@ -97,23 +96,11 @@ contains
       type(place_type), intent(inout) :: place
       integer :: n
 
-      n = condition_count(curve%frame)
+      n = condition_count(curve)
       if (.not. allocated(place%values)) allocate (place%values(n), place%conditions(n))
-      call all_conditions(curve%frame, place%point(:unknown_count(curve%frame)), &
-         parameters_of(curve, place%point), place%values, place%conditions, place%spectrum)
+      call all_conditions(curve, unknowns_of(curve, place%point), parameters_of(curve, &
+         place%point), place%values, place%conditions, place%spectrum)
    end subroutine survey
-
-   !> Whether the period at a place has other symbols than the family: all values are -1 at once.
-   pure logical function has_other_symbols(curve, place)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The place, with its values.
-      type(place_type), intent(in) :: place
-
-      has_other_symbols = curve%frame%resting
-      if (has_other_symbols) has_other_symbols = count(place%values <= -1) > &
-         size(curve%frame%rest%symbols)
-   end function has_other_symbols
 
    !> One step along a curve, shortened until Newton's method converges and the turn is small.
    pure subroutine take_step(curve, conditions, stride, from, to, good, blind)
@@ -146,9 +133,9 @@ contains
          to%point = from%point + step*from%tangent
          if (.not. leaps) call bend_over(from, step, to%point)
          call correct(curve, conditions, to%point, iterations, from%tangent, to%tangent, correction)
-         if (iterations > 0 .and. curve%frame%resting) then
+         if (iterations > 0 .and. curve%family%jumps) then
             call survey(curve, to)
-            if (has_other_symbols(curve, to)) iterations = 0
+            if (curve%family%has_other_symbols(to%values)) iterations = 0
          end if
          if (iterations > 0) then
             turn = turn_of(from%tangent, to%tangent, size(curve%active))
@@ -174,7 +161,7 @@ contains
          if (blind) return
       end if
       if (iterations <= 4 .and. turn < 0.5_wp*stride%turn) to%step = 1.6_wp*step
-      if (.not. curve%frame%resting) call survey(curve, to)
+      if (.not. curve%family%jumps) call survey(curve, to)
       call mark_passage(curve, from, to)
    end subroutine take_step
 
@@ -197,7 +184,7 @@ contains
       real(wp) :: length
 
       keeps = .true.
-      if (curve%frame%resting) return
+      if (curve%family%jumps) return
       if (.not. any(conditions%kind == neimark_sacker)) keeps = &
          from%orientation*correction%orientation >= 0
       if (.not. keeps) return
@@ -276,17 +263,17 @@ contains
       type(place_type), intent(in) :: from
       !> The place where it ends. Out: the values of such conditions may be negative.
       type(place_type), intent(inout) :: to
-      real(wp), allocatable :: a(:), b(:)
+      real(wp), dimension(size(to%point) - size(curve%active)) :: a, b
       integer :: j
 
       do j = 1, size(to%values)
          if (to%conditions(j)%kind /= repetition .or. to%values(j) < 0) cycle
-         associate (family => curve%frame%family, &
-            way => curve%frame%repetitions(to%conditions(j)%index))
+         associate (family => curve%family, &
+            way => curve%family%repetitions(to%conditions(j)%index))
             a = unknowns_of(curve, from%point)
-            a = image_of(family, way, a) - a
+            a = family%image_of(way, a) - a
             b = unknowns_of(curve, to%point)
-            b = image_of(family, way, b) - b
+            b = family%image_of(way, b) - b
          end associate
          if (dot_product(a, b) < 0) to%values(j) = -to%values(j) - 2*to%conditions(j)%bound
       end do

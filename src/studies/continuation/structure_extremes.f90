@@ -4,7 +4,7 @@ module vi_structure_extremes
    use vi_modes, only: advance
    use vi_orbit, only: family_type
    use vi_rows, only: row_values
-   use vi_structure_family, only: flight_duration, member_type
+   use vi_structure_members, only: flight_duration, member_type
    implicit none (type, external)
    private
 

@@ -1,396 +1,639 @@
-!> Periodic motions of a structure as a family, for the tracer of branches and zones.
+!> Families of motions of a structure.
 !!
-!! The unknowns of a motion are, for each impact, its approach speed with the sign of the wall, and
-!! its load phase; then the displacements of modes of frequency 0, whose mean positions are free. A
-!! motion that is its own image half a period later, by the mirror or another symmetry of the
-!! structure, is described by its first half. The speeds and phases correspond to (u_i, theta_i) of
-!! the oscillator, so that both families have the same symmetries.
+!! With multipliers lambda_i, the numbers of fold, flip and Neimark-Sacker have the signs of the
+!! products of all 1 - lambda_i, of all 1 + lambda_i, and of all 1 - lambda_i lambda_j with i < j.
+!! Their magnitude is that of the two least factors, which does not underflow for large structures;
+!! of two, since two multipliers that meet are not smooth, unlike their symmetric functions.
 module vi_structure_family
-   use vi_family, only: whole_unknowns
+   use vi_family, only: add_distance_slope, repetition_distance, whole_unknowns
+   use vi_impact_family, only: are_in_order, impact_family_type, list_conditions
    use vi_kinds, only: wp
-   use vi_lapack_routines, only: geev
+   use vi_linear, only: most
    use vi_modes, only: advance
-   use vi_orbit, only: family_type
-   use vi_responses, only: jumps_of, offset_pairs
-   use vi_status, only: stat
-   use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type
-   use vi_structure_map, only: apply_flight, apply_impact
-   use vi_structure_motion, only: equations_type, impulse_of, new_equations, residuals, since, &
-      state_after
-   use vi_structure_path, only: changed, changed_whole, structure_path_type
+   use vi_motion_family, only: alike, at_fault, condition_type, coordinates_type, edge, flip, &
+      fold, grazing, neimark_sacker, parameters_at, repetition, together, zero_approach
+   use vi_orbit, only: n_parameters
+   use vi_releases, only: release_type
+   use vi_rows, only: row_values
+   use vi_spectrum, only: outside_circle, spectrum_type
+   use vi_structure_members, only: flight_duration, free_unknowns, member_equations, &
+      member_multipliers, member_type, move_member, set_flights, set_member, &
+      structure_members_type, whole_sides
+   use vi_structure_slopes, only: equations_by_parameter
+   use vi_structure_together, only: multipliers_beside
    implicit none (type, external)
    private
 
-   public :: flight_duration, free_unknowns, member_equations, member_multipliers, &
-      move_member, of_family, set_flights, set_member, set_sides, whole_sides
-
-   !> What the members of a family have in common, besides the impacts (`family_type`, where a side
-   !! is the number of a channel with the sign of its wall; with a symmetry other than the mirror,
-   !! sides of opposite sign are those of gaps that it exchanges).
-   type, public :: structure_family_type
-      type(structure_path_type) :: path
-      !> Units of speed and of length.
-      real(wp) :: speed = 1, length = 1
-      !> (n, p) Displacements of the modes of frequency 0 at the start.
-      real(wp), allocatable :: free(:, :)
-      !> Most pairs whose frequency is 0; how many of their displacements a symmetric motion has.
-      integer :: p = 0, even = 0
-      !> (-m:m) The gap of each side; 0 if there is none.
-      integer, allocatable :: gap_of(:)
-      !> (n, n) The symmetry q(t + T/2) = S q(t) that motions of the pattern can have, if it is not
-      !! the mirror, -1.
-      real(wp), allocatable :: symmetry(:, :)
-      !> Where several gaps close at one instant along the whole family (vi_structure_together): the
-      !! gaps of all impacts of a period and, for each, the impact of the family.
-      integer, allocatable :: gaps(:), impact_of(:)
-      !> (n, l) With the columns of `path%part`, a basis of all that these impacts reach one by one.
-      real(wp), allocatable :: beside(:, :)
-      !> Whether a symmetry exchanges the gaps that close together.
-      logical :: exchanged = .false.
+   !> The unknowns are those of vi_structure_members; each parameter is a share of the way between
+   !! its bounds.
+   type, extends(impact_family_type), public :: structure_family_type
+      type(structure_members_type) :: members
+   contains
+      procedure :: unknown_count, set_equations
+      procedure :: condition_count, set_conditions, condition_value, condition_slope
+      procedure :: whole_of, motions_at, in_order, image_of_side
    end type structure_family_type
 
-   !> One member.
-   type, public :: member_type
-      !> False if the structure has no such motions there, as at a resonance.
-      logical :: exists = .false.
-      type(structure_type) :: structure
-      type(regime_type) :: regime
-      type(equations_type) :: equations
-      !> (N) Approach speeds, (p) offsets.
-      real(wp), allocatable :: speeds(:), offsets(:)
-      !> (p, p) Offsets due to the unknown displacements.
-      real(wp), allocatable :: turn(:, :)
-      !> (2m, 2m) The symmetry of a symmetric motion in the pairs, if it is not the mirror.
-      real(wp), allocatable :: symmetry(:, :)
-      !> (m, n + 1) The pairs just before and just after the impacts of the family and the next one,
-      !! if `set_flights` was called; the first columns of the former are not set.
-      real(wp), allocatable, dimension(:, :) :: x_before, v_before, x_after, v_after
-      !> The whole structure, where the family is only a part of its motions.
-      type(structure_type) :: whole_structure
-      type(regime_type) :: whole_regime
-   end type member_type
+   !> The least gap counts up to this value, in units of length of the family.
+   real(wp), parameter :: wide = 1
 
 contains
 
-   !> Number of unknowns besides two for each impact: none in a family of mirror images.
-   pure integer function free_unknowns(s, family)
-      !> The structure.
-      type(structure_family_type), intent(in) :: s
-      !> The impacts.
-      type(family_type), intent(in) :: family
+   !> Number of unknowns.
+   pure integer function unknown_count(family)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
 
-      free_unknowns = merge(s%even, s%p, family%mirror)
-   end function free_unknowns
+      unknown_count = 2*size(family%impacts%sides) + free_unknowns(family%members, family%impacts)
+   end function unknown_count
 
-   !> Numbers the sides as the channels, with the signs of their walls.
-   pure subroutine set_sides(s)
-      !> In and out: the structure, whose channels are set.
-      type(structure_family_type), intent(inout) :: s
-      integer :: i
+   !> Residuals of the motion and of conditions, each with its gradient.
+   pure subroutine set_equations(family, coordinates, conditions, point, b, a)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The parameters.
+      type(coordinates_type), intent(in) :: coordinates
+      !> Conditions that are to be zero.
+      type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
+      real(wp), intent(in) :: point(:)
+      !> Out: as in vi_motion_family.
+      real(wp), intent(inout) :: b(2, most), a(most, most)
+      type(member_type) :: member
+      real(wp) :: c(n_parameters), slope(size(point) - size(coordinates%active)), &
+         jacobian(size(slope), size(slope))
+      integer :: j, k, m
+      logical :: good
 
-      associate (structure => s%path%structure)
-         allocate (s%gap_of(-structure%channels:structure%channels), source=0)
-         s%gap_of(structure%channel*structure%wall) = [(i, i=1, size(structure%channel))]
+      m = size(slope)
+      b(1, :m + size(conditions)) = at_fault
+      a(:size(point), :m + size(conditions)) = 0
+      c = parameters_at(coordinates, point(m + 1:))
+      associate (s => family%members, shares => c(:size(family%members%path%changes)))
+         call set_member(s, family%impacts, point(:m), shares, member)
+         if (.not. member%exists) return
+         call member_equations(s, family%impacts, member, slope, jacobian)
+         b(1, :m) = slope
+         a(:m, :m) = jacobian
+         do k = 1, size(coordinates%active)
+            call equations_by_parameter(s, family%impacts, point(:m), shares, member, &
+               coordinates%active(k), slope, good)
+            if (.not. good) b(1, :m) = at_fault
+            if (.not. good) return
+            a(m + k, :m) = coordinates%scale(k)*slope
+         end do
       end associate
-   end subroutine set_sides
+      do j = 1, size(conditions)
+         if (conditions(j)%kind == edge) cycle
+         call member_slope(family, coordinates, conditions(j), point, member, b(1, m + j), &
+            a(:size(point), m + j))
+      end do
+   end subroutine set_equations
 
-   !> The sides of all impacts of a period.
-   pure function whole_sides(family) result(sides)
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      integer :: sides(size(family%sides)*merge(2, 1, family%mirror))
+   !> Number of conditions.
+   pure integer function condition_count(family)
+      !> The family and its repetitions.
+      class(structure_family_type), intent(in) :: family
 
-      sides(:size(family%sides)) = family%sides
-      if (family%mirror) sides(size(family%sides) + 1:) = -family%sides
-   end function whole_sides
+      condition_count = 3 + 2*size(family%impacts%sides) + size(family%repetitions)
+      if (allocated(family%members%impact_of)) condition_count = condition_count + 3
+   end function condition_count
 
-   !> The member with given unknowns at given parameters.
-   pure subroutine set_member(s, family, unknowns, shares, member, searched)
-      !> The structure.
-      type(structure_family_type), intent(in) :: s
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      !> Its unknowns.
-      real(wp), intent(in) :: unknowns(:)
-      !> Each parameter, as a share of the way between its bounds.
-      real(wp), intent(in) :: shares(:)
-      !> The member.
-      type(member_type), intent(out) :: member
-      !> Whether contacts will be searched in its flights; not by default.
-      logical, intent(in), optional :: searched
-      type(load_type) :: load
-      real(wp), allocatable :: rows(:, :)
-      integer, allocatable :: pairs(:)
-      logical :: with_tables
-      integer :: status
+   !> The values of all conditions; -1 where there is no such motion. Those of stability for impacts
+   !! at one instant are last, if there are any.
+   pure subroutine set_conditions(family, unknowns, c, values, found, spectrum)
+      !> The family, and its repetitions.
+      class(structure_family_type), intent(in) :: family
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> (m) Value of each condition, positive where it is met.
+      real(wp), intent(out) :: values(:)
+      !> (m) The conditions; grazing with its wall and the share of the flight.
+      type(condition_type), intent(out) :: found(:)
+      !> The multipliers.
+      type(spectrum_type), intent(out) :: spectrum
+      type(member_type) :: member
+      real(wp) :: three(3, 0:1)
+      integer :: j
 
-      with_tables = .false.
-      if (present(searched)) with_tables = searched
-      call changed(s%path, shares, member%structure, load)
-      call check_structure(member%structure, status)
-      if (status /= stat%ok .or. .not. load%frequency > 0) return
-      call new_regime(member%structure, load, [integer :: ], member%regime, status, with_tables)
-      if (status /= stat%ok) return
-      member%regime%frequency = load%frequency
-      allocate (pairs, source=offset_pairs(member%regime))
-      if (size(pairs) /= s%p) return
-      rows = member%regime%xq(pairs, :)
-      member%turn = s%length*matmul(rows, s%free)
-      if (family%mirror .and. allocated(s%symmetry)) call set_symmetry(s%symmetry, member)
-      if (allocated(s%impact_of)) then
-         call changed_whole(s%path, shares, member%whole_structure, load)
-         call check_structure(member%whole_structure, status)
-         if (status == stat%ok) call new_regime(member%whole_structure, load, [integer :: ], &
-            member%whole_regime, status, with_tables)
-         if (status /= stat%ok) return
-         member%whole_regime%frequency = load%frequency
+      call list_conditions(family, found)
+      if (allocated(family%members%impact_of)) found(size(found) - 2:) = [(condition_type(j, &
+         merge(together, alike, family%members%exchanged)), j=1, 3)]
+      values = -1
+      call set_member(family%members, family%impacts, unknowns, c(:size( &
+         family%members%path%changes)), member)
+      if (.not. member%exists) return
+      call set_flights(family%impacts, member)
+      call stability_values(family, unknowns, member, three, spectrum)
+      if (.not. family%every_crossing .and. all(three > 0)) then
+         ! only stable motions are inside
+         if (outside_circle(spectrum, 0) > 0) three(neimark_sacker, 0) = -three(neimark_sacker, 0)
       end if
-      call set_unknowns(s, family, unknowns, member)
-   end subroutine set_member
+      do j = 1, size(values)
+         associate (condition => found(j))
+            if (condition%kind == grazing) then
+               call gap_of_flight(family, member, condition, values(j))
+            else if (condition%kind <= neimark_sacker) then
+               values(j) = three(condition%kind, min(condition%index, 1))
+            else
+               values(j) = simple_value(family, unknowns, member, condition)
+            end if
+         end associate
+      end do
+   end subroutine set_conditions
 
-   !> The symmetry of a member in its pairs.
-   pure subroutine set_symmetry(symmetry, member)
-      !> (n, n) S.
-      real(wp), intent(in) :: symmetry(:, :)
-      !> In and out: its regime is set.
-      type(member_type), intent(inout) :: member
+   !> The value of one condition; for grazing, at the stationary point given in it.
+   pure real(wp) function condition_value(family, unknowns, c, condition) result(value)
+      !> The family, and its repetitions.
+      class(structure_family_type), intent(in) :: family
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+      type(member_type) :: member
+
+      call set_member(family%members, family%impacts, unknowns, c(:size( &
+         family%members%path%changes)), member)
+      call value_of_member(family, unknowns, member, condition, value)
+   end function condition_value
+
+   !> Value of a condition, and its gradient with respect to the coordinates of a point.
+   pure subroutine condition_slope(family, coordinates, condition, point, value, slope)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The parameters.
+      type(coordinates_type), intent(in) :: coordinates
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+      !> A point.
+      real(wp), intent(in) :: point(:)
+      !> The value, and the gradient (as `point`).
+      real(wp), intent(out) :: value, slope(:)
+      type(member_type) :: member
+      real(wp) :: c(n_parameters)
       integer :: m
 
-      associate (regime => member%regime)
-         m = size(regime%xq, 1)
-         allocate (member%symmetry(2*m, 2*m))
-         member%symmetry(:m, :m) = matmul(regime%xq, matmul(symmetry, regime%qx)) &
-            + matmul(regime%xd, matmul(symmetry, regime%dx))
-         member%symmetry(:m, m + 1:) = matmul(regime%xq, matmul(symmetry, regime%qv)) &
-            + matmul(regime%xd, matmul(symmetry, regime%dv))
-         member%symmetry(m + 1:, :m) = matmul(regime%vq, matmul(symmetry, regime%qx)) &
-            + matmul(regime%vd, matmul(symmetry, regime%dx))
-         member%symmetry(m + 1:, m + 1:) = matmul(regime%vq, matmul(symmetry, regime%qv)) &
-            + matmul(regime%vd, matmul(symmetry, regime%dv))
-      end associate
-   end subroutine set_symmetry
+      m = size(point) - size(coordinates%active)
+      c = parameters_at(coordinates, point(m + 1:))
+      call set_member(family%members, family%impacts, point(:m), c(:size( &
+         family%members%path%changes)), member)
+      call member_slope(family, coordinates, condition, point, member, value, slope)
+   end subroutine condition_slope
 
-   !> The times, speeds and offsets of a member, and its equations.
-   pure subroutine set_unknowns(s, family, unknowns, member)
-      !> The structure.
-      type(structure_family_type), intent(in) :: s
-      !> The impacts.
-      type(family_type), intent(in) :: family
+   !> The same from the member at the point, by central differences.
+   pure subroutine member_slope(family, coordinates, condition, point, member, value, slope)
+      !> The family, and its repetitions.
+      class(structure_family_type), intent(in) :: family
+      !> The parameters.
+      type(coordinates_type), intent(in) :: coordinates
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+      !> A point.
+      real(wp), intent(in) :: point(:)
+      !> In and out: the member there; its flights are others on return.
+      type(member_type), intent(inout) :: member
+      !> The value, and the gradient (as `point`).
+      real(wp), intent(out) :: value, slope(:)
+      real(wp), parameter :: h = 1.0e-6_wp
+      type(member_type) :: near
+      real(wp) :: moved(size(point) - size(coordinates%active)), both(2), c(n_parameters), &
+         shares(size(family%members%path%changes))
+      integer :: i, j, m
+
+      m = size(moved)
+      c = parameters_at(coordinates, point(m + 1:))
+      shares = c(:size(shares))
+      slope = 0
+      associate (unknowns => point(:m), s => family%members, active => coordinates%active)
+         do j = 1, size(active)
+            do i = 1, 2
+               shares(active(j)) = c(active(j)) + (3 - 2*i)*h
+               call set_member(s, family%impacts, unknowns, shares, near)
+               call value_of_member(family, unknowns, near, condition, both(i))
+            end do
+            shares(active(j)) = c(active(j))
+            slope(m + j) = coordinates%scale(j)*((both(1) - both(2))/(2*h))
+         end do
+         call value_of_member(family, unknowns, member, condition, value)
+         if (.not. member%exists) return
+         if (condition%kind == zero_approach) then
+            slope(condition%index) = sign(1, family%impacts%sides(condition%index))
+         else if (condition%kind == repetition) then
+            call add_distance_slope(family%impacts, family%repetitions(condition%index), unknowns, &
+               1.0_wp, slope)
+         else
+            do j = 1, m
+               do i = 1, 2
+                  moved = unknowns
+                  moved(j) = unknowns(j) + (3 - 2*i)*h
+                  call move_member(s, family%impacts, moved, member)
+                  call value_of_member(family, moved, member, condition, both(i))
+               end do
+               slope(j) = (both(1) - both(2))/(2*h)
+            end do
+            call move_member(s, family%impacts, unknowns, member)
+         end if
+      end associate
+   end subroutine member_slope
+
+   !> The approach speeds and load phases of all impacts of a period.
+   pure function whole_of(family, unknowns) result(whole)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
       !> Its unknowns.
       real(wp), intent(in) :: unknowns(:)
-      !> In and out: its structure and regime are set.
-      type(member_type), intent(inout) :: member
       real(wp), allocatable :: whole(:)
-      integer :: sides(size(family%sides)*merge(2, 1, family%mirror))
-      integer :: i, n, status
+      real(wp), allocatable :: all(:)
+      integer, allocatable :: rows(:)
+      integer :: i, n
 
-      member%exists = .false.
-      sides = whole_sides(family)
-      n = size(sides)
-      allocate (whole, source=whole_unknowns(family, unknowns))
-      associate (frequency => member%regime%frequency)
-         call new_equations(member%structure, member%regime, [(s%gap_of(sides(i)), i=1, n)], &
-            whole(n + 1:2*n)/frequency, 2*acos(-1.0_wp)*family%cycles/frequency, &
-            member%equations, status)
-      end associate
-      if (status /= stat%ok) return
-      allocate (member%speeds(n), member%offsets(s%p))
-      call move_member(s, family, unknowns, member)
-      member%exists = .true.
-   end subroutine set_unknowns
-
-   !> Another member at the same parameters, without its equations.
-   pure subroutine move_member(s, family, unknowns, member)
-      !> The structure.
-      type(structure_family_type), intent(in) :: s
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      !> Its unknowns.
-      real(wp), intent(in) :: unknowns(:)
-      !> In and out: a member at these parameters; of its equations the times alone are set, and its
-      !! flights are not set.
-      type(member_type), intent(inout) :: member
-      real(wp), allocatable :: whole(:)
-      integer :: n
-
-      n = size(member%speeds)
-      allocate (whole, source=whole_unknowns(family, unknowns))
-      member%equations%times = whole(n + 1:2*n)/member%regime%frequency
-      member%speeds = s%speed*sign(1, whole_sides(family))*whole(:n)
-      associate (free => unknowns(2*size(family%sides) + 1:))
-         member%offsets = 0
-         if (size(free) > 0) member%offsets = matmul(member%turn(:, :size(free)), free)
-      end associate
-   end subroutine move_member
-
-   !> The equations of a member among those of a period: of symmetric motions those of the first
-   !! half, and the balances of the displacements that they can have.
-   pure function of_family(family, member, whole, equations) result(part)
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      !> The member.
-      type(member_type), intent(in) :: member
-      !> The values of all equations, or their derivatives.
-      real(wp), intent(in) :: whole(:)
-      !> Number of equations of the member.
-      integer, intent(in) :: equations
-      real(wp) :: part(equations)
-      integer :: k, n, m
-
-      n = size(family%sides)
-      m = size(member%speeds)
-      part = [whole(:n), whole(m + 1:m + n), whole(2*m + 1:2*m + equations - 2*n)]
-      if (.not. family%mirror) return
-      do k = 1, equations - 2*n
-         part(2*n + k) = dot_product(member%turn(:, k), whole(2*m + 1:))/norm2(member%turn(:, k))
-      end do
-   end function of_family
-
-   !> The equations of a member: gaps, approach speeds, and balances of modes of frequency 0.
-   pure subroutine member_equations(s, family, member, value, jacobian)
-      !> The structure.
-      type(structure_family_type), intent(in) :: s
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      !> The member.
-      type(member_type), intent(in) :: member
-      !> Residuals, as many as there are unknowns.
-      real(wp), intent(out) :: value(:)
-      !> (unknowns, unknowns) Derivative of residual j by unknown i, if wanted.
-      real(wp), intent(out), optional :: jacobian(:, :)
-      real(wp), dimension(2*size(member%speeds) + size(member%offsets)) :: whole, scale
-      real(wp), dimension(size(whole), size(whole)) :: by
-      real(wp) :: rows(size(value), size(whole))
-      integer :: i, k, m, n
-
-      n = size(family%sides)
-      m = size(member%speeds)
-      if (.not. present(jacobian)) then
-         call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
-            scale)
-         value = of_family(family, member, whole, size(value))
-         return
+      allocate (all, source=whole_unknowns(family%impacts, unknowns))
+      n = size(whole_sides(family%impacts))
+      if (allocated(family%members%impact_of)) then
+         allocate (rows, source=family%members%impact_of)
+      else
+         allocate (rows, source=[(i, i=1, n)])
       end if
-      call residuals(member%structure, member%equations, member%speeds, member%offsets, whole, &
-         scale, by)
-      value = of_family(family, member, whole, size(value))
-      do i = 1, size(whole)
-         rows(:, i) = of_family(family, member, by(:, i), size(value))
+      whole = [family%members%speed*abs(all(rows)), all(n + rows)]
+   end function whole_of
+
+   !> None: a structure's motions are followed from a known one.
+   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> Not used.
+      real(wp), intent(in) :: c(:)
+      !> Not used.
+      integer, intent(in) :: guesses, skip
+      !> (unknowns, 0)
+      real(wp), allocatable, intent(out) :: found(:, :)
+      !> Not used.
+      type(release_type), intent(in), optional :: releases(:)
+      !> Not used.
+      integer, intent(inout), optional :: progress(3)
+      !> Not used.
+      integer, intent(in), optional :: longer
+
+      associate (not_used => [size(c), guesses, skip], no => [present(releases), &
+         present(progress), present(longer)])
+         allocate (found(family%unknown_count(), 0))
+      end associate
+   end subroutine motions_at
+
+   !> Whether each impact is later than the one before it. Impacts on two gaps may change their
+   !! order, which is located like a touch.
+   pure logical function in_order(family, unknowns)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+
+      in_order = are_in_order(family%impacts, unknowns, 0.1_wp)
+   end function in_order
+
+   !> The wall that the symmetry exchanges with a given one.
+   pure integer function image_of_side(family, side) result(image)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The channel of the wall, negative for a lower wall.
+      integer, intent(in) :: side
+      integer :: gap, label
+
+      image = -side
+      if (.not. allocated(family%members%symmetry)) return
+      associate (s => family%members, structure => family%members%path%structure)
+         gap = findloc(structure%channel*structure%wall, side, dim=1)
+         label = findloc(s%gap_of, gap, dim=1) + lbound(s%gap_of, 1) - 1
+         gap = s%gap_of(-label)
+         image = structure%channel(gap)*structure%wall(gap)
+      end associate
+   end function image_of_side
+
+   !> The value of one condition of a member; -1 if there is none.
+   pure subroutine value_of_member(family, unknowns, member, condition, value)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> In and out: the member; its flights are set if they are needed.
+      type(member_type), intent(inout) :: member
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> The value.
+      real(wp), intent(out) :: value
+      type(spectrum_type) :: spectrum
+      real(wp) :: three(3, 0:1)
+
+      value = -1
+      if (.not. member%exists) return
+      select case (condition%kind)
+      case (fold, flip, neimark_sacker)
+         call set_flights(family%impacts, member)
+         call stability_values(family, unknowns, member, three, spectrum)
+         value = three(condition%kind, min(condition%index, 1))
+      case (grazing)
+         call set_flights(family%impacts, member)
+         value = touch_value(family, member, condition)
+      case default
+         value = simple_value(family, unknowns, member, condition)
+      end select
+   end subroutine value_of_member
+
+   !> The value of an approach speed or of the distance to a motion that repeats itself.
+   pure real(wp) function simple_value(family, unknowns, member, condition) result(value)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+
+      if (condition%kind == zero_approach) then
+         value = member%speeds(condition%index)/family%members%speed
+      else
+         value = repetition_distance(family%impacts, family%repetitions(condition%index), &
+            unknowns) - condition%bound
+      end if
+   end function simple_value
+
+   !> The numbers of fold, flip and Neimark-Sacker.
+   pure subroutine stability_values(family, unknowns, member, values, spectrum)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> (3, 0:1) The numbers of the family, and those of disturbances after which its impacts at
+      !! one instant occur one by one; 0 where an impact has no approach speed.
+      real(wp), intent(out) :: values(:, 0:)
+      !> The multipliers.
+      type(spectrum_type), intent(out) :: spectrum
+      complex(wp), allocatable :: beside(:)
+      real(wp) :: signs(size(family%impacts%sides))
+      integer :: i
+
+      values = 0
+      call member_multipliers(family%impacts, member, spectrum%multipliers, spectrum%regular)
+      if (.not. spectrum%regular) return
+      ! where an approach speed passes zero, a multiplier passes infinity and another one zero
+      signs = sign(1.0_wp, member%speeds(:size(signs)))
+      call numbers_of(spectrum%multipliers, product(signs), values(:, 0))
+      values(:, 1) = 1
+      associate (s => family%members)
+         if (allocated(s%impact_of)) then
+            call multipliers_beside(s, member, beside, spectrum%regular)
+            if (.not. spectrum%regular) return
+            call numbers_of(beside, product([(signs(modulo(s%impact_of(i) - 1, size(signs)) + 1), &
+               i=1, size(s%impact_of))])*product(sign(1.0_wp, member%speeds)), values(:, 1))
+            spectrum%multipliers = [spectrum%multipliers, beside]
+         end if
+      end associate
+      ! a multiplier approaches 1 where the motion repeats itself, as the square of the distance
+      do i = 1, size(family%repetitions)
+         values(fold, 0) = values(fold, 0)/max(0.1_wp*family%apart, &
+            repetition_distance(family%impacts, family%repetitions(i), unknowns))**2
       end do
-      do i = 1, n
-         jacobian(i, :) = sign(1, family%sides(i))*s%speed*rows(:, m + i)
-         jacobian(n + i, :) = rows(:, i)/member%regime%frequency
-         if (.not. family%mirror) cycle
-         jacobian(i, :) = jacobian(i, :) + sign(1, family%sides(i))*s%speed*rows(:, m + n + i)
-         jacobian(n + i, :) = jacobian(n + i, :) + rows(:, n + i)/member%regime%frequency
-      end do
-      do k = 1, size(value) - 2*n
-         jacobian(2*n + k, :) = 0
-         do i = 1, size(member%offsets)
-            jacobian(2*n + k, :) = jacobian(2*n + k, :) + member%turn(i, k)*rows(:, 2*m + i)
+   end subroutine stability_values
+
+   !> The three numbers of some multipliers.
+   pure subroutine numbers_of(lambda, continued, values)
+      !> The multipliers; conjugate ones are in succession.
+      complex(wp), intent(in) :: lambda(:)
+      !> -1 where an odd number of them has passed infinity.
+      real(wp), intent(in) :: continued
+      !> Those of fold, flip and Neimark-Sacker.
+      real(wp), intent(out) :: values(3)
+      real(wp) :: least(2, 3)
+      logical :: one, two
+      integer :: i, j
+
+      values = 1
+      least = huge(1.0_wp)
+      do i = 1, size(lambda)
+         one = .not. abs(lambda(i)%im) > 0
+         call include(lambda(i), one, values(fold), least(:, fold))
+         call include(-lambda(i), one, values(flip), least(:, flip))
+         do j = i + 1, size(lambda)
+            two = one .and. .not. abs(lambda(j)%im) > 0
+            ! DGEEV gives conjugate pairs in succession
+            if (j == i + 1 .and. lambda(i)%im > 0) two = .true.
+            call include(lambda(i)*lambda(j), two, values(neimark_sacker), &
+               least(:, neimark_sacker))
          end do
       end do
-   end subroutine member_equations
+      values = values*product(least, 1, least < huge(1.0_wp))
+      values([fold, flip]) = continued*values([fold, flip])
+   end subroutine numbers_of
 
-   !> The pairs at the impacts of a member: from those after the first one by flights and impulses.
-   pure subroutine set_flights(family, member)
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      !> In and out: the pairs are set.
-      type(member_type), intent(inout) :: member
-      real(wp), dimension(size(member%regime%modes%stiffness)) :: in_x, in_v
-      real(wp) :: impulse, slope
-      integer :: i, m, n, next
+   !> Includes a factor 1 - z in the sign of a product and among its two least factors.
+   pure subroutine include(z, alone, sign_of, least)
+      !> z.
+      complex(wp), intent(in) :: z
+      !> Whether z is real; otherwise the conjugate factor follows, and their product is positive.
+      logical, intent(in) :: alone
+      !> In and out: the sign, and the two least |1 - z|/(1 + |z|) in ascending order.
+      real(wp), intent(inout) :: sign_of, least(2)
+      real(wp) :: factor
 
-      n = size(family%sides)
-      m = size(in_x)
-      if (.not. allocated(member%x_after)) allocate (member%x_before(m, n + 1), &
-         member%v_before(m, n + 1), member%x_after(m, n + 1), member%v_after(m, n + 1))
-      call state_after(member%structure, member%regime, member%equations, member%speeds, &
-         member%offsets, 1, member%x_after(:, 1), member%v_after(:, 1))
-      do i = 1, n
-         call advance(member%regime%modes, flight_duration(member, i), member%x_after(:, i), &
-            member%v_after(:, i), member%x_before(:, i + 1), member%v_before(:, i + 1))
-         next = modulo(i, size(member%speeds)) + 1
-         associate (gap => member%equations%gaps(next))
-            call impulse_of(member%structure, gap, member%speeds(next), impulse, slope)
-            call jumps_of(member%structure, member%regime, gap, in_x, in_v)
-         end associate
-         member%x_after(:, i + 1) = member%x_before(:, i + 1) + impulse*in_x
-         member%v_after(:, i + 1) = member%v_before(:, i + 1) + impulse*in_v
+      factor = abs(1 - z)/(1 + abs(z))
+      if (alone) then
+         factor = abs(1 - z%re)/(1 + abs(z%re))
+         if (z%re > 1) sign_of = -sign_of
+      end if
+      if (factor < least(1)) then
+         least = [factor, least(1)]
+      else
+         least(2) = min(least(2), factor)
+      end if
+   end subroutine include
+
+   !> The least gap within a flight: at stationary points, and at its end of channels that are not
+   !! in contact there.
+   pure subroutine gap_of_flight(family, member, touch, gap)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> In: the flight. Out: also the channel, with the sign of the wall, and the share of the
+      !! duration.
+      type(condition_type), intent(inout) :: touch
+      !> The gap, in units of length; negative beyond the wall.
+      real(wp), intent(out) :: gap
+      !> Nodes per time unit of the structure, and limits on their number.
+      integer, parameter :: density = 3, least = 12, most = 4000
+      real(wp), allocatable, dimension(:, :) :: y, rate
+      real(wp) :: duration, value, share, step, h
+      type(condition_type) :: here
+      integer :: i, k, nodes, row, wall
+
+      duration = flight_duration(member, touch%index)
+      nodes = max(least, min(most, ceiling(density*duration/member%regime%unit)))
+      associate (rows => size(member%regime%upper))
+         allocate (y(rows, 0:nodes), rate(rows, 0:nodes))
+      end associate
+      do k = 0, nodes
+         call rows_at(member, touch%index, k*duration/nodes, y(:, k), rate(:, k))
       end do
-   end subroutine set_flights
+      h = duration/nodes
+      gap = wide
+      touch%side = 0
+      touch%share = 0
+      do row = 1, size(y, 1)
+         do i = 1, 2
+            wall = 3 - 2*i
+            if (.not. is_wall(member, row, wall)) cycle
+            do k = 0, nodes
+               here = touch
+               here%side = wall*row
+               here%share = k/real(nodes, wp)
+               ! an impact leaves its wall; without restitution its speed is 0, up to rounding
+               if (k == 0 .and. in_contact(member, touch%index, here%side)) cycle
+               if (k < nodes) then
+                  ! the gap has a minimum between two nodes
+                  if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
+                     step = rate(row, k)/(rate(row, k) - rate(row, k + 1))
+                     share = (k + step)/nodes
+                     ! cubic interpolation decides which minima are refined
+                     value = hermite(y(row, k), y(row, k + 1), h*rate(row, k), h*rate(row, k + 1), &
+                        step)
+                     value = gap_at(family, member, here%side, value)
+                     if (value < gap + 0.1_wp) then
+                        here%share = share
+                        value = touch_value(family, member, here)
+                        if (value < gap) then
+                           gap = value
+                           touch = here
+                        end if
+                     end if
+                     here%share = k/real(nodes, wp)
+                  end if
+               end if
+               if (k < nodes) cycle
+               ! the next impact comes first: before it all other gaps are open
+               if (in_contact(member, touch%index + 1, here%side)) cycle
+               value = gap_at(family, member, here%side, y(row, k))
+               if (value >= gap) cycle
+               gap = value
+               touch = here
+            end do
+         end do
+      end do
+   end subroutine gap_of_flight
 
-   !> Duration of the flight after an impact.
-   pure real(wp) function flight_duration(member, i)
-      !> The member.
+   !> Cubic interpolation between two nodes.
+   pure real(wp) function hermite(a, b, slope_a, slope_b, t) result(value)
+      !> Values and slopes at both ends, and the share of the way.
+      real(wp), intent(in) :: a, b, slope_a, slope_b, t
+
+      value = a + t*(slope_a + t*(3*(b - a) - 2*slope_a - slope_b + t*(2*(a - b) + slope_a &
+         + slope_b)))
+   end function hermite
+
+   !> Whether a channel has a wall on one side.
+   pure logical function is_wall(member, row, wall)
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> The channel, and +1 or -1 for its upper or lower wall.
+      integer, intent(in) :: row, wall
+
+      is_wall = merge(member%regime%upper_gap(row), member%regime%lower_gap(row), wall > 0) > 0
+   end function is_wall
+
+   !> Whether an impact of the family, or the one after the last, is on a wall.
+   pure logical function in_contact(member, impact, side)
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> Number of the impact, from 1 to n + 1.
+      integer, intent(in) :: impact
+      !> The channel with the sign of the wall.
+      integer, intent(in) :: side
+
+      associate (structure => member%structure, gap => member%equations%gaps(modulo(impact - 1, &
+         size(member%equations%gaps)) + 1))
+         in_contact = structure%channel(gap)*structure%wall(gap) == side
+      end associate
+   end function in_contact
+
+   !> A gap in units of length.
+   pure real(wp) function gap_at(family, member, side, y) result(gap)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The motion.
+      type(member_type), intent(in) :: member
+      !> The channel with the sign of the wall.
+      integer, intent(in) :: side
+      !> The position of the channel.
+      real(wp), intent(in) :: y
+
+      if (side > 0) then
+         gap = member%regime%upper(side) - y
+      else
+         gap = y - member%regime%lower(-side)
+      end if
+      gap = gap/family%members%length
+   end function gap_at
+
+   !> The gap at the stationary point near a given share of the flight; at its ends, the gap there.
+   pure real(wp) function touch_value(family, member, touch) result(gap)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The motion, with its flights.
+      type(member_type), intent(in) :: member
+      !> Flight, channel and wall, and approximate share of its duration.
+      type(condition_type), intent(in) :: touch
+      real(wp), dimension(size(member%regime%upper)) :: y, rate, ahead, unused
+      real(wp) :: duration, t, step, limit, h
+      integer :: i, row
+
+      row = abs(touch%side)
+      gap = wide
+      if (row == 0) return
+      duration = flight_duration(member, touch%index)
+      t = touch%share*duration
+      if (touch%share > 0 .and. touch%share < 1) then
+         limit = 0.2_wp*member%regime%unit
+         h = 1.0e-3_wp*member%regime%unit
+         do i = 1, 8
+            call rows_at(member, touch%index, t, y, rate)
+            call rows_at(member, touch%index, t + h, unused, ahead)
+            step = ahead(row) - rate(row)
+            if (.not. abs(step) > 0) exit
+            step = -h*rate(row)/step
+            t = t + max(-limit, min(limit, step))
+            ! an error of the time changes the gap by its square
+            if (abs(step) < 1.0e-9_wp*member%regime%unit) exit
+         end do
+      end if
+      call rows_at(member, touch%index, t, y, rate)
+      gap = gap_at(family, member, touch%side, y(row))
+   end function touch_value
+
+   !> Positions and rates of all channels at a time after an impact.
+   pure subroutine rows_at(member, i, t, y, rate)
+      !> The motion, with its flights.
       type(member_type), intent(in) :: member
       !> Number of the impact.
       integer, intent(in) :: i
+      !> Time since then.
+      real(wp), intent(in) :: t
+      !> (rows) Positions and rates.
+      real(wp), contiguous, intent(out) :: y(:), rate(:)
+      real(wp), dimension(size(member%x_after, 1)) :: x, v
+      complex(wp) :: turn(size(member%regime%ripple, 2))
+      real(wp) :: phase
+      integer :: h
 
-      flight_duration = since(member%equations%times, member%equations%period, &
-         modulo(i, size(member%speeds)) + 1, i)
-   end function flight_duration
-
-   !> The multipliers of a member, without those of modes on which its impacts do not act; of a
-   !! symmetric motion those of the map of half a period, with the symmetry.
-   pure subroutine member_multipliers(family, member, multipliers, good)
-      !> The impacts.
-      type(family_type), intent(in) :: family
-      !> The member, with its flights.
-      type(member_type), intent(in) :: member
-      !> (2m) The multipliers.
-      complex(wp), allocatable, intent(out) :: multipliers(:)
-      !> False if an impact has no approach speed, or DGEEV failed.
-      logical, intent(out) :: good
-      real(wp), dimension(2*size(member%x_after, 1), 2*size(member%x_after, 1)) :: d
-      real(wp), dimension(size(member%x_after, 1)) :: in_x, in_v
-      real(wp), dimension(size(d, 1)) :: re, im
-      real(wp), allocatable :: part(:, :)
-      real(wp) :: unused(1, 1), work(66*size(d, 1)), speed
-      logical :: moved(size(d, 1))
-      integer :: i, j, n, next, info, status
-
-      n = size(family%sides)
-      moved = .false.
-      d = 0
-      do i = 1, size(d, 1)
-         d(i, i) = 1
-      end do
-      do i = 1, n
-         next = modulo(i, size(member%speeds)) + 1
-         call apply_flight(member%regime, flight_duration(member, i), d)
-         ! beyond a zero of the approach speed the map continues smoothly
-         speed = member%speeds(next)
-         good = abs(speed) > 0
-         if (.not. good) return
-         call apply_impact(member%structure, member%regime, member%equations%gaps(next), &
-            member%regime%frequency*member%equations%times(next), speed, &
-            member%x_before(:, i + 1), member%v_before(:, i + 1), member%x_after(:, i + 1), &
-            member%v_after(:, i + 1), d, status)
-      end do
-      do i = 1, size(member%equations%gaps)
-         call jumps_of(member%structure, member%regime, member%equations%gaps(i), in_x, in_v)
-         moved(:size(in_x)) = moved(:size(in_x)) .or. abs(in_x) + abs(in_v) > 0
-      end do
-      moved(pack([(i, i=1, size(in_x))], .not. member%regime%modes%stiffness > 0)) = &
-         .not. member%equations%apart
-      moved(size(in_x) + 1:) = moved(:size(in_x))
-      if (allocated(member%symmetry)) then
-         d = matmul(member%symmetry, d)
-      else if (family%mirror) then
-         d = -d
-      end if
-      good = all(abs(d) <= huge(1.0_wp))
-      if (.not. good) return
-      allocate (part(count(moved), count(moved)))
-      part = reshape(pack(d, spread(moved, 1, size(moved)) .and. spread(moved, 2, size(moved))), &
-         shape(part))
-      j = size(part, 1)
-      call geev('N', 'N', j, part, j, re, im, unused, 1, unused, 1, work, size(work), info)
-      good = info == 0
-      allocate (multipliers(j))
-      multipliers = cmplx(re(:j), im(:j), wp)
-   end subroutine member_multipliers
+      associate (regime => member%regime)
+         call advance(regime%modes, t, member%x_after(:, i), member%v_after(:, i), x, v)
+         phase = regime%frequency*(member%equations%times(i) + t)
+         do h = 1, size(turn)
+            turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
+         end do
+         call row_values(regime%rows, regime%frequency, x, v, turn, y, rate)
+      end associate
+   end subroutine rows_at
 
 end module vi_structure_family

@@ -12,8 +12,8 @@ module vi_structure_slopes
       steady_pairs, stretched_response
    use vi_restitution, only: restitution_at, restitution_type
    use vi_structure, only: inputs_of
-   use vi_structure_family, only: member_equations, member_type, of_family, set_member, &
-      structure_family_type
+   use vi_structure_members, only: member_equations, member_type, of_family, set_member, &
+      structure_members_type
    use vi_structure_motion, only: impulse_of, since
    use vi_structure_path, only: rates_of, rates_type
    implicit none (type, external)
@@ -26,7 +26,7 @@ contains
    !> The derivatives of the equations by a parameter.
    pure subroutine equations_by_parameter(s, family, unknowns, shares, member, k, slope, good)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The impacts.
       type(family_type), intent(in) :: family
       !> Unknowns of a motion, and the parameters as shares.
@@ -55,7 +55,7 @@ contains
    !> The same by central differences.
    pure subroutine by_differences(s, family, unknowns, shares, k, slope, good)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The impacts.
       type(family_type), intent(in) :: family
       !> Unknowns of a motion, and the parameters as shares.

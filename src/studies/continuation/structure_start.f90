@@ -2,12 +2,12 @@
 module vi_structure_start
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
-   use vi_family, only: images_of, new_family, repetition_distance, repetition_type, whole_unknowns
-   use vi_frame, only: condition_type, edge, zero_approach
+   use vi_family, only: images_of, new_family, repetition_distance, repetition_type
    use vi_kinds, only: wp
    use vi_columns, only: solve_columns
    use vi_linear, only: most
    use vi_motion, only: no, unknown, yes
+   use vi_motion_family, only: condition_type, edge, zero_approach
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
    use vi_responses, only: offset_pairs
@@ -18,14 +18,15 @@ module vi_structure_start
    use vi_structure_extremes, only: coordinate_extremes
    use vi_structure_together, only: are_multiple, multipliers_beside, set_together, whole_family, &
       whole_member
-   use vi_structure_family, only: member_type, set_flights, set_member, set_sides, &
-      structure_family_type, whole_sides
+   use vi_structure_family, only: structure_family_type
+   use vi_structure_members, only: member_type, set_flights, set_member, set_sides, &
+      structure_members_type, whole_sides
    use vi_structure_path, only: change_type, is_odd, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
    use vi_structure_return, only: settled_type
-   use vi_text, only: counted, whole
+   use vi_text, only: counted, whole_text => whole
    implicit none (type, external)
    private
 
@@ -58,7 +59,8 @@ contains
       logical, intent(out) :: mirrored
       !> Why there is no such family; empty if there is one.
       character(:), allocatable, intent(out) :: message
-      type(structure_family_type) :: s
+      type(structure_members_type) :: s
+      type(structure_family_type) :: whole
       type(structure_type) :: complete
       type(regime_type) :: regime
       type(pattern_type) :: pattern
@@ -90,7 +92,7 @@ contains
       allocate (pairs, source=offset_pairs(regime))
       if (n > most_impacts .or. 2*n + size(pairs) + 2 > most) then
          message = 'the motion has '//counted(n, 'impact')//', and at most '// &
-            whole(min(most_impacts, (most - 2 - size(pairs))/2))//' can be followed'
+            whole_text(min(most_impacts, (most - 2 - size(pairs))/2))//' can be followed'
          return
       end if
       s%speed = maxval(found%motion%speeds)
@@ -133,22 +135,22 @@ contains
       end if
       mirrored = .false.
       if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
-      curve%frame%family = family
-      curve%frame%repetitions = repetitions
+      whole%impacts = family
+      whole%repetitions = repetitions
+      whole%members = s
       image = repetition_type(phase=acos(-1.0_wp))
       if (allocated(s%symmetry)) image = repetition_type(0, -1.0_wp, family%cycles*image%phase, &
          s%even)
       if (odd .and. .not. allocated(s%symmetry)) image%sign = -1
-      curve%frame%images = images_of(family, image)
-      allocate (curve%frame%structure, source=s)
-      allocate (curve%frame%edges(2*size(changes)))
+      whole%images = images_of(family, image)
+      allocate (curve%family, source=whole)
+      allocate (curve%edges(2*size(changes)))
       do i = 1, size(changes)
-         curve%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=0.0_wp)
-         curve%frame%edges(2*i) = condition_type(edge, i, -1, bound=1.0_wp)
+         curve%edges(2*i - 1) = condition_type(edge, i, 1, bound=0.0_wp)
+         curve%edges(2*i) = condition_type(edge, i, -1, bound=1.0_wp)
       end do
-      do i = 1, size(curve%frame%edges)
-         call avoid_resonance(curve%frame%structure, family, unknowns, shares, &
-            curve%frame%edges(i))
+      do i = 1, size(curve%edges)
+         call avoid_resonance(s, family, unknowns, shares, curve%edges(i))
       end do
       curve%active = [(i, i=1, size(changes))]
       curve%origin = spread(0.0_wp, 1, size(changes))
@@ -162,7 +164,7 @@ contains
       !> The gaps of the impacts.
       integer, intent(in) :: gaps(:)
       !> In and out: the structure, without a symmetry; its displacements become even and odd ones.
-      type(structure_family_type), intent(inout) :: s
+      type(structure_members_type), intent(inout) :: s
       !> In and out: the impacts; sides of opposite sign are then those of exchanged gaps.
       type(family_type), intent(inout) :: family
       !> In and out: the ways in which a motion can repeat itself; the symmetry becomes the first.
@@ -200,7 +202,7 @@ contains
    !! will be seen.
    pure subroutine check_parting(s, family, unknowns, shares, message)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The impacts.
       type(family_type), intent(in) :: family
       !> The motion at the start, and the parameters there as shares.
@@ -224,7 +226,7 @@ contains
    !> Moves a bound at which there are no motions of the family a little inwards.
    pure subroutine avoid_resonance(s, family, unknowns, shares, bound)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The impacts.
       type(family_type), intent(in) :: family
       !> The motion at the start, and the parameters there as shares.
@@ -249,15 +251,8 @@ contains
       real(wp), intent(in) :: point(:)
       real(wp), allocatable :: phases(:), whole(:)
 
-      allocate (whole, source=whole_unknowns(curve%frame%family, unknowns_of(curve, point)))
-      associate (n => size(curve%frame%family%sides)*merge(2, 1, curve%frame%family%mirror), &
-         s => curve%frame%structure)
-         if (allocated(s%impact_of)) then
-            allocate (phases, source=whole(n + s%impact_of))
-         else
-            allocate (phases, source=whole(n + 1:2*n))
-         end if
-      end associate
+      allocate (whole, source=curve%family%whole_of(unknowns_of(curve, point)))
+      allocate (phases, source=whole(size(whole)/2 + 1:))
    end function phases_at
 
    !> The motion at a point of a curve, with its verdicts.
@@ -280,19 +275,20 @@ contains
 
       c = parameters_of(curve, point)
       if (condition%kind == edge) c(condition%index) = condition%bound
-      associate (frame => curve%frame)
-         call set_member(frame%structure, frame%family, unknowns_of(curve, point), &
-            c(:size(frame%structure%path%changes)), member, .true.)
-         family = frame%family
-         if (allocated(frame%structure%impact_of)) then
+      select type (known => curve%family)
+      type is (structure_family_type)
+         call set_member(known%members, known%impacts, unknowns_of(curve, point), &
+            c(:size(known%members%path%changes)), member, .true.)
+         family = known%impacts
+         if (allocated(known%members%impact_of)) then
             call set_flights(family, member)
-            call whole_member(frame%structure, member, all)
+            call whole_member(known%members, member, all)
             member = all
             associate (equations => all%equations)
                call new_equations(all%structure, all%regime, equations%gaps, equations%times, &
                   equations%period, member%equations, status)
             end associate
-            family = whole_family(frame%structure, family)
+            family = whole_family(known%members, family)
          end if
          motion%speeds = member%speeds
          n = 2*size(member%speeds) + size(member%offsets)
@@ -304,13 +300,13 @@ contains
             member%offsets, motion)
          if (allocated(member%symmetry)) then
             ! the extremes of a motion are not those of its image
-            family%sides = whole_sides(frame%family)
+            family%sides = whole_sides(known%impacts)
             family%mirror = .false.
          end if
          if (condition%kind == zero_approach) call without_derivative(motion%verdicts)
          call set_flights(family, member)
          call coordinate_extremes(family, member, extremes)
-      end associate
+      end select
    end subroutine motion_at
 
    !> The verdicts on a motion where an impact has no approach speed: it is not an impact, and the
@@ -329,7 +325,7 @@ contains
    !> The unknowns of a motion.
    subroutine unknowns_of_motion(s, family, regime, found, shares, unknowns)
       !> The structure, with its units.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The impacts.
       type(family_type), intent(in) :: family
       !> The regime at the start.

@@ -18,7 +18,7 @@ module vi_structure_together
    use vi_status, only: stat
    use vi_structure, only: check_structure, load_type, structure_type, to_pairs
    use vi_structure_assess, only: coupling_at_instants, none
-   use vi_structure_family, only: flight_duration, member_type, set_flights, structure_family_type
+   use vi_structure_members, only: flight_duration, member_type, set_flights, structure_members_type
    use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of, state_after
    use vi_structure_path, only: changed_whole, reduce, same_law, structure_path_type
@@ -46,7 +46,7 @@ contains
    subroutine set_together(s, found, reduced, message)
       !> In and out: the structure, complete, and the parameters; if there are such impacts, those
       !! of y, and which impacts these are.
-      type(structure_family_type), intent(inout) :: s
+      type(structure_members_type), intent(inout) :: s
       !> In and out: the motion, without rest; impacts at one instant become successive ones.
       type(settled_type), intent(inout) :: found
       !> The motion of y, or the same one; of it only what is needed to follow it.
@@ -353,7 +353,7 @@ contains
    !> The impacts of the whole structure.
    pure type(family_type) function whole_family(s, family)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The impacts of y.
       type(family_type), intent(in) :: family
 
@@ -365,7 +365,7 @@ contains
    !> The same motion of the whole structure.
    pure subroutine whole_member(s, member, all)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The motion of y, with its flights.
       type(member_type), intent(in) :: member
       !> The motion: gaps and times of its equations, speeds and offsets.
@@ -416,7 +416,7 @@ contains
    !> The multipliers of disturbances that part impacts at one instant, over a whole period.
    pure subroutine multipliers_beside(s, member, multipliers, good)
       !> The structure.
-      type(structure_family_type), intent(in) :: s
+      type(structure_members_type), intent(in) :: s
       !> The motion of y, with its flights.
       type(member_type), intent(in) :: member
       !> (2l) The multipliers.

@@ -1,10 +1,9 @@
 !> The loops of a zone, traced from places on its boundary.
 module vi_borders
    use vi_curve, only: correct, curve_type, distance_from, tangent_at
-   use vi_family, only: image_of
-   use vi_frame, only: condition_type, repetition, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: begins, chained, loop_type, picked, reversed
+   use vi_motion_family, only: condition_type, repetition
    use vi_net, only: border_type
    use vi_outline, only: zone_side
    use vi_steps, only: stride_type
@@ -97,9 +96,9 @@ contains
          end if
       end if
       surface = zone%surface
-      surface%frame%apart = apart
+      surface%family%apart = apart
       begin = border
-      call move_apart(surface, begin, good)
+      call move_apart(surface, apart, begin, good)
       if (.not. good) return
       call trace(surface, begin, most, 1, loop, progress)
       zone%points = zone%points + loop%n
@@ -113,7 +112,7 @@ contains
             loop = chained(reversed(picked(other, [(i, i=2, other%n)])), loop)
          end if
       end if
-      if (surface%frame%resting) loop%closed = loop%closed .and. .not. is_own_way_back(loop)
+      if (surface%family%jumps) loop%closed = loop%closed .and. .not. is_own_way_back(loop)
       closed = loop%closed
       if (.not. (closed .or. keep_open)) then
          if (present(tried) .and. curve_at == 0 .and. loop%n > 1) call remember(loop, tried)
@@ -129,7 +128,7 @@ contains
       begin%condition = loop%conditions(1)
       call find_border(begin, zone, loop_at)
       if (loop_at > 0 .and. closed) return
-      zone%retraced = zone%retraced .or. apart > zone%surface%frame%apart
+      zone%retraced = zone%retraced .or. apart > zone%surface%family%apart
       zone%n = zone%n + 1
       ! drop the unused room
       zone%loops(zone%n) = picked(loop, [(i, i=1, loop%n)])
@@ -190,9 +189,11 @@ contains
    end subroutine trace
 
    !> Moves a place at one distance from a motion that repeats itself to another distance.
-   pure subroutine move_apart(surface, border, good)
-      !> The surface of motions over the window, with the new distance.
+   pure subroutine move_apart(surface, apart, border, good)
+      !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface
+      !> The new distance.
+      real(wp), intent(in) :: apart
       !> In and out: the place; not changed unless its condition is a repetition.
       type(border_type), intent(inout) :: border
       !> Whether it was found.
@@ -202,12 +203,12 @@ contains
 
       good = .true.
       if (border%condition%kind /= repetition) return
-      if (.not. abs(border%condition%bound - surface%frame%apart) > 0) return
+      if (.not. abs(border%condition%bound - apart) > 0) return
       along = 0
       along(size(along)) = 1
       call tangent_at(surface, [border%condition], border%point, along, tangent, good)
       if (.not. good) return
-      border%condition%bound = surface%frame%apart
+      border%condition%bound = apart
       call correct(surface, [border%condition], border%point, iterations, tangent)
       good = iterations > 0
    end subroutine move_apart
@@ -233,18 +234,15 @@ contains
       type(zone_type), intent(in) :: zone
       !> Number of the loop; 0 if none.
       integer, intent(out) :: found
-      type(curve_type) :: surface
       type(border_type) :: moved
       integer :: i
       logical :: good
 
       call find_loop(border, zone, found)
       if (found > 0 .or. border%condition%kind /= repetition .or. .not. zone%retraced) return
-      surface = zone%surface
       do i = 1, size(distances)
-         surface%frame%apart = distances(i)*zone%surface%frame%apart
          moved = border
-         call move_apart(surface, moved, good)
+         call move_apart(zone%surface, distances(i)*zone%surface%family%apart, moved, good)
          if (good) call find_loop(moved, zone, found)
          if (found > 0) return
       end do
@@ -263,9 +261,9 @@ contains
 
       image = border
       n = size(border%point) - 2
-      do j = 0, size(zone%surface%frame%images)
-         if (j > 0) image%point(:n) = image_of(zone%surface%frame%family, &
-            zone%surface%frame%images(j), border%point(:n))
+      do j = 0, size(zone%surface%family%images)
+         if (j > 0) image%point(:n) = zone%surface%family%image_of( &
+            zone%surface%family%images(j), border%point(:n))
          do found = 1, zone%n
             if (lies_on(zone%surface, image, zone%loops(found))) return
          end do
@@ -290,9 +288,9 @@ contains
          if (border%condition%kind /= loop%conditions(i)%kind) cycle
          next = merge(1, i + 1, i == loop%n)
          offset = border%point - loop%points(:, i)
-         call wrap_phases(surface%frame, offset)
+         call surface%family%wrap_phases(offset)
          chord = loop%points(:, next) - loop%points(:, i)
-         call wrap_phases(surface%frame, chord)
+         call surface%family%wrap_phases(chord)
          length = norm2(chord)
          if (.not. length > 0) cycle
          share = dot_product(offset, chord)/length**2

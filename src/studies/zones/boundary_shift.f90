@@ -8,14 +8,14 @@
 module vi_boundary_shift
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_condition_names, only: condition_name
-   use vi_conditions, only: all_conditions, fails_jury
+   use vi_conditions, only: all_conditions, condition_count
    use vi_curve, only: correct, curve_type, equations, parameters_of
-   use vi_frame, only: condition_count, condition_type, edge, grazing, repetition, unknown_count
    use vi_kinds, only: wp
    use vi_linear, only: most
+   use vi_motion_family, only: condition_type, edge, grazing, repetition
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
+   use vi_pair_family, only: fails_jury
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
-   use vi_seeds, only: part_of
    use vi_spectrum, only: spectrum_type
    use vi_status, only: stat
    use vi_zone_request, only: make_surface, zone_request_type
@@ -108,7 +108,7 @@ contains
    end subroutine shift_boundary
 
    !> The motion, condition, normal and derivatives of a vertex.
-   pure subroutine prepare(request, surface, kind, index, place, whole, vertex, status)
+   subroutine prepare(request, surface, kind, index, place, whole, vertex, status)
       !> As in `shift_boundary`.
       type(zone_request_type), intent(in) :: request
       !> The surface of motions.
@@ -124,29 +124,26 @@ contains
       !> As in `shift_boundary`.
       integer, intent(out) :: status
       type(curve_type) :: full
-      type(condition_type) :: conditions(condition_count(surface%frame))
+      type(condition_type) :: conditions(condition_count(surface))
       real(wp) :: values(size(conditions)), at(2), gradient(n_parameters), length
       real(wp), allocatable :: unknowns(:)
-      integer :: i, m, iterations
+      integer :: i, m, n, iterations
       logical :: regular, mirrored
       logical :: fits(size(conditions))
 
       status = stat%no_motion
-      m = unknown_count(surface%frame)
+      m = surface%family%unknown_count()
       if (m + n_parameters > most) return
       at = [place(1), log(place(2))]
       at = (at - surface%origin)/surface%scale
-      if (surface%frame%resting) then
-         allocate (unknowns, source=part_of(surface%frame, parameters_of(surface, &
-            [(0.0_wp, i=1, m), at]), [whole(2), whole(1)]))
-      else
-         allocate (unknowns, source=part_of(surface%frame, surface%c, whole))
-      end if
+      n = size(whole)/2
+      allocate (unknowns, source=surface%family%from_vertex(parameters_of(surface, [(0.0_wp, i=1, &
+         m), at]), whole(:n), whole(n + 1:)))
       vertex%point = [unknowns, at]
-      call all_conditions(surface%frame, unknowns, parameters_of(surface, vertex%point), values, &
+      call all_conditions(surface, unknowns, parameters_of(surface, vertex%point), values, &
          conditions)
-      mirrored = .not. request%symmetric .and. size(surface%frame%repetitions) > 0
-      if (mirrored) mirrored = surface%frame%repetitions(1)%sign < 0
+      mirrored = .not. request%symmetric .and. size(surface%family%repetitions) > 0
+      if (mirrored) mirrored = surface%family%repetitions(1)%sign < 0
       do i = 1, size(conditions)
          associate (c => conditions(i))
             fits(i) = c%kind /= edge .and. condition_name(c%kind, c%index, request%symmetric, &
@@ -170,7 +167,7 @@ contains
       ! the vertex itself, as precisely as the displaced ones
       call correct(surface, [vertex%condition], vertex%point, iterations, along(vertex, m))
       if (iterations == 0) return
-      if (surface%frame%resting) then
+      if (surface%family%jumps) then
          call difference_slopes(surface, vertex, regular)
          if (regular) status = stat%ok
          return
@@ -185,7 +182,7 @@ contains
    !! An accumulation that is not completed is cut off earlier than one that is. Differences of the
    !! measure of the rest across that boundary are therefore accurate to a percent only, but its
    !! zeros are accurate.
-   pure subroutine difference_slopes(surface, vertex, good)
+   subroutine difference_slopes(surface, vertex, good)
       !> The nominal surface of motions.
       type(curve_type), intent(in) :: surface
       !> In: a vertex with its normal. Out: with the derivatives.
@@ -264,7 +261,7 @@ contains
    end subroutine reduced_gradient
 
    !> The displacement of a vertex along its normal, by continuation from the nominal parameters.
-   pure subroutine displace(surface, vertex, change, shift, outcome)
+   subroutine displace(surface, vertex, change, shift, outcome)
       !> The nominal surface of motions.
       type(curve_type), intent(in) :: surface
       !> The vertex.
@@ -277,7 +274,7 @@ contains
       integer, intent(out) :: outcome
       real(wp), parameter :: shortest = 1.0_wp/64, largest = 0.2_wp
       type(curve_type) :: moved
-      type(condition_type) :: conditions(condition_count(surface%frame))
+      type(condition_type) :: conditions(condition_count(surface))
       real(wp) :: values(size(conditions)), part, step
       real(wp), dimension(size(vertex%point)) :: point, previous, guess, across
       type(spectrum_type) :: spectrum
@@ -287,7 +284,7 @@ contains
       outcome = shift_lost
       moved = surface
       ! a multiplier that is on the circle to rounding must not count as outside
-      moved%frame%every_crossing = .true.
+      moved%family%every_crossing = .true.
       point = vertex%point
       previous = point
       across = along(vertex, m)
@@ -310,12 +307,12 @@ contains
          end if
       end do
       shift = dot_product(point(m + 1:) - vertex%point(m + 1:), vertex%normal)
-      call all_conditions(moved%frame, point(:m), parameters_of(moved, point), values, conditions, &
+      call all_conditions(moved, point(:m), parameters_of(moved, point), values, conditions, &
          spectrum)
       where (conditions%kind == edge .or. conditions%kind == repetition .or. &
          is_same(conditions, vertex%condition)) values = 0
       outcome = merge(shift_found, shift_hidden, all(values >= slack))
-      if (outcome == shift_hidden .or. moved%frame%resting) return
+      if (outcome == shift_hidden .or. moved%family%jumps) return
       if (fails_jury(spectrum)) outcome = shift_hidden
    end subroutine displace
 

@@ -2,9 +2,9 @@
 !! the window, so that the rest of the boundary closes along these.
 module vi_join
    use vi_borders, only: find_border, trace_border, zone_type
-   use vi_frame, only: condition_type, frame_type, joint, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: begins, chained, ends, loop_type, picked, reversed
+   use vi_motion_family, only: condition_type, joint, motion_family_type
    use vi_net, only: border_type
    use vi_progress, only: is_stopped
    implicit none (type, external)
@@ -71,7 +71,7 @@ contains
          offset = a%points(:, merge(1, a%n, end_of_i == 1)) &
             - b%points(:, merge(1, b%n, end_of_j == 1))
       end associate
-      call wrap_phases(zone%surface%frame, offset)
+      call zone%surface%family%wrap_phases(offset)
       m = size(offset) - 2
       if (maxval(abs(offset(:m))) < join_motions) distance = norm2(offset(m + 1:))
    end function between
@@ -86,13 +86,13 @@ contains
       integer :: k
 
       if (which(1) == which(2)) then
-         call add_joint(zone%surface%frame, zone%loops(which(1)))
+         call add_joint(zone%surface%family, zone%loops(which(1)))
          zone%loops(which(1))%closed = .true.
          return
       end if
       whole = zone%loops(which(1))
       if (side(1) == 1) whole = reversed(whole)
-      call add_joint(zone%surface%frame, whole, zone%loops(which(2)), side(2) == 2)
+      call add_joint(zone%surface%family, whole, zone%loops(which(2)), side(2) == 2)
       zone%loops(which(1)) = whole
       do k = which(2), zone%n - 1
          zone%loops(k) = zone%loops(k + 1)
@@ -102,9 +102,9 @@ contains
 
    !> Adds a straight piece from the last point of a curve to the first point of another curve, and
    !! that curve; without another curve, to its own first point.
-   pure subroutine add_joint(frame, loop, next, turn)
+   pure subroutine add_joint(family, loop, next, turn)
       !> The family.
-      type(frame_type), intent(in) :: frame
+      class(motion_family_type), intent(in) :: family
       !> In: the curve. Out: with the piece, and the other curve.
       type(loop_type), intent(inout) :: loop
       !> The other curve.
@@ -131,7 +131,7 @@ contains
       between_them%corner = [begins, ends]
       associate (across => between_them%tangents)
          across(:, 1) = between_them%points(:, 2) - between_them%points(:, 1)
-         call wrap_phases(frame, across(:, 1))
+         call family%wrap_phases(across(:, 1))
          if (norm2(across(:, 1)) > 0) across(:, 1) = across(:, 1)/norm2(across(:, 1))
          across(:, 2) = across(:, 1)
       end associate
@@ -173,7 +173,7 @@ contains
       if (size(loose, 2) == 0) return
       before = zone
       m = size(borders(1)%point) - 2
-      associate (edges => zone%surface%frame%edges)
+      associate (edges => zone%surface%edges)
          far = [((edges(2*k)%bound - zone%surface%origin(k))/zone%surface%scale(k), k=1, 2)]
       end associate
       do round = 1, rounds
@@ -190,8 +190,8 @@ contains
          call drop_open(trial)
          trial%points = 0
          do k = 1, size(bounds), 2
-            associate (surface => trial%surface, low => trial%surface%frame%edges(2*axis - 1), &
-               high => trial%surface%frame%edges(2*axis))
+            associate (surface => trial%surface, low => trial%surface%edges(2*axis - 1), &
+               high => trial%surface%edges(2*axis))
                low%bound = surface%origin(axis) + surface%scale(axis)*bounds(k)
                high%bound = surface%origin(axis) + surface%scale(axis)*bounds(k + 1)
             end associate
@@ -200,11 +200,11 @@ contains
                associate (at => borders(i)%point(m + axis))
                   if (at < bounds(k) .or. at > bounds(k + 1)) cycle
                end associate
-               call trace_border(borders(i), trial%surface%frame%apart, most, .true., trial, &
+               call trace_border(borders(i), trial%surface%family%apart, most, .true., trial, &
                   closed, progress)
             end do
          end do
-         trial%surface%frame%edges = before%surface%frame%edges
+         trial%surface%edges = before%surface%edges
          i = size(loose, 2)
          call add_loose_ends(trial, loose)
          if (size(loose, 2) == i) exit

@@ -1,7 +1,7 @@
 !> Boundaries of zones as lists of points, and operations on them.
 module vi_loop
-   use vi_frame, only: condition_type
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type
    implicit none (type, external)
    private
 

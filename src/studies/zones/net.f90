@@ -7,10 +7,9 @@
 module vi_net
    use vi_crossing, only: hidden_zero, innermost_zero, locate
    use vi_curve, only: curve_type
-   use vi_family, only: image_of
-   use vi_frame, only: condition_type, edge, flip, is_inside, repetition, unknown_count, wrap_phases
    use vi_kinds, only: wp
    use vi_lattice, only: lattice_type, line_spacing
+   use vi_motion_family, only: condition_type, edge, flip, is_inside, repetition
    use vi_net_line, only: leaves, line_of, may_pass, pass, start_type
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_progress, only: is_stopped
@@ -63,7 +62,7 @@ module vi_net
 contains
 
    !> An empty net.
-   pure subroutine new_net(surface, lines, net, notes_flips)
+   subroutine new_net(surface, lines, net, notes_flips)
       !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface
       !> The lattice.
@@ -74,7 +73,7 @@ contains
       logical, intent(in) :: notes_flips
       integer :: n
 
-      n = unknown_count(surface%frame)
+      n = surface%family%unknown_count()
       net%surface = surface
       net%lines = lines
       allocate (net%lattice(2, capacity), net%follower(capacity), net%unknowns(n, capacity), &
@@ -133,11 +132,12 @@ contains
       integer :: k
 
       is_image = .false.
-      do k = 0, size(net%surface%frame%images)
+      do k = 0, size(net%surface%family%images)
          offset = other
-         if (k > 0) offset = image_of(net%surface%frame%family, net%surface%frame%images(k), other)
+         if (k > 0) offset = net%surface%family%image_of(net%surface%family%images(k), &
+            other)
          offset = one - offset
-         call wrap_phases(net%surface%frame, offset)
+         call net%surface%family%wrap_phases(offset)
          is_image = maxval(abs(offset)) < 1.0e-6_wp
          if (is_image) return
       end do
@@ -312,7 +312,7 @@ contains
          ! a closed curve between the lattice lines returns to one of its own points
          call pass(line, mark(size(mark)), now, next, point, passes)
          point = point - mark
-         call wrap_phases(net%surface%frame, point)
+         call net%surface%family%wrap_phases(point)
          passes = passes .and. maxval(abs(point)) < 1.0e-6_wp
          if (passes .and. present(returned)) returned = .true.
          if (passes) return

@@ -1,9 +1,9 @@
 !> Lines over the surface of motions in a window, along which one parameter is constant.
 module vi_net_line
    use vi_curve, only: correct, curve_type
-   use vi_frame, only: condition_type, edge, flip, fold, grazing, neimark_sacker, repetition, &
-      rest_splits, rest_vanishes, zero_approach
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge, flip, fold, grazing, neimark_sacker, &
+      repetition, rest_splits, rest_vanishes, zero_approach
    use vi_spectrum, only: pair_product
    use vi_steps, only: place_type
    implicit none (type, external)
@@ -25,7 +25,7 @@ module vi_net_line
 contains
 
    !> The curve of motions along a line through a place, parallel to the lattice lines.
-   pure subroutine line_of(surface, begin, direction, line)
+   subroutine line_of(surface, begin, direction, line)
       !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface
       !> Start of the line.
@@ -55,7 +55,7 @@ contains
          leaves = any(v < 0 .and. (kind == zero_approach .or. kind == repetition)) .or. &
             any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
             any(v < -depth .and. kind == grazing) .or. &
-            (line%frame%resting .and. any(v < 0 .and. (kind == rest_vanishes .or. &
+            (line%family%jumps .and. any(v < 0 .and. (kind == rest_vanishes .or. &
             kind == rest_splits)))
       end associate
    end function leaves
@@ -83,7 +83,7 @@ contains
       logical :: violated(size(place%values))
 
       violated = place%values < 0
-      if (line%frame%resting) return
+      if (line%family%jumps) return
       ! where a fold or a flip has been passed, the condition of Neimark-Sacker is also called
       ! violated if more multipliers may be outside the unit circle: near a point where both
       ! are zero that is so next to a zone

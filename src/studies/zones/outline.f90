@@ -1,10 +1,10 @@
 !> Loops over the surface of motions as curves in the plane (r, D).
 module vi_outline
    use vi_curve, only: curve_type, equations
-   use vi_frame, only: fold, joint, wrap_phases
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
    use vi_loop, only: loop_type
+   use vi_motion_family, only: fold, joint
    use vi_rings, only: dense_ring
    implicit none (type, external)
    private
@@ -133,7 +133,7 @@ contains
 
       next = merge(1, j + 1, j == loop%n)
       chord = loop%points(:, next) - loop%points(:, j)
-      call wrap_phases(surface%frame, chord)
+      call surface%family%wrap_phases(chord)
       length = norm2(chord)
       if (.not. length > 0) return
       cosine = dot_product(chord, loop%tangents(:, j))/length

@@ -9,12 +9,12 @@
 !! where the map of the shorter period has a multiplier -1, so it is computed in that family.
 module vi_repetition_vertices
    use vi_curve, only: correct, curve_type, equations, point_size
-   use vi_family, only: image_of, repetition_type
-   use vi_frame, only: condition_type, edge, flip, frame_type, grazing, neimark_sacker, &
-      repetition, unknown_count, zero_approach
+   use vi_family, only: repetition_type
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
    use vi_loop, only: begins, ends, loop_type
+   use vi_motion_family, only: condition_type, edge, flip, grazing, neimark_sacker, &
+      repetition, zero_approach
    implicit none (type, external)
    private
 
@@ -46,8 +46,8 @@ contains
       integer :: i, j, n, iterations
       type(condition_type) :: none(0)
 
-      n = unknown_count(line%frame)
-      associate (way => line%frame%repetitions(which), h => size(half)/2)
+      n = line%family%unknown_count()
+      associate (way => line%family%repetitions(which), h => size(half)/2)
          start(:n) = [half(:h), way%sign*half(:h), half(h + 1:), half(h + 1:) + way%phase]
          start(n + 1) = at
          ! the vector that the singular equations of the motion map to 0, by bordered equations
@@ -60,12 +60,12 @@ contains
          call eliminate(n + 1, a, b, good, unused)
          if (.not. good) return
          away = b(1, :n)
-         away = image_of(line%frame%family, way, start(:n) + away) - (start(:n) + away)
+         away = line%family%image_of(way, start(:n) + away) - (start(:n) + away)
          good = norm2(away) > 0 .and. all(abs(away) <= huge(1.0_wp))
          if (.not. good) return
          away = away/norm2(away)
          do j = 1, size(distances)
-            associate (distance => distances(j)*line%frame%apart)
+            associate (distance => distances(j)*line%family%apart)
                point = start
                point(:n) = point(:n) + 0.5_wp*distance*away
                call correct(line, [condition_type(repetition, which, bound=distance)], point, &
@@ -78,7 +78,7 @@ contains
    end subroutine leave_repetition
 
    !> Moves the vertices at the distance `apart` from a motion that repeats itself onto that motion.
-   pure subroutine move_to_repetition(surface, loop)
+   subroutine move_to_repetition(surface, loop)
       !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface
       !> In: as traced. Out: with moved vertices and tangents.
@@ -88,9 +88,13 @@ contains
       integer :: i, j, twin
       logical :: good
 
-      allocate (parents(size(surface%frame%repetitions)))
+      allocate (parents(size(surface%family%repetitions)))
       do i = 1, size(parents)
-         call make_parent(surface, surface%frame%repetitions(i), parents(i))
+         associate (way => surface%family%repetitions(i))
+            if (.not. surface%family%halves(way)) cycle
+            parents(i) = surface
+            call parents(i)%family%halve(way)
+         end associate
       end do
       do j = 1, loop%n
          if (loop%conditions(j)%kind /= repetition) cycle
@@ -99,17 +103,17 @@ contains
          point = loop%points(:, j)
          tangent = loop%tangents(:, j)
          good = .false.
-         if (.not. halves(parents(i), surface%frame%repetitions(i))) then
+         if (.not. allocated(parents(i)%family)) then
             call extrapolate(surface, loop, j, twin, point, good)
          else if (twin == j) then
-            call move_point(parents(i), surface%frame%repetitions(i), point, tangent, good)
+            call move_point(parents(i), surface%family%repetitions(i), point, tangent, good)
          else
-            call move_corner(parents(i), surface%frame%repetitions(i), loop%conditions(twin), &
+            call move_corner(parents(i), surface%family%repetitions(i), loop%conditions(twin), &
                point, good)
             ! another kind of corner, for example where a fold begins: its place along the curve is
             ! extrapolated from those at some distances
             if (.not. good) call extrapolate(surface, loop, j, twin, point, good)
-            if (good) call move_point(parents(i), surface%frame%repetitions(i), point, tangent, &
+            if (good) call move_point(parents(i), surface%family%repetitions(i), point, tangent, &
                good)
          end if
          if (.not. good) cycle
@@ -130,47 +134,6 @@ contains
       if (loop%corner(j) == ends .and. (loop%closed .or. j < loop%n)) twin = modulo(j, loop%n) + 1
       if (loop%corner(j) == begins .and. (loop%closed .or. j > 1)) twin = modulo(j - 2, loop%n) + 1
    end function twin_of
-
-   !> Whether a motion that repeats itself in a given way does so after half the period, so that it
-   !! is reached with a multiplier -1 of the shorter period.
-   pure logical function halves(parent, way)
-      !> The surface of the motions that repeat themselves.
-      type(curve_type), intent(in) :: parent
-      !> The repetition.
-      type(repetition_type), intent(in) :: way
-
-      halves = size(parent%frame%family%sides) == way%shift
-   end function halves
-
-   !> The surface of the motions that repeat themselves in a given way; without sides unless they do
-   !! so after half the period.
-   pure subroutine make_parent(surface, way, parent)
-      !> The surface of the pattern.
-      type(curve_type), intent(in) :: surface
-      !> The repetition.
-      type(repetition_type), intent(in) :: way
-      !> The surface of these motions.
-      type(curve_type), intent(out) :: parent
-
-      parent%c = surface%c
-      parent%active = surface%active
-      parent%origin = surface%origin
-      parent%scale = surface%scale
-      parent%frame%edges = surface%frame%edges
-      if (allocated(surface%frame%structure)) allocate (parent%frame%structure, &
-         source=surface%frame%structure)
-      allocate (parent%frame%repetitions(0))
-      associate (family => parent%frame%family, sides => surface%frame%family%sides)
-         if (2*way%shift /= size(sides)) then
-            allocate (family%sides(0))
-            return
-         end if
-         family%sides = sides(:way%shift)
-         family%mirror = way%sign < 0
-         family%cycles = surface%frame%family%cycles
-         if (.not. family%mirror) family%cycles = family%cycles/2
-      end associate
-   end subroutine make_parent
 
    !> The bifurcation in the plane through a vertex orthogonal to the curve.
    pure subroutine move_point(parent, way, point, tangent, good)
@@ -216,7 +179,7 @@ contains
       same = other
       if (any(other%kind == [grazing, zero_approach]) .and. other%index > way%shift) then
          same%index = other%index - way%shift
-         if (way%sign < 0) same%side = image_of_side(parent%frame, other%side)
+         if (way%sign < 0) same%side = parent%family%image_of_side(other%side)
       end if
       allocate (near, source=half_of(parent, way, point, 1.0_wp))
       call solve(parent, [condition_type(flip, 0), same], near, good)
@@ -259,7 +222,7 @@ contains
       real(wp) :: half(point_size(parent))
       integer :: n, free
 
-      n = size(parent%frame%family%sides)
+      n = way%shift
       free = size(half) - 2*n - 2
       half(:n) = 0.5_wp*(point(:n) + way%sign*point(n + 1:2*n))
       half(n + 1:2*n) = 0.5_wp*(point(2*n + 1:3*n) + point(3*n + 1:4*n) - affine*way%phase)
@@ -285,25 +248,6 @@ contains
          point(size(point) - 1:) = half(size(half) - 1:)
       end associate
    end subroutine make_whole
-
-   !> The channel and wall that the image of a motion touches where the motion touches another.
-   pure integer function image_of_side(frame, side) result(image)
-      !> The family.
-      type(frame_type), intent(in) :: frame
-      !> The channel with the sign of the wall.
-      integer, intent(in) :: side
-      integer :: gap, label
-
-      image = -side
-      if (.not. allocated(frame%structure)) return
-      if (.not. allocated(frame%structure%symmetry)) return
-      associate (s => frame%structure, structure => frame%structure%path%structure)
-         gap = findloc(structure%channel*structure%wall, side, dim=1)
-         label = findloc(s%gap_of, gap, dim=1) + lbound(s%gap_of, 1) - 1
-         gap = s%gap_of(-label)
-         image = structure%channel(gap)*structure%wall(gap)
-      end associate
-   end function image_of_side
 
    !> Extrapolates a vertex to distance 0 from its places at some distances, each twice the previous
    !! one.

@@ -1,178 +1,23 @@
-!> Motions of a family at a point, from guesses or from simulation.
+!> Periods of simulations that come near to a motion of a pattern without rest.
 module vi_seeds
-   use, intrinsic :: iso_fortran_env, only: int64
-   use vi_event_symbols, only: last_of_period, period_type, read_periods, total_phase
-   use vi_frame, only: frame_type, unknown_count
+   use vi_event_symbols, only: total_phase
+   use vi_forced_system, only: impact_event, initial_state
    use vi_kinds, only: wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
-   use vi_oscillator, only: left, oscillator_type, right
+   use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: follow_symbols, last_release
-   use vi_search, only: search_pattern
-   use vi_forced_system, only: impact_event, initial_state
-   use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_cycles, &
-      simulate_on, state_type
+   use vi_simulate, only: event_type, forced_system_type, new_forced_system, simulate_cycles, &
+      state_type
    use vi_starts, only: state_start
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: motions_at, part_of, simulate_releases, simulate_return
-
-   !> Largest number of motions of a pattern at a point; load cycles simulated to find a release.
-   integer, parameter :: capacity = 64, settling = 60
-   !> Largest number of simulations at a point for motions with rest.
-   integer, parameter, public :: most_simulations = 6
+   public :: simulate_return
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
-   !> Largest difference in phase (rad) between the symbols of two successive periods.
-   real(wp), parameter :: about = 0.05_wp
-
-   !> The last releases of a simulation, from the right wall and from the left one: load phase and
-   !! asinh(v/D) (2, 2), and whether they exist.
-   type, public :: release_type
-      real(wp) :: at(2, 2) = 0
-      logical :: there(2) = .false.
-      !> Whether one of them is in the second half of the simulation.
-      logical :: late = .false.
-      !> The period up to the last release that nearly repeats the previous one: its load cycles, 0
-      !! if there is none among the lengths examined, and its symbols.
-      integer :: cycles = 0
-      integer, allocatable :: symbols(:)
-   end type release_type
 
 contains
-
-   !> Unknowns, or guesses of them, of the motions of a family at a point.
-   subroutine motions_at(frame, pattern, c, guesses, skip, found, releases, progress, longer)
-      !> The family.
-      type(frame_type), intent(in) :: frame
-      !> All sides of its pattern, and the load cycles.
-      type(pattern_type), intent(in) :: pattern
-      !> r, log(D), xi, mu, R1, R2
-      real(wp), intent(in) :: c(:)
-      !> Number of guesses for Newton's method; a family with rest is searched from a few initial
-      !! states instead.
-      integer, intent(in) :: guesses
-      !> Number of guesses of the sequence to leave out; neighbouring points take different ones.
-      integer, intent(in) :: skip
-      !> (unknowns, m) The motions.
-      real(wp), allocatable, intent(out) :: found(:, :)
-      !> The last releases of simulations at this point, if they have been made already.
-      type(release_type), intent(in), optional :: releases(:)
-      !> Progress counters, see vi_progress; read to stop.
-      integer, intent(inout), optional :: progress(3)
-      !> Factor of the load cycles simulated to find a release; 1 by default.
-      integer, intent(in), optional :: longer
-      type(release_type) :: simulated(min(guesses, most_simulations))
-      real(wp) :: whole(2*size(pattern%sides), capacity)
-      integer :: k, n, tried
-
-      if (frame%resting) then
-         if (present(releases)) then
-            call releases_at(frame, c, releases, found)
-         else
-            call simulate_releases(c, simulated, progress=progress, longer=longer)
-            call releases_at(frame, c, simulated, found)
-         end if
-         return
-      end if
-      n = 0
-      call search_pattern(pattern, c, guesses, whole, n, tried, skip)
-      allocate (found(unknown_count(frame), n))
-      do k = 1, n
-         found(:, k) = part_of(frame, c, whole(:, k))
-      end do
-   end subroutine motions_at
-
-   !> The unknowns of a family from those of the whole pattern; with rest these are the phase and
-   !! v/D of a release.
-   pure function part_of(frame, c, whole) result(unknowns)
-      !> The family.
-      type(frame_type), intent(in) :: frame
-      !> r, log(D), xi, mu, R1, R2
-      real(wp), intent(in) :: c(:)
-      !> x_i/D, theta_i of all impacts (2N); with rest, phase and v/D.
-      real(wp), intent(in) :: whole(:)
-      real(wp) :: unknowns(unknown_count(frame))
-      integer :: n, total
-      logical :: good
-
-      n = size(unknowns)/2
-      total = size(whole)/2
-      if (frame%resting) then
-         call follow_symbols(frame%rest, [whole(1), asinh(whole(2))], c, unknowns, good)
-         if (.not. good) unknowns(3:) = unknowns(1)
-      else
-         unknowns = [whole(:n), whole(total + 1:total + n)]
-      end if
-   end function part_of
-
-   !> Guesses of motions with rest, from the last releases of some simulations.
-   pure subroutine releases_at(frame, c, releases, found)
-      !> The family.
-      type(frame_type), intent(in) :: frame
-      !> r, log(D), xi, mu, R1, R2
-      real(wp), intent(in) :: c(:)
-      !> The last releases of each simulation.
-      type(release_type), intent(in) :: releases(:)
-      !> (unknowns, m) The guesses whose symbols can be followed.
-      real(wp), allocatable, intent(out) :: found(:, :)
-      real(wp) :: list(unknown_count(frame), size(releases))
-      integer :: k, kept, wall
-      logical :: good
-
-      wall = merge(right, left, frame%rest%symbols(size(frame%rest%symbols)) > 0)
-      kept = 0
-      do k = 1, size(releases)
-         if (.not. releases(k)%there(wall)) cycle
-         call follow_symbols(frame%rest, releases(k)%at(:, wall), c, list(:, kept + 1), good)
-         if (good) kept = kept + 1
-      end do
-      found = list(:, :kept)
-   end subroutine releases_at
-
-   !> The last releases of simulations from some initial states; they do not depend on the family.
-   subroutine simulate_releases(c, releases, longest, progress, longer)
-      !> r, log(D), xi, mu, R1, R2
-      real(wp), intent(in) :: c(:)
-      !> (simulations) Out: the last releases of each; none if it failed.
-      type(release_type), intent(out) :: releases(:)
-      !> Symbols and load cycles of the longest period sought at the end; none is sought if absent.
-      integer, intent(in), optional :: longest(2)
-      !> Progress counters, see vi_progress; read to stop.
-      integer, intent(inout), optional :: progress(3)
-      !> Factor of the load cycles simulated; 1 by default.
-      integer, intent(in), optional :: longer
-      integer, parameter :: chunk = 4000
-      type(forced_system_type) :: system
-      type(state_type) :: state, final
-      type(event_type), allocatable :: events(:)
-      integer :: k, n, status, events_left, cycles
-
-      cycles = settling
-      if (present(longer)) cycles = longer*settling
-      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), 1.0_wp, exp(c(by_clearance)))
-      allocate (events(chunk))
-      do k = 1, size(releases)
-         state = initial_state(system, state_start(system%osc, system%r, system%load, &
-            system%clearance, k))
-         status = stat%more_events
-         events_left = 10*chunk
-         do while (status == stat%more_events)
-            call simulate_on(system, state, int(cycles, int64), 0.0_wp, events, n, final, &
-               events_left, status, progress)
-         end do
-         ! where accumulations are long, the limit of events is reached after fewer load cycles
-         if (.not. any(status == [stat%ok, stat%event_limit])) cycle
-         call last_release(1, events(:n), system%clearance, releases(k)%at(:, right), &
-            releases(k)%there(right))
-         call last_release(-1, events(:n), system%clearance, releases(k)%at(:, left), &
-            releases(k)%there(left))
-         if (present(longest)) call read_end(events(:n), longest, releases(k))
-      end do
-   end subroutine simulate_releases
 
    !> The period of a simulation that comes nearest to a motion of a pattern without rest.
    subroutine simulate_return(pattern, mirrored, c, start, motion, progress)
@@ -250,27 +95,5 @@ contains
          if (has_settled) return
       end do
    end function has_settled
-
-   !> The period up to the last release that nearly repeats the previous one.
-   pure subroutine read_end(events, longest, release)
-      !> (n) Last events of a simulation, in the order of time.
-      type(event_type), intent(in) :: events(:)
-      !> Largest number of symbols, and of load cycles.
-      integer, intent(in) :: longest(2)
-      !> In: with its releases. Out: `late`, `cycles` and `symbols` are set.
-      type(release_type), intent(inout) :: release
-      type(period_type), allocatable :: periods(:)
-
-      if (.not. any(release%there)) return
-      release%late = 2*events(last_of_period(events))%cycle >= settling
-      call read_periods(events, longest(2), longest(1), about, periods)
-      if (size(periods) == 0) return
-      associate (period => periods(size(periods)))
-         ! a period without rest does not belong to the motion of the release
-         if (all(abs(period%reading%symbols) == 1)) return
-         release%cycles = period%cycles
-         release%symbols = period%reading%symbols
-      end associate
-   end subroutine read_end
 
 end module vi_seeds

@@ -8,9 +8,9 @@ module vi_trace
    use vi_crossing, only: locate, look_between
    use vi_curve, only: condition_slope, correct, curve_type, distance_from, parameters_of, &
       tangent_at, unknowns_of
-   use vi_frame, only: condition_type, grazing, rest_splits, wrap_phases
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type
+   use vi_motion_family, only: condition_type, grazing, rest_splits
    use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
    use vi_progress, only: is_stopped
    implicit none (type, external)
@@ -68,7 +68,7 @@ contains
          if (tried > tries*loop%n + extra) return
          call take_step(curve, [active], stride, now, next, good)
          if (.not. good) return
-         if (curve%frame%resting) then
+         if (curve%family%jumps) then
             if (hardly_moves(loop)) return
          end if
          call first_violation(curve, active, now, next, 64*stride%shortest, corner, which, met)
@@ -178,7 +178,7 @@ contains
          if (j > 1 .and. loop%corner(j) /= begins) cycle
          if (.not. same_condition(loop%conditions(loop%n), loop%conditions(j))) cycle
          offset = loop%points(:, loop%n) - loop%points(:, j)
-         call wrap_phases(curve%frame, offset)
+         call curve%family%wrap_phases(offset)
          if (maxval(abs(offset)) > same_place) cycle
          m = loop%n - j
          loop%points(:, :m) = loop%points(:, j:loop%n - 1)
@@ -211,7 +211,7 @@ contains
          if (loop%corner(j) /= ends) cycle
          if (.not. same_condition(loop%conditions(loop%n), loop%conditions(j))) cycle
          offset = loop%points(:, loop%n) - loop%points(:, j)
-         call wrap_phases(curve%frame, offset)
+         call curve%family%wrap_phases(offset)
          if (maxval(abs(offset)) > same_place) cycle
          returned = dot_product(loop%tangents(:, loop%n), loop%tangents(:, j)) < 0
          if (.not. returned) cycle
@@ -244,7 +244,7 @@ contains
       if (loop%n < 2) return
       if (.not. same_condition(active, loop%conditions(1))) return
       offset = loop%points(:, 1) - now%point
-      call wrap_phases(curve%frame, offset)
+      call curve%family%wrap_phases(offset)
       reach = next%came
       if (met) reach = corner%came
       share = dot_product(offset, now%tangent)
@@ -316,7 +316,7 @@ contains
       least = huge(1.0_wp)
       do j = 1, size(next%values)
          ! two conditions that a symmetry makes identical differ by rounding
-         if (.not. next%values(j) < -merge(1.0e-9_wp, 0.0_wp, curve%frame%resting)) cycle
+         if (.not. next%values(j) < -merge(1.0e-9_wp, 0.0_wp, curve%family%jumps)) cycle
          if (same_condition(active, next%conditions(j))) cycle
          call locate(curve, [active], now, next, j, found, share, good)
          if (good .and. can_shorten(next, shortest)) good = abs(share)*next%came > begun
@@ -376,7 +376,7 @@ contains
          point = place%point + (3 - 2*i)*h*place%tangent
          call correct(curve, [active], point, iterations, place%tangent)
          if (iterations == 0) return
-         values(i) = condition_value(curve%frame, unknowns_of(curve, point), &
+         values(i) = condition_value(curve, unknowns_of(curve, point), &
             parameters_of(curve, point), rising)
       end do
       if (values(2) > values(1)) uphill = -1

@@ -6,13 +6,12 @@
 module vi_zone
    use vi_borders, only: distances, is_on_closed_loop, is_own_way_back, most_loops, &
       open_curves_type, trace_border, zone_type
-   use vi_conditions, only: all_conditions
+   use vi_conditions, only: all_conditions, condition_count
    use vi_curve, only: correct, curve_type, parameters_of
-   use vi_family, only: repetition_distance
-   use vi_frame, only: condition_count, condition_type, edge, repetition, unknown_count
    use vi_join, only: join_loose_ends, set_apart
    use vi_kinds, only: wp
    use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
+   use vi_motion_family, only: condition_type, edge, repeats, repetition
    use vi_net, only: add_seed, border_type, cover, cover_from, follow_both, net_type, new_net, &
       reach_border
    use vi_net_line, only: line_of, start_type
@@ -20,9 +19,9 @@ module vi_zone
    use vi_outline, only: ring_of, zone_side
    use vi_rings, only: winding
    use vi_pattern, only: pattern_type
-   use vi_seeds, only: most_simulations, motions_at, part_of, release_type, simulate_releases, &
-      simulate_return
+   use vi_releases, only: most_simulations, release_type, simulate_releases
    use vi_repetition_vertices, only: leave_repetition, move_to_repetition
+   use vi_seeds, only: simulate_return
    use vi_zone_request, only: is_neutral, make_surface, zone_request_type
    use vi_status, only: stat
    use vi_progress, only: is_stopped, report_share
@@ -175,7 +174,7 @@ contains
       zone%steps = net%steps
       do i = 1, size(items)
          if (items(i)%enclosed) cycle
-         if (zone%surface%frame%resting) items(i)%enclosed = is_enclosed(request, zone, items(i))
+         if (zone%surface%family%jumps) items(i)%enclosed = is_enclosed(request, zone, items(i))
          ! curves have been joined
          if (allocated(items(i)%border)) items(i)%enclosed = items(i)%enclosed .or. &
             is_on_closed_loop(items(i)%border, zone)
@@ -216,17 +215,17 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(open_curves_type) :: tried
       logical, allocatable :: is_open(:)
-      logical :: closed, known, resting
+      logical :: closed, jumps, known
       integer :: i, first, pass
 
       allocate (is_open(0), tried%curves%loops(most_loops))
       tried%curves%surface = zone%surface
-      resting = net%surface%frame%resting
+      jumps = net%surface%family%jumps
       call trace_further()
       ! lines through seeds would not close what ends where motions with rest jump
-      if (resting) call keep_open(request, net, is_open, zone, progress)
+      if (jumps) call keep_open(request, net, is_open, zone, progress)
       do i = 1, size(seeds)
-         if (resting) seeds(i)%enclosed = is_enclosed(request, zone, seeds(i))
+         if (jumps) seeds(i)%enclosed = is_enclosed(request, zone, seeds(i))
          if (seeds(i)%enclosed) cycle
          if (.not. seeds(i)%there) call examine(net, seeds(i), same)
          if (.not. seeds(i)%there .or. (seeds(i)%at_node .and. .not. seeds(i)%inside)) cycle
@@ -244,16 +243,16 @@ contains
          call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
          call trace_further()
       end do
-      if (resting) then
+      if (jumps) then
          call keep_open(request, net, is_open, zone, progress)
          return
       end if
-      if (size(net%surface%frame%repetitions) > 0) then
+      if (size(net%surface%family%repetitions) > 0) then
          do pass = 2, size(distances)
             do i = 1, net%n_borders
                if (.not. is_open(i)) cycle
                if (is_stopped(progress)) exit
-               call trace_border(net%borders(i), distances(pass)*net%surface%frame%apart, &
+               call trace_border(net%borders(i), distances(pass)*net%surface%family%apart, &
                   request%points, .false., zone, closed, progress)
                is_open(i) = .not. closed
             end do
@@ -271,7 +270,7 @@ contains
          is_open = [is_open, [(.true., j=n + 1, net%n_borders)]]
          do j = n + 1, net%n_borders
             if (is_stopped(progress)) return
-            call trace_border(net%borders(j), net%surface%frame%apart, request%points, .false., &
+            call trace_border(net%borders(j), net%surface%family%apart, request%points, .false., &
                zone, closed, progress, tried)
             is_open(j) = .not. closed
             if (n == 0) call report_share(0.5_wp + 0.5_wp*j/net%n_borders, zone_work, reported, &
@@ -300,12 +299,12 @@ contains
       do i = 1, size(is_open)
          if (.not. is_open(i)) cycle
          if (is_stopped(progress)) exit
-         call trace_border(net%borders(i), net%surface%frame%apart, request%points, .true., zone, &
+         call trace_border(net%borders(i), net%surface%family%apart, request%points, .true., zone, &
             closed, progress)
       end do
       if (zone%n == before) return
       call join_loose_ends(zone)
-      if (.not. net%surface%frame%resting) return
+      if (.not. net%surface%family%jumps) return
       call set_apart(zone, net%borders(:size(is_open)), is_open, request%points, progress)
       do i = 1, zone%n
          ! a joint may have closed a curve that has turned round
@@ -363,36 +362,36 @@ contains
       !> How much longer motions with rest are simulated where none was found.
       integer, parameter :: longer = 10
       integer :: i, j, k, all_found, first, guesses, new, pass, passes, skip, stride
-      logical :: at_node, chosen, resting
+      logical :: at_node, chosen, simulated
 
       skip = 0
       all_found = 0
       new = 0
-      resting = net%surface%frame%resting
+      simulated = net%surface%family%simulated
       ! simulations that are given are not repeated
-      passes = merge(1, 2, resting .and. present(releases))
+      passes = merge(1, 2, simulated .and. present(releases))
       stride = 2
       pass = 0
       do while (pass < passes)
          pass = pass + 1
-         if (resting .and. pass == 2) then
+         if (simulated .and. pass == 2) then
             ! with little damping, simulations reach the motions late
             if (net%n > 0) exit
             stride = 4
          end if
-         guesses = merge(request%guesses, request%guesses/4, mod(pass, 2) == 1 .or. resting)
+         guesses = merge(request%guesses, request%guesses/4, mod(pass, 2) == 1 .or. simulated)
          do j = 1, size(net%lines%axes(2)%at)
             do i = 1, size(net%lines%axes(1)%at)
                chosen = mod(i, stride) == 1 .and. mod(j, stride) == 1
-               if (chosen .neqv. (mod(pass, 2) == 1 .or. resting)) cycle
+               if (chosen .neqv. (mod(pass, 2) == 1 .or. simulated)) cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
                c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
                if (present(releases)) then
-                  call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
+                  call net%surface%family%motions_at(c, guesses, skip, found, &
                      releases(:, i, j), progress)
                else
-                  call motions_at(net%surface%frame, request%pattern, c, guesses, skip, found, &
-                     progress=progress, longer=merge(longer, 1, resting .and. pass == 2))
+                  call net%surface%family%motions_at(c, guesses, skip, found, &
+                     progress=progress, longer=merge(longer, 1, simulated .and. pass == 2))
                end if
                skip = skip + guesses
                first = net%n + 1
@@ -408,7 +407,7 @@ contains
                reported, progress)
          end do
          ! the more impacts, the fewer guesses lead to a motion
-         if (resting .or. pass == 1 .or. new < many*all_found) cycle
+         if (simulated .or. pass == 1 .or. new < many*all_found) cycle
          if (new == 0 .and. request%simulations == 0) cycle
          passes = min(pass + 1, max(2, size(request%pattern%sides)/2))
       end do
@@ -453,7 +452,7 @@ contains
             end if
             if (size(returns(i)%motion) == 0) cycle
             first = net%n + 1
-            seed = seed_type(at=returns(i)%at, unknowns=part_of(net%surface%frame, c, &
+            seed = seed_type(at=returns(i)%at, unknowns=net%surface%family%part_of(c, &
                returns(i)%motion))
             call examine(net, seed, near)
             if (.not. seed%there) cycle
@@ -499,10 +498,10 @@ contains
       type(curve_type) :: surface
       integer :: i, done, status
 
-      do i = 1, size(net%surface%frame%repetitions)
-         associate (way => net%surface%frame%repetitions(i), sides => request%pattern%sides)
+      do i = 1, size(net%surface%family%repetitions)
+         associate (way => net%surface%family%repetitions(i), sides => request%pattern%sides)
             ! other multipliers of the shorter period than -1 start no motions of this pattern
-            if (2*way%shift /= size(net%surface%frame%family%sides)) cycle
+            if (.not. net%surface%family%halves(way)) cycle
             if (way%sign < 0 .and. present(pitchforks)) then
                if (allocated(pitchforks)) then
                   call cover_from_flips(net, i, pitchforks, progress)
@@ -585,7 +584,7 @@ contains
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(i, k, c)
       do j = 1, n(2)
          do i = 1, n(1)
-            c = parameters_of(surface, [(0.0_wp, k=1, unknown_count(surface%frame)), &
+            c = parameters_of(surface, [(0.0_wp, k=1, surface%family%unknown_count()), &
                lines%axes(1)%at(i), lines%axes(2)%at(j)])
             places(:, i, j) = [c(by_r), exp(c(by_clearance))]
             if (is_stopped(progress)) exit
@@ -606,8 +605,8 @@ contains
       integer :: i
 
       seed%at = (place - net%surface%origin)/net%surface%scale
-      seed%unknowns = part_of(net%surface%frame, parameters_of(net%surface, &
-         [(0.0_wp, i=1, unknown_count(net%surface%frame)), seed%at]), whole)
+      seed%unknowns = net%surface%family%part_of(parameters_of(net%surface, &
+         [(0.0_wp, i=1, net%surface%family%unknown_count()), seed%at]), whole)
       call place_at_node(net, seed%at, seed%unknowns, nearest_lines(net%lines, seed%at), &
          seed%at_node)
    end subroutine prepare_seed
@@ -621,41 +620,27 @@ contains
       type(seed_type), intent(inout) :: seed
       !> Its largest distance from the motion.
       real(wp), intent(in) :: reach
-      type(condition_type) :: conditions(condition_count(net%surface%frame))
+      type(condition_type) :: conditions(condition_count(net%surface))
       real(wp) :: point(size(seed%unknowns) + 2), values(size(conditions)), place(2)
       integer :: i, n, iterations
 
       associate (surface => net%surface)
          place = surface%origin + surface%scale*seed%at
-         if (any(seed%at < 0) .or. any(place > surface%frame%edges([2, 4])%bound)) return
+         if (any(seed%at < 0) .or. any(place > surface%edges([2, 4])%bound)) return
          n = size(seed%unknowns)
          point = [seed%unknowns, seed%at]
          call correct(surface, [(condition_type(edge, i, 1, bound=place(i)), i=1, 2)], point, &
             iterations)
          if (iterations == 0) return
          if (maxval(abs(point(:n) - seed%unknowns)) > reach) return
-         if (repeats(net, point(:n), 1.0e-6_wp)) return
+         if (repeats(net%surface%family, point(:n), 1.0e-6_wp)) return
          seed%there = .true.
          seed%unknowns = point(:n)
-         call all_conditions(surface%frame, point(:n), parameters_of(surface, point), values, &
+         call all_conditions(surface, point(:n), parameters_of(surface, point), values, &
             conditions)
          seed%inside = all(values > 0 .or. conditions%kind == repetition)
       end associate
    end subroutine examine
-
-   !> Whether a motion repeats itself within its period, up to some distance.
-   pure logical function repeats(net, unknowns, distance)
-      !> The net; its family is used.
-      type(net_type), intent(in) :: net
-      !> Unknowns of the motion, and the largest distance in (u, theta).
-      real(wp), intent(in) :: unknowns(:), distance
-      integer :: i
-
-      associate (frame => net%surface%frame)
-         repeats = any([(repetition_distance(frame%family, frame%repetitions(i), unknowns) < &
-            distance, i=1, size(frame%repetitions))])
-      end associate
-   end function repeats
 
    !> Continues a motion to a node of the lattice and adds it there, if it belongs to the family.
    pure subroutine place_at_node(net, from, unknowns, place, at_node)
@@ -686,7 +671,7 @@ contains
          call correct(net%surface, fixed, point, iterations)
          if (iterations == 0) return
       end do
-      if (repeats(net, point(:n), 10*net%surface%frame%apart)) return
+      if (repeats(net%surface%family, point(:n), 10*net%surface%family%apart)) return
       call add_seed(net, place(1), place(2), point(:n), node)
       at_node = node > 0
    end subroutine place_at_node

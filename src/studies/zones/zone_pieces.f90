@@ -3,10 +3,10 @@ module vi_zone_pieces
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_condition_names, only: condition_detail, condition_name
    use vi_curve, only: curve_type
-   use vi_family, only: can_be_symmetric, whole_unknowns
-   use vi_frame, only: condition_type, edge
+   use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
+   use vi_motion_family, only: condition_type, edge
    use vi_net_line, only: start_type
    use vi_outline, only: ring_of
    use vi_zone_request, only: zone_request_type
@@ -244,7 +244,7 @@ contains
          piece%detail = trim(condition_detail(condition%kind, condition%index, condition%side))
          if (condition%kind == edge) then
             piece%name = 'window'
-            if (.not. is_of_window(zone%surface%frame%edges, condition)) then
+            if (.not. is_of_window(zone%surface%edges, condition)) then
                piece%name = 'cut'
                piece%detail = piece%detail(index(piece%detail, ' ') + 1:)
             end if
@@ -286,20 +286,12 @@ contains
       integer :: j, m, n
 
       m = size(loop%points, 1) - 2
-      n = 1
-      if (.not. surface%frame%resting) n = size(surface%frame%family%sides)*merge(2, 1, &
-         surface%frame%family%mirror)
-      allocate (piece%x(n, size(run)), piece%theta(n, size(run)))
       do j = 1, size(run)
-         associate (point => loop%points(:, run(j)))
-            if (surface%frame%resting) then
-               whole = [sinh(point(2)), point(1)]
-            else
-               whole = whole_unknowns(surface%frame%family, point(:m))
-            end if
-            piece%x(:, j) = whole(:n)
-            piece%theta(:, j) = whole(n + 1:2*n)
-         end associate
+         whole = surface%family%whole_of(loop%points(:m, run(j)))
+         n = size(whole)/2
+         if (j == 1) allocate (piece%x(n, size(run)), piece%theta(n, size(run)))
+         piece%x(:, j) = whole(:n)
+         piece%theta(:, j) = whole(n + 1:)
       end do
    end subroutine write_motions
 

@@ -1,13 +1,12 @@
 !> The surface of motions over a window of the plane (r, log D), on which zones are sought.
 module vi_zone_request
    use vi_curve, only: curve_type
-   use vi_family, only: images_of, new_family, repetition_type
-   use vi_frame, only: condition_type, edge
    use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, edge
    use vi_orbit, only: by_clearance, by_r
    use vi_oscillator, only: left, oscillator_type, right
+   use vi_oscillator_families, only: choose_family
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: new_rest_family
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -51,7 +50,7 @@ contains
    end function is_neutral
 
    !> The family in the window, with both parameters active.
-   pure subroutine make_surface(request, surface, status)
+   subroutine make_surface(request, surface, status)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> The family; r and log D are 0 at the lower corner of the window.
@@ -59,22 +58,12 @@ contains
       !> `stat%ok`, or `stat%no_motion` if the pattern cannot have such motions.
       integer, intent(out) :: status
       real(wp) :: low(2), high(2)
-      logical :: equal_walls, possible
+      logical :: possible
       integer :: i
 
       associate (osc => request%osc, walls => request%osc%restitution)
-         surface%frame%resting = any(abs(request%pattern%sides) == 2)
-         if (surface%frame%resting) then
-            surface%frame%rest = new_rest_family(request%pattern%sides, request%pattern%cycles)
-            allocate (surface%frame%repetitions(0), surface%frame%images(0))
-            possible = .not. request%symmetric
-         else
-            equal_walls = abs(walls(1) - walls(2)) <= 0
-            call new_family(request%pattern, request%symmetric, equal_walls, &
-               surface%frame%family, surface%frame%repetitions, possible)
-            if (possible) surface%frame%images = images_of(surface%frame%family, &
-               repetition_type(sign=merge(-1.0_wp, 1.0_wp, equal_walls), phase=acos(-1.0_wp)))
-         end if
+         call choose_family(request%pattern, request%symmetric, abs(walls(1) - walls(2)) <= 0, &
+            surface%family, possible)
          status = merge(stat%ok, stat%no_motion, possible)
          low = [request%r(1), log(request%clearance(1))]
          high = [request%r(2), log(request%clearance(2))]
@@ -83,10 +72,10 @@ contains
       surface%active = [by_r, by_clearance]
       surface%origin = low
       surface%scale = min(high - low, unit)
-      allocate (surface%frame%edges(4))
+      allocate (surface%edges(4))
       do i = 1, 2
-         surface%frame%edges(2*i - 1) = condition_type(edge, i, 1, bound=low(i))
-         surface%frame%edges(2*i) = condition_type(edge, i, -1, bound=high(i))
+         surface%edges(2*i - 1) = condition_type(edge, i, 1, bound=low(i))
+         surface%edges(2*i) = condition_type(edge, i, -1, bound=high(i))
       end do
    end subroutine make_surface
 

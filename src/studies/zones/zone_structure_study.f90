@@ -2,9 +2,9 @@
 module vi_zone_structure_study
    use vi_branch_structure_study, only: check_structure_start, touch_detail
    use vi_curve_point, only: curve_type
-   use vi_frame, only: grazing
    use vi_kinds, only: wp
    use vi_linear, only: most
+   use vi_motion_family, only: grazing
    use vi_motion_structure_study, only: find_structure_motion
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: pattern_type
@@ -191,7 +191,7 @@ contains
       end if
       ! the window is the unit square; zones have a logarithmic ordinate
       request = zone_request_type(oscillator_type(), pattern_type(), &
-         surface%frame%family%mirror, [0.0_wp, 1.0_wp], exp([0.0_wp, 1.0_wp]), &
+         surface%family%is_symmetric(), [0.0_wp, 1.0_wp], exp([0.0_wp, 1.0_wp]), &
          case%study%whole_number('lines'), 0, case%study%whole_number('max_points'))
       call zone_around(request, surface, start, zone, progress)
       if (is_stopped(progress)) then
@@ -247,10 +247,6 @@ contains
             do j = 1, size(piece%vertices, 2)
                call to_parameters(piece%vertices(:, j))
             end do
-            piece%x = surface%frame%structure%speed*abs(piece%x)
-            if (.not. allocated(surface%frame%structure%impact_of)) cycle
-            call repeat_rows(surface%frame%structure%impact_of, piece%x)
-            call repeat_rows(surface%frame%structure%impact_of, piece%theta)
          end associate
       end do
       do i = 1, size(found%rings)
@@ -259,18 +255,6 @@ contains
          end do
       end do
    contains
-      !> One row for each of the impacts at one instant.
-      pure subroutine repeat_rows(rows, values)
-         !> The row of each impact.
-         integer, intent(in) :: rows(:)
-         !> (impacts, vertices) In and out.
-         real(wp), allocatable, intent(inout) :: values(:, :)
-         real(wp), allocatable :: all(:, :)
-
-         allocate (all, source=values(rows, :))
-         call move_alloc(all, values)
-      end subroutine repeat_rows
-
       !> A place in the plane of the parameters.
       pure subroutine to_parameters(place)
          !> In: the share of x, and the exponential of that of y. Out: both parameters.
@@ -281,7 +265,7 @@ contains
 
          share = [place(1), log(place(2))]
          do axis = 1, 2
-            associate (bounds => surface%frame%edges(2*axis - 1:2*axis)%bound)
+            associate (bounds => surface%edges(2*axis - 1:2*axis)%bound)
                ! places on the border are exactly there
                if (abs(share(axis) - bounds(1)) < rounding) share(axis) = 0
                if (abs(share(axis) - bounds(2)) < rounding) share(axis) = 1

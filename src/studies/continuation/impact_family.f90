@@ -1,0 +1,179 @@
+!> Families of motions that are a sequence of impacts: two unknowns for each, a number and its load
+!! phase. A motion that is its own image half a period later is described by its first half.
+module vi_impact_family
+   use vi_family, only: impacts_image => image_of, repetition_type, whole_unknowns
+   use vi_kinds, only: wp
+   use vi_motion_family, only: condition_type, flip, fold, grazing, motion_family_type, &
+      neimark_sacker, repetition, zero_approach
+   use vi_orbit, only: family_type, span_of
+   implicit none (type, external)
+   private
+
+   public :: are_in_order, list_conditions
+
+   !> The unknowns are those numbers, the phases, and others that a family may have.
+   type, abstract, extends(motion_family_type), public :: impact_family_type
+      type(family_type) :: impacts
+   contains
+      procedure :: wrap_phases, condition_count, whole_of, part_of, from_vertex
+      procedure :: in_order, is_symmetric, halves, halve, image_of
+   end type impact_family_type
+
+contains
+
+   !> Removes whole load cycles that all phases of a difference have in common.
+   pure subroutine wrap_phases(family, offset)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> In and out: a difference of unknowns, or of points, which begin with them.
+      real(wp), intent(inout) :: offset(:)
+      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
+      integer :: n
+
+      n = size(family%impacts%sides)
+      offset(n + 1:2*n) = offset(n + 1:2*n) - two_pi*nint(offset(n + 1)/two_pi)
+   end subroutine wrap_phases
+
+   !> Number of conditions.
+   pure integer function condition_count(family)
+      !> The family and its repetitions.
+      class(impact_family_type), intent(in) :: family
+
+      condition_count = 3 + 2*size(family%impacts%sides) + size(family%repetitions)
+   end function condition_count
+
+   !> The conditions, without the details of a touch: fold, flip, Neimark-Sacker, the approach of
+   !! each impact, the gap of each flight, the repetitions.
+   pure subroutine list_conditions(family, found)
+      !> The family and its repetitions.
+      class(impact_family_type), intent(in) :: family
+      !> Out: the first ones are set.
+      type(condition_type), intent(inout) :: found(:)
+      integer :: j, n
+
+      n = size(family%impacts%sides)
+      found(:3) = [condition_type(fold), condition_type(flip), condition_type(neimark_sacker)]
+      do j = 1, n
+         found(3 + j) = condition_type(zero_approach, j)
+         found(3 + n + j) = condition_type(grazing, j)
+      end do
+      do j = 1, size(family%repetitions)
+         found(3 + 2*n + j) = condition_type(repetition, j, bound=family%apart)
+      end do
+   end subroutine list_conditions
+
+   !> x_i and theta_i of all impacts of a period.
+   pure function whole_of(family, unknowns) result(whole)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      real(wp), allocatable :: whole(:)
+
+      allocate (whole, source=whole_unknowns(family%impacts, unknowns))
+   end function whole_of
+
+   !> The unknowns of the family from x_i and theta_i of all impacts.
+   pure function part_of(family, c, whole) result(unknowns)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> The parameters.
+      real(wp), intent(in) :: c(:)
+      !> (2N)
+      real(wp), intent(in) :: whole(:)
+      real(wp), allocatable :: unknowns(:)
+      integer :: n, total
+
+      n = size(family%impacts%sides)
+      total = size(whole)/2
+      associate (not_used => c)
+         unknowns = [whole(:n), whole(total + 1:total + n)]
+      end associate
+   end function part_of
+
+   !> The same, from two arrays.
+   pure function from_vertex(family, c, x, theta) result(unknowns)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> The parameters.
+      real(wp), intent(in) :: c(:)
+      !> (N)
+      real(wp), intent(in) :: x(:), theta(:)
+      real(wp), allocatable :: unknowns(:)
+
+      allocate (unknowns, source=family%part_of(c, [x, theta]))
+   end function from_vertex
+
+   !> Whether each impact is later than the one before it.
+   pure logical function in_order(family, unknowns)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+
+      in_order = are_in_order(family%impacts, unknowns, 0.0_wp)
+   end function in_order
+
+   !> Whether each impact is later than the one before it, or hardly earlier.
+   pure logical function are_in_order(impacts, unknowns, slack) result(in_order)
+      !> The impacts.
+      type(family_type), intent(in) :: impacts
+      !> Numbers and phases.
+      real(wp), intent(in) :: unknowns(:)
+      !> Phase by which it may be earlier.
+      real(wp), intent(in) :: slack
+      integer :: n
+
+      n = size(impacts%sides)
+      in_order = all(unknowns(n + 2:2*n) > unknowns(n + 1:2*n - 1) - slack) .and. unknowns(2*n) &
+         - unknowns(n + 1) < span_of(impacts) + slack
+   end function are_in_order
+
+   !> Whether the motions are their own images half a period later.
+   pure logical function is_symmetric(family)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+
+      is_symmetric = family%impacts%mirror
+   end function is_symmetric
+
+   !> Whether motions that repeat themselves in some way do so after half the impacts.
+   pure logical function halves(family, way)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> The way.
+      type(repetition_type), intent(in) :: way
+
+      halves = 2*way%shift == size(family%impacts%sides)
+   end function halves
+
+   !> Turns a family into that of the motions that repeat themselves after half the impacts.
+   pure subroutine halve(family, way)
+      !> In and out: the family.
+      class(impact_family_type), intent(inout) :: family
+      !> The way in which they do.
+      type(repetition_type), intent(in) :: way
+
+      associate (impacts => family%impacts)
+         impacts%sides = impacts%sides(:way%shift)
+         impacts%mirror = way%sign < 0
+         if (.not. impacts%mirror) impacts%cycles = impacts%cycles/2
+      end associate
+      deallocate (family%repetitions)
+      allocate (family%repetitions(0))
+   end subroutine halve
+
+   !> The unknowns of the image of a motion under a repetition.
+   pure function image_of(family, way, unknowns) result(image)
+      !> The family.
+      class(impact_family_type), intent(in) :: family
+      !> The way of repeating itself.
+      type(repetition_type), intent(in) :: way
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      real(wp) :: image(size(unknowns))
+
+      image = impacts_image(family%impacts, way, unknowns)
+   end function image_of
+
+end module vi_impact_family

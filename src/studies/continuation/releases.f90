@@ -1,0 +1,104 @@
+!> The last releases of simulations at a point, from which motions with rest are found.
+module vi_releases
+   use, intrinsic :: iso_fortran_env, only: int64
+   use vi_event_symbols, only: last_of_period, period_type, read_periods
+   use vi_forced_system, only: initial_state
+   use vi_kinds, only: wp
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
+   use vi_oscillator, only: left, oscillator_type, right
+   use vi_rest_family, only: last_release
+   use vi_simulate, only: event_type, forced_system_type, new_forced_system, simulate_on, state_type
+   use vi_starts, only: state_start
+   use vi_status, only: stat
+   implicit none (type, external)
+   private
+
+   public :: simulate_releases
+
+   !> Load cycles simulated to find a release.
+   integer, parameter :: settling = 60
+   !> Largest number of simulations at a point for motions with rest.
+   integer, parameter, public :: most_simulations = 6
+   !> Largest difference in phase (rad) between the symbols of two successive periods.
+   real(wp), parameter :: about = 0.05_wp
+
+   !> The last releases of a simulation, from the right wall and from the left one: load phase and
+   !! asinh(v/D) (2, 2), and whether they exist.
+   type, public :: release_type
+      real(wp) :: at(2, 2) = 0
+      logical :: there(2) = .false.
+      !> Whether one of them is in the second half of the simulation.
+      logical :: late = .false.
+      !> The period up to the last release that nearly repeats the previous one: its load cycles, 0
+      !! if there is none among the lengths examined, and its symbols.
+      integer :: cycles = 0
+      integer, allocatable :: symbols(:)
+   end type release_type
+
+contains
+
+   !> The last releases of simulations from some initial states; they do not depend on the family.
+   subroutine simulate_releases(c, releases, longest, progress, longer)
+      !> r, log(D), xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+      !> (simulations) Out: the last releases of each; none if it failed.
+      type(release_type), intent(out) :: releases(:)
+      !> Symbols and load cycles of the longest period sought at the end; none is sought if absent.
+      integer, intent(in), optional :: longest(2)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> Factor of the load cycles simulated; 1 by default.
+      integer, intent(in), optional :: longer
+      integer, parameter :: chunk = 4000
+      type(forced_system_type) :: system
+      type(state_type) :: state, final
+      type(event_type), allocatable :: events(:)
+      integer :: k, n, status, events_left, cycles
+
+      cycles = settling
+      if (present(longer)) cycles = longer*settling
+      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
+         c(by_r), 1.0_wp, exp(c(by_clearance)))
+      allocate (events(chunk))
+      do k = 1, size(releases)
+         state = initial_state(system, state_start(system%osc, system%r, system%load, &
+            system%clearance, k))
+         status = stat%more_events
+         events_left = 10*chunk
+         do while (status == stat%more_events)
+            call simulate_on(system, state, int(cycles, int64), 0.0_wp, events, n, final, &
+               events_left, status, progress)
+         end do
+         ! where accumulations are long, the limit of events is reached after fewer load cycles
+         if (.not. any(status == [stat%ok, stat%event_limit])) cycle
+         call last_release(1, events(:n), system%clearance, releases(k)%at(:, right), &
+            releases(k)%there(right))
+         call last_release(-1, events(:n), system%clearance, releases(k)%at(:, left), &
+            releases(k)%there(left))
+         if (present(longest)) call read_end(events(:n), longest, releases(k))
+      end do
+   end subroutine simulate_releases
+
+   !> The period up to the last release that nearly repeats the previous one.
+   pure subroutine read_end(events, longest, release)
+      !> (n) Last events of a simulation, in the order of time.
+      type(event_type), intent(in) :: events(:)
+      !> Largest number of symbols, and of load cycles.
+      integer, intent(in) :: longest(2)
+      !> In: with its releases. Out: `late`, `cycles` and `symbols` are set.
+      type(release_type), intent(inout) :: release
+      type(period_type), allocatable :: periods(:)
+
+      if (.not. any(release%there)) return
+      release%late = 2*events(last_of_period(events))%cycle >= settling
+      call read_periods(events, longest(2), longest(1), about, periods)
+      if (size(periods) == 0) return
+      associate (period => periods(size(periods)))
+         ! a period without rest does not belong to the motion of the release
+         if (all(abs(period%reading%symbols) == 1)) return
+         release%cycles = period%cycles
+         release%symbols = period%reading%symbols
+      end associate
+   end subroutine read_end
+
+end module vi_releases
