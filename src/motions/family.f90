@@ -17,6 +17,9 @@ module vi_family
       real(wp) :: sign = 1, phase = 0
       !> Of a structure: how many of the further displacements keep their sign at any rate.
       integer :: even = 0
+      !> Whether it repeats after half the impacts: such motions are reached with a multiplier -1 of
+      !! the shorter period.
+      logical :: halves = .false.
    end type repetition_type
 
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -59,7 +62,7 @@ contains
          family%sides = pattern%sides
          if (mirrored) then
             count = 1
-            found(1) = repetition_type(half, -1.0_wp, pi*pattern%cycles)
+            found(1) = repetition_type(half, -1.0_wp, pi*pattern%cycles, halves=.true.)
          end if
       end if
       do m = 2, n
@@ -67,7 +70,7 @@ contains
          if (.not. is_prime(m)) cycle
          if (any(cshift(pattern%sides, n/m) /= pattern%sides)) cycle
          count = count + 1
-         found(count) = repetition_type(n/m, 1.0_wp, 2*pi*pattern%cycles/m)
+         found(count) = repetition_type(n/m, 1.0_wp, 2*pi*pattern%cycles/m, halves=m == 2)
       end do
       deallocate (repetitions)
       allocate (repetitions(count), source=found(:count))

@@ -3,8 +3,8 @@ module studies_conditions
    use checks, only: check, check_close
    use motions_orbit, only: random_member
    use random_numbers, only: draw, draw_integer, fill, random_type
-   use vi_conditions, only: all_conditions, condition_count, condition_slope, condition_value
-   use vi_curve, only: curve_type, parameters_of, unknowns_of
+   use vi_conditions, only: all_conditions, condition_count, condition_value
+   use vi_curve, only: condition_slope, curve_type, parameters_of, unknowns_of
    use vi_family, only: new_family, whole_unknowns
    use vi_kinds, only: wp
    use vi_motion_family, only: condition_type, grazing

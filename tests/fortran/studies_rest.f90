@@ -3,8 +3,8 @@ module studies_rest
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use checks, only: check, check_close
    use random_numbers, only: fill, random_type
-   use vi_conditions, only: all_conditions, condition_count, condition_slope, condition_value
-   use vi_curve_point, only: curve_type
+   use vi_conditions, only: all_conditions, condition_count, condition_value
+   use vi_curve, only: condition_slope, curve_type
    use vi_forced_system, only: event_type, new_forced_system
    use vi_found_motion, only: are_same, described_type, found_type, store_described
    use vi_kinds, only: wp

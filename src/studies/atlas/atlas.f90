@@ -394,7 +394,7 @@ contains
    end function lattice
 
    !> All patterns up to the limits, shortest first, and those with rest that have been found.
-   pure subroutine list_families(request, atlas)
+   subroutine list_families(request, atlas)
       !> The request.
       type(atlas_request_type), intent(in) :: request
       !> In: with its attractors. Out: with its families, without zones.
@@ -423,7 +423,7 @@ contains
 
    !> Adds the families of a pattern, first the symmetric motions and then the others, if the
    !! pattern is in standard order and not listed yet.
-   pure subroutine add_families(osc, pattern, families)
+   subroutine add_families(osc, pattern, families)
       !> Oscillator.
       type(oscillator_type), intent(in) :: osc
       !> The pattern.

@@ -275,7 +275,7 @@ contains
             detail(i)%text = ''
             if (condition%kind == 0) cycle
             special(i)%text = trim(condition_name(condition%kind, condition%index, &
-               curve%family%is_symmetric(), mirrored))
+               curve%family%symmetric, mirrored))
             if (condition%kind == grazing .and. condition%share >= 1) special(i)%text = &
                'simultaneous'
             call touch_detail(curve, condition, [trim(name)], detail(i)%text)

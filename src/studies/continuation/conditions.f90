@@ -3,14 +3,14 @@
 !!
 !! Each is smooth along a family, and zero where a bifurcation of its kind bounds the zone.
 module vi_conditions
-   use vi_curve_point, only: curve_type, parameters_of
+   use vi_curve_point, only: curve_type
    use vi_kinds, only: wp
    use vi_motion_family, only: condition_type, edge
    use vi_spectrum, only: spectrum_type
    implicit none (type, external)
    private
 
-   public :: all_conditions, condition_count, condition_slope, condition_value
+   public :: all_conditions, condition_count, condition_value, edge_value
 
 contains
 
@@ -59,30 +59,6 @@ contains
          value = curve%family%condition_value(unknowns, c, condition)
       end if
    end function condition_value
-
-   !> Value of a condition, and its gradient with respect to the coordinates of a point.
-   pure subroutine condition_slope(curve, condition, point, value, slope)
-      !> The curve.
-      type(curve_type), intent(in) :: curve
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point of the curve.
-      real(wp), intent(in) :: point(:)
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      real(wp) :: c(size(curve%c))
-
-      if (condition%kind == edge) then
-         c = parameters_of(curve, point)
-         value = edge_value(condition, c(condition%index))
-         slope = 0
-         associate (by => slope(size(slope) - size(curve%active) + 1:))
-            where (curve%active == condition%index) by = condition%side*curve%scale
-         end associate
-      else
-         call curve%family%condition_slope(curve%coordinates_type, condition, point, value, slope)
-      end if
-   end subroutine condition_slope
 
    !> How far a parameter is inside a bound.
    pure elemental real(wp) function edge_value(bound, parameter)

@@ -3,7 +3,7 @@
 !! With one active parameter, the motions of a family form a curve; with two active parameters, the
 !! motions on which one condition is zero (for example, a fold) form a curve.
 module vi_curve
-   use vi_conditions, only: condition_slope
+   use vi_conditions, only: edge_value
    use vi_curve_point, only: curve_type, parameters_of, point_size, unknowns_of
    use vi_kinds, only: wp
    use vi_linear, only: eliminate, most
@@ -136,16 +136,40 @@ contains
       !> Out: b(1, j): residual j, b(2, :): 0; a(:, j): gradient of residual j with respect to the
       !! coordinates.
       real(wp), intent(inout) :: b(2, most), a(most, most)
+      real(wp) :: c(size(curve%c))
       integer :: j, n
 
       n = size(point) - size(curve%active)
       b(2, :size(point)) = 0
       call curve%family%set_equations(curve%coordinates_type, conditions, point, b, a)
       do j = 1, size(conditions)
-         if (conditions(j)%kind == edge) call condition_slope(curve, conditions(j), point, &
-            b(1, n + j), a(:size(point), n + j))
+         if (conditions(j)%kind /= edge) cycle
+         c = parameters_of(curve, point)
+         b(1, n + j) = edge_value(conditions(j), c(conditions(j)%index))
+         a(:n, n + j) = 0
+         a(n + 1:size(point), n + j) = merge(conditions(j)%side*curve%scale, 0.0_wp, &
+            curve%active == conditions(j)%index)
       end do
    end subroutine equations
+
+   !> Value of a condition, and its gradient with respect to the coordinates of a point.
+   pure subroutine condition_slope(curve, condition, point, value, slope)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+      !> A point of the curve.
+      real(wp), intent(in) :: point(:)
+      !> The value, and the gradient (as `point`).
+      real(wp), intent(out) :: value, slope(:)
+      real(wp) :: a(most, most), b(2, most)
+      integer :: n
+
+      n = size(point) - size(curve%active)
+      call equations(curve, [condition], point, b, a)
+      value = b(1, n + 1)
+      slope = a(:size(slope), n + 1)
+   end subroutine condition_slope
 
    !> The unit tangent of a curve at a point of it, in the direction of a given vector.
    pure subroutine tangent_at(curve, conditions, point, along, tangent, regular, orientation)

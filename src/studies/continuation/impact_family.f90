@@ -9,14 +9,16 @@ module vi_impact_family
    implicit none (type, external)
    private
 
-   public :: are_in_order, list_conditions
+   public :: list_conditions
 
    !> The unknowns are those numbers, the phases, and others that a family may have.
    type, abstract, extends(motion_family_type), public :: impact_family_type
       type(family_type) :: impacts
+      !> Phase by which an impact may be earlier than the one before it: impacts on two gaps may
+      !! change their order, which is located like a touch.
+      real(wp) :: slack = 0
    contains
-      procedure :: wrap_phases, condition_count, whole_of, part_of, from_vertex
-      procedure :: in_order, is_symmetric, halves, halve, image_of
+      procedure :: wrap_phases, condition_count, whole_of, part_of, in_order, halve, image_of
    end type impact_family_type
 
 contains
@@ -91,61 +93,20 @@ contains
       end associate
    end function part_of
 
-   !> The same, from two arrays.
-   pure function from_vertex(family, c, x, theta) result(unknowns)
-      !> The family.
-      class(impact_family_type), intent(in) :: family
-      !> The parameters.
-      real(wp), intent(in) :: c(:)
-      !> (N)
-      real(wp), intent(in) :: x(:), theta(:)
-      real(wp), allocatable :: unknowns(:)
-
-      allocate (unknowns, source=family%part_of(c, [x, theta]))
-   end function from_vertex
-
    !> Whether each impact is later than the one before it.
    pure logical function in_order(family, unknowns)
       !> The family.
       class(impact_family_type), intent(in) :: family
       !> Its unknowns.
       real(wp), intent(in) :: unknowns(:)
-
-      in_order = are_in_order(family%impacts, unknowns, 0.0_wp)
-   end function in_order
-
-   !> Whether each impact is later than the one before it, or hardly earlier.
-   pure logical function are_in_order(impacts, unknowns, slack) result(in_order)
-      !> The impacts.
-      type(family_type), intent(in) :: impacts
-      !> Numbers and phases.
-      real(wp), intent(in) :: unknowns(:)
-      !> Phase by which it may be earlier.
-      real(wp), intent(in) :: slack
       integer :: n
 
-      n = size(impacts%sides)
-      in_order = all(unknowns(n + 2:2*n) > unknowns(n + 1:2*n - 1) - slack) .and. unknowns(2*n) &
-         - unknowns(n + 1) < span_of(impacts) + slack
-   end function are_in_order
-
-   !> Whether the motions are their own images half a period later.
-   pure logical function is_symmetric(family)
-      !> The family.
-      class(impact_family_type), intent(in) :: family
-
-      is_symmetric = family%impacts%mirror
-   end function is_symmetric
-
-   !> Whether motions that repeat themselves in some way do so after half the impacts.
-   pure logical function halves(family, way)
-      !> The family.
-      class(impact_family_type), intent(in) :: family
-      !> The way.
-      type(repetition_type), intent(in) :: way
-
-      halves = 2*way%shift == size(family%impacts%sides)
-   end function halves
+      associate (impacts => family%impacts, slack => family%slack)
+         n = size(impacts%sides)
+         in_order = all(unknowns(n + 2:2*n) > unknowns(n + 1:2*n - 1) - slack) .and. &
+            unknowns(2*n) - unknowns(n + 1) < span_of(impacts) + slack
+      end associate
+   end function in_order
 
    !> Turns a family into that of the motions that repeat themselves after half the impacts.
    pure subroutine halve(family, way)
@@ -158,6 +119,7 @@ contains
          impacts%sides = impacts%sides(:way%shift)
          impacts%mirror = way%sign < 0
          if (.not. impacts%mirror) impacts%cycles = impacts%cycles/2
+         family%symmetric = impacts%mirror
       end associate
       deallocate (family%repetitions)
       allocate (family%repetitions(0))

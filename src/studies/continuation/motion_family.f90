@@ -60,6 +60,8 @@ module vi_motion_family
       !> Images of every motion, which are the same motion or its mirror image; not set along a
       !! branch.
       type(repetition_type), allocatable :: images(:)
+      !> Whether the motions are their own images half a period later.
+      logical :: symmetric = .false.
       !> Distance in (u, theta) at which a motion counts as one that repeats itself. The parameters
       !! there differ from those of the bifurcation by the order of its square. Much nearer,
       !! rounding spoils the equations too much to find the corner of a fold that begins there.
@@ -82,14 +84,12 @@ module vi_motion_family
       procedure(count_in), deferred :: condition_count
       procedure(set_conditions_in), deferred :: set_conditions
       procedure(condition_value_in), deferred :: condition_value
-      procedure(condition_slope_in), deferred :: condition_slope
       ! motions as others give and take them
       procedure(whole_of_in), deferred :: whole_of
       procedure(part_of_in), deferred :: part_of
-      procedure(from_vertex_in), deferred :: from_vertex
-      procedure(motions_at_in), deferred :: motions_at
+      procedure :: from_vertex, motions_at
       ! what not every family needs: the order of impacts, jumps, and motions that repeat themselves
-      procedure :: in_order, has_other_symbols, is_symmetric, halves, halve, image_of, image_of_side
+      procedure :: in_order, has_other_symbols, halve, image_of, image_of_side
    end type motion_family_type
 
    abstract interface
@@ -157,22 +157,6 @@ module vi_motion_family
          type(condition_type), intent(in) :: condition
       end function condition_value_in
 
-      !> Value of a condition, and its gradient with respect to the coordinates of a point.
-      pure subroutine condition_slope_in(family, coordinates, condition, point, value, slope)
-         import :: condition_type, coordinates_type, motion_family_type, wp
-         implicit none (type, external)
-         !> The family.
-         class(motion_family_type), intent(in) :: family
-         !> The parameters.
-         type(coordinates_type), intent(in) :: coordinates
-         !> The condition, not a bound on a parameter.
-         type(condition_type), intent(in) :: condition
-         !> A point.
-         real(wp), intent(in) :: point(:)
-         !> The value, and the gradient (as `point`).
-         real(wp), intent(out) :: value, slope(:)
-      end subroutine condition_slope_in
-
       !> What a table tells of a motion: a number and the load phase of each impact.
       pure function whole_of_in(family, unknowns) result(whole)
          import :: motion_family_type, wp
@@ -197,43 +181,46 @@ module vi_motion_family
          real(wp), intent(in) :: whole(:)
          real(wp), allocatable :: unknowns(:)
       end function part_of_in
-
-      !> The unknowns from what a table tells of a motion.
-      pure function from_vertex_in(family, c, x, theta) result(unknowns)
-         import :: motion_family_type, wp
-         implicit none (type, external)
-         !> The family.
-         class(motion_family_type), intent(in) :: family
-         !> The parameters.
-         real(wp), intent(in) :: c(:)
-         !> (N) The numbers and phases of `whole_of`.
-         real(wp), intent(in) :: x(:), theta(:)
-         real(wp), allocatable :: unknowns(:)
-      end function from_vertex_in
-
-      !> Unknowns, or guesses of them, of motions at a point.
-      subroutine motions_at_in(family, c, guesses, skip, found, releases, progress, longer)
-         import :: motion_family_type, release_type, wp
-         implicit none (type, external)
-         !> The family.
-         class(motion_family_type), intent(in) :: family
-         !> The parameters.
-         real(wp), intent(in) :: c(:)
-         !> Number of guesses, or of simulations, and number of guesses of the sequence to leave
-         !! out; neighbouring points take different ones.
-         integer, intent(in) :: guesses, skip
-         !> (unknowns, m) The motions.
-         real(wp), allocatable, intent(out) :: found(:, :)
-         !> The last releases of simulations at this point, if they have been made already.
-         type(release_type), intent(in), optional :: releases(:)
-         !> Progress counters, see vi_progress; read to stop.
-         integer, intent(inout), optional :: progress(3)
-         !> Factor of the load cycles simulated; 1 by default.
-         integer, intent(in), optional :: longer
-      end subroutine motions_at_in
    end interface
 
 contains
+
+   !> The unknowns from what a table tells of a motion.
+   pure function from_vertex(family, c, x, theta) result(unknowns)
+      !> The family.
+      class(motion_family_type), intent(in) :: family
+      !> The parameters.
+      real(wp), intent(in) :: c(:)
+      !> (N) The numbers and phases of `whole_of`.
+      real(wp), intent(in) :: x(:), theta(:)
+      real(wp), allocatable :: unknowns(:)
+
+      allocate (unknowns, source=family%part_of(c, [x, theta]))
+   end function from_vertex
+
+   !> Unknowns, or guesses of them, of motions at a point.
+   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer)
+      !> The family; no way is known to search for its motions.
+      class(motion_family_type), intent(in) :: family
+      !> The parameters.
+      real(wp), intent(in) :: c(:)
+      !> Number of guesses, or of simulations, and number of guesses of the sequence to leave out;
+      !! neighbouring points take different ones.
+      integer, intent(in) :: guesses, skip
+      !> (unknowns, m) The motions.
+      real(wp), allocatable, intent(out) :: found(:, :)
+      !> The last releases of simulations at this point, if they have been made already.
+      type(release_type), intent(in), optional :: releases(:)
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      !> Factor of the load cycles simulated; 1 by default.
+      integer, intent(in), optional :: longer
+
+      associate (not_used => [size(c), guesses, skip], nor => [present(releases), &
+         present(progress), present(longer)])
+         allocate (found(family%unknown_count(), 0))
+      end associate
+   end subroutine motions_at
 
    !> Whether the impacts are in the order of time; the equations can have other roots as well.
    pure logical function in_order(family, unknowns)
@@ -259,30 +246,7 @@ contains
       end associate
    end function has_other_symbols
 
-   !> Whether the motions are their own images half a period later.
-   pure logical function is_symmetric(family)
-      !> The family; none of its motions is.
-      class(motion_family_type), intent(in) :: family
-
-      associate (not_used => family%apart)
-         is_symmetric = .false.
-      end associate
-   end function is_symmetric
-
-   !> Whether motions that repeat themselves in some way do so after half the impacts: they are
-   !! reached with a multiplier -1 of the shorter period.
-   pure logical function halves(family, way)
-      !> The family; it has no such motions.
-      class(motion_family_type), intent(in) :: family
-      !> The way.
-      type(repetition_type), intent(in) :: way
-
-      associate (not_used => family%apart, nor => way)
-         halves = .false.
-      end associate
-   end function halves
-
-   !> Turns a family into that of the motions that repeat themselves in a way that `halves` it.
+   !> Turns a family into that of the motions that repeat themselves after half the impacts.
    pure subroutine halve(family, way)
       !> In and out: the family; it has no such motions.
       class(motion_family_type), intent(inout) :: family

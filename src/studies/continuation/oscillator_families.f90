@@ -33,6 +33,7 @@ contains
       else
          call new_family(pattern, symmetric, equal_walls, pair%impacts, pair%repetitions, possible)
          if (.not. possible) return
+         pair%symmetric = symmetric
          pair%images = images_of(pair%impacts, repetition_type(sign=merge(-1.0_wp, 1.0_wp, &
             equal_walls), phase=acos(-1.0_wp)))
          allocate (family, source=pair)

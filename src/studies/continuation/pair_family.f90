@@ -29,8 +29,7 @@ module vi_pair_family
    !> The unknowns are u_i = x_i/D and theta_i; the parameters are r, log(D), xi, mu, R1, R2.
    type, extends(impact_family_type), public :: pair_family_type
    contains
-      procedure :: unknown_count, set_equations, set_conditions, condition_value, condition_slope
-      procedure :: motions_at
+      procedure :: unknown_count, set_equations, set_conditions, condition_value, motions_at
    end type pair_family_type
 
 contains
@@ -138,29 +137,8 @@ contains
       end select
    end function condition_value
 
-   !> Value of a condition, and its gradient with respect to the coordinates of a point.
-   pure subroutine condition_slope(family, coordinates, condition, point, value, slope)
-      !> The family.
-      class(pair_family_type), intent(in) :: family
-      !> The parameters.
-      type(coordinates_type), intent(in) :: coordinates
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point.
-      real(wp), intent(in) :: point(:)
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      type(orbit_type) :: o
-      real(wp) :: whole(most)
-      integer :: n
-
-      n = size(point) - size(coordinates%active)
-      call set_orbit(family%impacts, point(:n), parameters_at(coordinates, point(n + 1:)), o)
-      call orbit_slope(family, coordinates, condition, point, o, value, whole)
-      slope = whole(:size(slope))
-   end subroutine condition_slope
-
-   !> The same from the orbit of the point; central differences where no closed form is known.
+   !> Value of a condition, and its gradient with respect to the coordinates of a point; central
+   !! differences where no closed form is known.
    pure subroutine orbit_slope(family, coordinates, condition, point, o, value, slope)
       !> The family.
       class(pair_family_type), intent(in) :: family

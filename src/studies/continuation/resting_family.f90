@@ -23,7 +23,7 @@ module vi_resting_family
       type(rest_family_type) :: rest
    contains
       procedure :: unknown_count, wrap_phases, set_equations
-      procedure :: condition_count, set_conditions, condition_value, condition_slope
+      procedure :: condition_count, set_conditions, condition_value
       procedure :: whole_of, part_of, from_vertex, motions_at, has_other_symbols
    end type resting_family_type
 
@@ -217,35 +217,6 @@ contains
       measure = measure_in_period(period, condition)
       value = measure%value
    end function condition_value
-
-   !> Value of a condition, and its gradient with respect to the coordinates of a point.
-   pure subroutine condition_slope(family, coordinates, condition, point, value, slope)
-      !> The family.
-      class(resting_family_type), intent(in) :: family
-      !> The parameters.
-      type(coordinates_type), intent(in) :: coordinates
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point.
-      real(wp), intent(in) :: point(:)
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      type(rest_period_type) :: period
-      type(measure_type) :: measure
-      real(wp) :: whole(most)
-      integer :: m
-
-      m = rest_unknowns(family%rest)
-      call rest_period(family%rest, point(:m), parameters_at(coordinates, point(m + 1:)), period)
-      measure = measure_in_period(period, condition)
-      value = measure%value
-      whole(:m + 2) = measure%by(:m + 2)
-      call to_point(coordinates, m, whole)
-      slope = whole(:size(slope))
-      if (condition%kind <= neimark_sacker .or. any(coordinates%active > by_clearance)) then
-         call set_differences(family, coordinates, condition, point, 1, slope)
-      end if
-   end subroutine condition_slope
 
    !> The symbol in which one of the conditions has a bounce touch the wall; 0 if there is none.
    pure integer function touching_in(conditions) result(symbol)

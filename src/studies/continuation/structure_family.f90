@@ -6,14 +6,13 @@
 !! of two, since two multipliers that meet are not smooth, unlike their symmetric functions.
 module vi_structure_family
    use vi_family, only: add_distance_slope, repetition_distance, whole_unknowns
-   use vi_impact_family, only: are_in_order, impact_family_type, list_conditions
+   use vi_impact_family, only: impact_family_type, list_conditions
    use vi_kinds, only: wp
    use vi_linear, only: most
    use vi_modes, only: advance
    use vi_motion_family, only: alike, at_fault, condition_type, coordinates_type, edge, flip, &
       fold, grazing, neimark_sacker, parameters_at, repetition, together, zero_approach
    use vi_orbit, only: n_parameters
-   use vi_releases, only: release_type
    use vi_rows, only: row_values
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_members, only: flight_duration, free_unknowns, member_equations, &
@@ -30,8 +29,7 @@ module vi_structure_family
       type(structure_members_type) :: members
    contains
       procedure :: unknown_count, set_equations
-      procedure :: condition_count, set_conditions, condition_value, condition_slope
-      procedure :: whole_of, motions_at, in_order, image_of_side
+      procedure :: condition_count, set_conditions, condition_value, whole_of, image_of_side
    end type structure_family_type
 
    !> The least gap counts up to this value, in units of length of the family.
@@ -157,30 +155,8 @@ contains
       call value_of_member(family, unknowns, member, condition, value)
    end function condition_value
 
-   !> Value of a condition, and its gradient with respect to the coordinates of a point.
-   pure subroutine condition_slope(family, coordinates, condition, point, value, slope)
-      !> The family.
-      class(structure_family_type), intent(in) :: family
-      !> The parameters.
-      type(coordinates_type), intent(in) :: coordinates
-      !> The condition.
-      type(condition_type), intent(in) :: condition
-      !> A point.
-      real(wp), intent(in) :: point(:)
-      !> The value, and the gradient (as `point`).
-      real(wp), intent(out) :: value, slope(:)
-      type(member_type) :: member
-      real(wp) :: c(n_parameters)
-      integer :: m
-
-      m = size(point) - size(coordinates%active)
-      c = parameters_at(coordinates, point(m + 1:))
-      call set_member(family%members, family%impacts, point(:m), c(:size( &
-         family%members%path%changes)), member)
-      call member_slope(family, coordinates, condition, point, member, value, slope)
-   end subroutine condition_slope
-
-   !> The same from the member at the point, by central differences.
+   !> Value of a condition, and its gradient with respect to the coordinates of a point, by central
+   !! differences.
    pure subroutine member_slope(family, coordinates, condition, point, member, value, slope)
       !> The family, and its repetitions.
       class(structure_family_type), intent(in) :: family
@@ -256,40 +232,6 @@ contains
       end if
       whole = [family%members%speed*abs(all(rows)), all(n + rows)]
    end function whole_of
-
-   !> None: a structure's motions are followed from a known one.
-   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer)
-      !> The family.
-      class(structure_family_type), intent(in) :: family
-      !> Not used.
-      real(wp), intent(in) :: c(:)
-      !> Not used.
-      integer, intent(in) :: guesses, skip
-      !> (unknowns, 0)
-      real(wp), allocatable, intent(out) :: found(:, :)
-      !> Not used.
-      type(release_type), intent(in), optional :: releases(:)
-      !> Not used.
-      integer, intent(inout), optional :: progress(3)
-      !> Not used.
-      integer, intent(in), optional :: longer
-
-      associate (not_used => [size(c), guesses, skip], no => [present(releases), &
-         present(progress), present(longer)])
-         allocate (found(family%unknown_count(), 0))
-      end associate
-   end subroutine motions_at
-
-   !> Whether each impact is later than the one before it. Impacts on two gaps may change their
-   !! order, which is located like a touch.
-   pure logical function in_order(family, unknowns)
-      !> The family.
-      class(structure_family_type), intent(in) :: family
-      !> Its unknowns.
-      real(wp), intent(in) :: unknowns(:)
-
-      in_order = are_in_order(family%impacts, unknowns, 0.1_wp)
-   end function in_order
 
    !> The wall that the symmetry exchanges with a given one.
    pure integer function image_of_side(family, side) result(image)

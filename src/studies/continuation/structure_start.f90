@@ -130,12 +130,15 @@ contains
       if (symmetric) then
          unknowns = [unknowns(:n/2), unknowns(n + 1:n + n/2), unknowns(2*n + 1:2*n + s%even)]
          repetitions = pack(repetitions, repetitions%sign > 0)
+         repetitions%halves = .false.
          family%mirror = .true.
          family%sides = family%sides(:n/2)
       end if
       mirrored = .false.
       if (size(repetitions) > 0) mirrored = repetitions(1)%sign < 0
       whole%impacts = family
+      whole%symmetric = family%mirror
+      whole%slack = 0.1_wp
       whole%repetitions = repetitions
       whole%members = s
       image = repetition_type(phase=acos(-1.0_wp))
@@ -193,7 +196,7 @@ contains
          allocate (others, source=repetitions)
          deallocate (repetitions)
          allocate (repetitions(size(others) + 1))
-         repetitions(1) = repetition_type(half, -1.0_wp, acos(-1.0_wp)*family%cycles, s%even)
+         repetitions(1) = repetition_type(half, -1.0_wp, acos(-1.0_wp)*family%cycles, s%even, .true.)
          repetitions(2:) = others
       end associate
    end subroutine add_symmetry

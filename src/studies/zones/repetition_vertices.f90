@@ -91,7 +91,7 @@ contains
       allocate (parents(size(surface%family%repetitions)))
       do i = 1, size(parents)
          associate (way => surface%family%repetitions(i))
-            if (.not. surface%family%halves(way)) cycle
+            if (.not. way%halves) cycle
             parents(i) = surface
             call parents(i)%family%halve(way)
          end associate

@@ -501,7 +501,7 @@ contains
       do i = 1, size(net%surface%family%repetitions)
          associate (way => net%surface%family%repetitions(i), sides => request%pattern%sides)
             ! other multipliers of the shorter period than -1 start no motions of this pattern
-            if (.not. net%surface%family%halves(way)) cycle
+            if (.not. way%halves) cycle
             if (way%sign < 0 .and. present(pitchforks)) then
                if (allocated(pitchforks)) then
                   call cover_from_flips(net, i, pitchforks, progress)

@@ -191,7 +191,7 @@ contains
       end if
       ! the window is the unit square; zones have a logarithmic ordinate
       request = zone_request_type(oscillator_type(), pattern_type(), &
-         surface%family%is_symmetric(), [0.0_wp, 1.0_wp], exp([0.0_wp, 1.0_wp]), &
+         surface%family%symmetric, [0.0_wp, 1.0_wp], exp([0.0_wp, 1.0_wp]), &
          case%study%whole_number('lines'), 0, case%study%whole_number('max_points'))
       call zone_around(request, surface, start, zone, progress)
       if (is_stopped(progress)) then
