@@ -190,7 +190,7 @@ contains
    end subroutine run_atlas
 
    !> Removes the families whose zones were not completed.
-   pure subroutine keep_searched(atlas)
+   subroutine keep_searched(atlas)
       !> In and out: the atlas.
       type(atlas_type), intent(inout) :: atlas
       type(family_type), allocatable :: kept(:)

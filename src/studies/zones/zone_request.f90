@@ -15,9 +15,10 @@ module vi_zone_request
 
    !> What to search, and the effort.
    type, public :: zone_request_type
-      type(oscillator_type) :: osc
+      !> What is searched for; not needed around a motion that is known.
+      type(oscillator_type) :: osc = oscillator_type()
       !> Sides; +2 and -2 for accumulation and rest.
-      type(pattern_type) :: pattern
+      type(pattern_type) :: pattern = pattern_type()
       logical :: symmetric = .false.
       real(wp) :: r(2) = 0, clearance(2) = 0
       !> Lattice lines in each direction (more in a large window), guesses at each node where

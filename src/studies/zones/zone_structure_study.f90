@@ -6,8 +6,6 @@ module vi_zone_structure_study
    use vi_linear, only: most
    use vi_motion_family, only: grazing
    use vi_motion_structure_study, only: find_structure_motion
-   use vi_oscillator, only: oscillator_type
-   use vi_pattern, only: pattern_type
    use vi_progress, only: add_expected_work, is_stopped
    use vi_status, only: stat, status_text
    use vi_structure, only: check_structure, load_type, structure_type
@@ -190,9 +188,9 @@ contains
          return
       end if
       ! the window is the unit square; zones have a logarithmic ordinate
-      request = zone_request_type(oscillator_type(), pattern_type(), &
-         surface%family%symmetric, [0.0_wp, 1.0_wp], exp([0.0_wp, 1.0_wp]), &
-         case%study%whole_number('lines'), 0, case%study%whole_number('max_points'))
+      request = zone_request_type(symmetric=surface%family%symmetric, r=[0.0_wp, 1.0_wp], &
+         clearance=exp([0.0_wp, 1.0_wp]), lines=case%study%whole_number('lines'), &
+         points=case%study%whole_number('max_points'))
       call zone_around(request, surface, start, zone, progress)
       if (is_stopped(progress)) then
          result%cut = 'it was stopped before all boundaries were followed'
