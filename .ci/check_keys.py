@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from vibroimpact.commands.options import takes
-from vibroimpact.results.tables import language
+from vibroimpact.results.tables import MODELS, keys_for, language
 
 PLACE = Path(__file__).parents[1] / "inputs" / "README.md"
 BEGIN = "<!-- The tables of keys are written by .ci/check_keys.py --write. -->\n"
@@ -44,11 +44,13 @@ def row(key):
 def tables():
     """One table for each group."""
     lines = []
-    for group, keys in language()["groups"].items():
-        about = language()["results"].get(group, {"group": group, "of_structure": False})
-        title = f"### `&{about['group']}`" + " of a `&structure`" * about["of_structure"]
-        lines += [title, "", "| key | what it is | if it is missing |", "|---|---|---|"]
-        lines += [*map(row, keys), ""]
+    for group in language()["groups"]:
+        about = language()["results"].get(group, {"rows": MODELS[:1]})
+        for model in about["rows"]:
+            of_structure = model == MODELS[True]
+            title = f"### `&{group}`" + " of a `&structure`" * of_structure
+            lines += [title, "", "| key | what it is | if it is missing |", "|---|---|---|"]
+            lines += [*map(row, keys_for(group, of_structure)), ""]
     return "\n".join(lines)
 
 

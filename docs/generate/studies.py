@@ -6,7 +6,7 @@ import vibroimpact
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import MOTIONS
 from vibroimpact.results.noun import RESULTS
-from vibroimpact.results.tables import language
+from vibroimpact.results.tables import MODELS, language
 
 from .shared import ROOT
 
@@ -58,9 +58,8 @@ def pages():
     for study, does in STUDIES.items():
         words = code([*functions(study), *FUNCTIONS.get(study, ())])
         lines.append(f"| {does.replace('|', chr(92) + '|')} | {words} | `&{study}` | `{study}` |")
-    for about in language()["results"].values():
-        if about["of_structure"]:
-            group = about["group"]
+    for group, about in language()["results"].items():
+        if MODELS[True] in about["rows"]:
             words = code(OF_STRUCTURES.get(group, (group,)))
             command = "run" if group == "motion" else group
             lines.append(

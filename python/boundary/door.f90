@@ -143,15 +143,16 @@ subroutine free_result(handle)
    call free(handle)
 end subroutine free_result
 
-!> A result without tables for the case of a namelist text, or for a study if no namelist gives the
-!! result and the text is blank; see vi_door.
-subroutine new_result(n, text, study, handle, status)
+!> A result without tables for the case of a namelist text, or for a study and a model
+!! (1 oscillator, 2 structure) if no namelist gives the result and the text is blank; see vi_door.
+subroutine new_result(n, text, study, model, handle, status)
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t
    use vi_door, only: done, new => new_result, new_bare_result
    implicit none (type, external)
    !f2py threadsafe
    integer(c_int), intent(in) :: n
    character(kind=c_char), intent(in) :: text(n), study(24)
+   integer(c_int), intent(in) :: model
    integer(c_int64_t), intent(out) :: handle
    integer(c_int), intent(out) :: status
    character(n) :: one_case
@@ -161,7 +162,7 @@ subroutine new_result(n, text, study, handle, status)
    name = transfer(study, name)
    status = done
    if (len_trim(one_case) == 0) then
-      call new_bare_result(trim(name), handle)
+      call new_bare_result(trim(name), model, handle)
    else
       call new(one_case, handle, status)
    end if

@@ -310,6 +310,7 @@ class _NewResult(Protocol):
         self,
         text: ArrayLike,
         study: ArrayLike,
+        model: int,
         n: int = ...,
     ) -> tuple[int, int]: ...
 

@@ -1,6 +1,6 @@
 !> A case: the input of one computation, from the groups of a namelist.
 module vi_case
-   use vi_key, only: a_word, key_type
+   use vi_key, only: a_word, key_type, of_oscillator, of_structure
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance, oscillator_type
    use vi_text, only: append, letter_length, line_type
@@ -16,16 +16,18 @@ module vi_case
       !> Name of the result, and the place where it was given, for messages.
       character(:), allocatable :: name
       integer :: line = 0
-      !> The system; its frequency ratio is 0 if the study has its own.
+      !> The model of its system, and the group &system or &structure.
+      integer :: model = of_oscillator
+      type(values_type) :: system
+      !> The oscillator; its frequency ratio is 0 if the study has its own.
       type(oscillator_type) :: osc
       real(wp) :: r = 0
-      type(values_type) :: system, output
       !> Of a structure: its number of coordinates, and the groups that belong to it, its gaps and
       !! then its load, if it has one.
       integer :: coordinates = 0
       type(values_type), allocatable :: parts(:)
       !> The group that asks for the result, and the name of its study.
-      type(values_type) :: study
+      type(values_type) :: study, output
       !> The &sweep after it, which makes a campaign of the case; without a name if there is none.
       type(values_type) :: sweep
       character(:), allocatable :: study_name
@@ -172,7 +174,7 @@ contains
       type(values_type) :: system
       integer :: i
 
-      if (allocated(case%parts)) then
+      if (case%model == of_structure) then
          call append(lines, first_line_of_structure//'this file is an input too')
          call case%system%echo(lines)
          do i = 1, size(case%parts)

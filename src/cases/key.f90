@@ -9,10 +9,13 @@ module vi_key
    implicit none (type, external)
    private
 
-   public :: describe_key, place_of
+   public :: describe_key, is_for, key_for, place_of
 
    !> Kinds of values.
    integer, parameter, public :: a_number = 1, a_whole = 2, a_word = 3
+   !> The models of systems: &system, and &structure with its gaps and its load. What is declared
+   !! for `every_model` belongs to both.
+   integer, parameter, public :: every_model = 0, of_oscillator = 1, of_structure = 2
    !> No bound on one side.
    real(wp), parameter, public :: unbounded = huge(1.0_wp)
    !> Largest number of characters of a description of the values of a key.
@@ -55,9 +58,32 @@ module vi_key
       !> Its unit, and what it means.
       character(16) :: unit = ''
       character(160) :: meaning = ''
+      !> The model whose cases have it. A key that differs for both is declared twice.
+      integer :: model = every_model
    end type key_type
 
 contains
+
+   !> Whether what is declared for a model, or for every one, is for cases of a model.
+   elemental logical function is_for(declared, model)
+      !> `every_model` or a model.
+      integer, intent(in) :: declared
+      !> A model.
+      integer, intent(in) :: model
+
+      is_for = declared == every_model .or. declared == model
+   end function is_for
+
+   !> A key for one model.
+   elemental type(key_type) function key_for(key, model) result(own)
+      !> The key.
+      type(key_type), intent(in) :: key
+      !> The model.
+      integer, intent(in) :: model
+
+      own = key
+      own%model = model
+   end function key_for
 
    !> Place of a key in a table; 0 if there is no key of this name.
    pure integer function place_of(keys, name) result(place)

@@ -6,12 +6,13 @@
 !! column that depends on one dimension alone is in a table of that dimension.
 module vi_result
    use vi_dictionary, only: dictionary_type, include_text
+   use vi_key, only: every_model
    use vi_kinds, only: wp
    use vi_text, only: append, line_type, split
    implicit none (type, external)
    private
 
-   public :: rows_of, start_result
+   public :: column_for, rows_of, start_result
 
    !> Kinds of values: a number, a whole number, a word (its place in a list of words), a verdict as
    !! in vi_motion, a truth (1 for true, 0 for false), or a complex number.
@@ -40,6 +41,8 @@ module vi_result
       character(28) :: label = ''
       !> A row with one of these values is not in the CSV.
       integer :: absent(2) = -huge(1)
+      !> The model whose results have it. A column that differs for both is declared twice.
+      integer :: model = every_model
    end type column_type
 
    !> A table: the size of its rows.
@@ -97,6 +100,17 @@ module vi_result
    end type result_type
 
 contains
+
+   !> A column for one model.
+   elemental type(column_type) function column_for(column, model) result(own)
+      !> The column.
+      type(column_type), intent(in) :: column
+      !> The model.
+      integer, intent(in) :: model
+
+      own = column
+      own%model = model
+   end function column_for
 
    !> An empty result with its declared columns.
    pure subroutine start_result(case, columns, row, result)

@@ -5,33 +5,30 @@
 !! study needs no other module of this folder, except for texts.
 module vi_study
    use vi_case, only: case_type
-   use vi_key, only: a_whole, a_word, key_type
+   use vi_key, only: a_whole, a_word, every_model, is_for, key_for, key_type, of_oscillator, &
+      of_structure
    use vi_kinds, only: wp
-   use vi_result, only: column_type, complexes, result_type, truths, verdicts, wholes, words
+   use vi_result, only: column_for, column_type, complexes, result_type, truths, verdicts, wholes, &
+      words
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: join_groups, place_of_study
+   public :: for_model, join_groups, place_of_study
 
    !> What a study needs to declare keys and columns, read a case, and fill a result.
-   public :: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, truths, &
-      values_type, verdicts, wholes, words
+   public :: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
+      of_oscillator, of_structure, result_type, truths, values_type, verdicts, wholes, words
 
    !> Largest number of characters of the name of a study.
-   integer, parameter, public :: name_length = 24
-   !> Largest number of characters of the name of a group.
-   integer, parameter, public :: group_length = 11
+   integer, parameter, public :: name_length = 11
 
    !> The declaration of a study.
    type, public :: study_type
-      !> Its name, which no other study has.
+      !> Its name, which no other study has, and that of the group that requests it.
       character(name_length) :: name = ''
-      !> Name of the group that requests it, if that is not its name.
-      character(group_length) :: group = ''
-      !> Whether its system is a &structure, instead of a &system. A study of each kind may have the
-      !! same group.
-      logical :: of_structure = .false.
+      !> The models that it takes.
+      integer :: models = every_model
       !> What it does, as a request: 'find the zones ...'.
       character(72) :: meaning = ''
       !> Whether there is a load; without one there is no frequency ratio.
@@ -46,12 +43,12 @@ module vi_study
       !! `tables.made(study, case.text, tables, notes=...)` with the columns declared here.
       !! Commands, formats and pages need nothing else.
       logical :: in_python = .false.
-      !> The group before it from which it starts; empty if there is none.
-      character(group_length) :: starts_from = ''
-      !> Lists the keys of its group and the columns of its result.
-      procedure(list_interface), pointer, nopass :: list => null()
-      !> The table whose rows are those of the CSV.
-      character(16) :: row = ''
+      !> The group before it from which it starts, by the model; empty if there is none.
+      character(name_length) :: starts_from(2) = ''
+      !> Lists the keys of its group and the columns of its result, for all models.
+      procedure(declare_interface), pointer, nopass :: list => null()
+      !> The table whose rows are those of the CSV, by the model.
+      character(16) :: row(2) = ''
       !> Checks what depends on several keys; null if nothing does.
       procedure(check_interface), pointer, nopass :: check => null()
       !> Checks the group that it starts from; null if there is none.
@@ -59,7 +56,14 @@ module vi_study
       !> Bytes of memory that a case needs, results included; null if they are few for all cases.
       procedure(memory_interface), pointer, nopass :: memory => null()
       procedure(run_interface), pointer, nopass :: run => null()
+   contains
+      procedure :: columns_of, keys_of
    end type study_type
+
+   !> Keys or columns for one model.
+   interface for_model
+      procedure :: key_for, column_for
+   end interface for_model
 
    !> A procedure that fills in a declaration, as an element of lists.
    type, public :: declare_type
@@ -67,17 +71,6 @@ module vi_study
    end type declare_type
 
    abstract interface
-      !> Lists keys in the order of the echo, and columns in that of the CSV. A declaration does not
-      !! store them, since most callers need those of one study only.
-      pure subroutine list_interface(keys, columns)
-         import :: column_type, key_type
-         implicit none (type, external)
-         !> The keys of the group.
-         type(key_type), allocatable, intent(out), optional :: keys(:)
-         !> The columns of the result.
-         type(column_type), allocatable, intent(out), optional :: columns(:)
-      end subroutine list_interface
-
       !> Checks what depends on several keys.
       subroutine check_interface(case)
          import :: case_type
@@ -119,29 +112,63 @@ module vi_study
          integer, intent(inout), optional :: progress(3)
       end subroutine run_interface
 
-      !> Fills in the declaration of a study.
-      subroutine declare_interface(study)
-         import :: study_type
+      !> Declares a study. Its keys, in the order of the echo, and its columns, in that of the CSV,
+      !! are not stored, since most callers need those of one study only.
+      pure subroutine declare_interface(study, keys, columns)
+         import :: column_type, key_type, study_type
          implicit none (type, external)
-         !> The declaration.
-         type(study_type), intent(out) :: study
+         !> The declaration, without `list`.
+         type(study_type), intent(out), optional :: study
+         !> The keys of the group, of all models.
+         type(key_type), allocatable, intent(out), optional :: keys(:)
+         !> The columns of the result, of all models.
+         type(column_type), allocatable, intent(out), optional :: columns(:)
       end subroutine declare_interface
    end interface
 
 contains
 
+   !> The keys of its group in cases of a model.
+   pure subroutine keys_of(study, model, keys)
+      !> The study.
+      class(study_type), intent(in) :: study
+      !> The model.
+      integer, intent(in) :: model
+      !> Its keys, in the order of the echo.
+      type(key_type), allocatable, intent(out) :: keys(:)
+      type(key_type), allocatable :: listed(:)
+      integer :: i
+
+      call study%list(keys=listed)
+      keys = listed(pack([(i, i=1, size(listed))], is_for(listed%model, model)))
+   end subroutine keys_of
+
+   !> The columns of its results for a model.
+   pure subroutine columns_of(study, model, columns)
+      !> The study.
+      class(study_type), intent(in) :: study
+      !> The model.
+      integer, intent(in) :: model
+      !> Its columns, in the order of the CSV.
+      type(column_type), allocatable, intent(out) :: columns(:)
+      type(column_type), allocatable :: listed(:)
+      integer :: i
+
+      call study%list(columns=listed)
+      columns = listed(pack([(i, i=1, size(listed))], is_for(listed%model, model)))
+   end subroutine columns_of
+
    !> Place of the study that a group requests; 0 if none does.
-   pure integer function place_of_study(studies, group, of_structure) result(place)
+   pure integer function place_of_study(studies, group, model) result(place)
       !> All studies.
       type(study_type), intent(in) :: studies(:)
       !> Name of the group.
       character(*), intent(in) :: group
-      !> Whether the system is a &structure.
-      logical, intent(in) :: of_structure
+      !> The model of the system.
+      integer, intent(in) :: model
 
       do place = size(studies), 1, -1
-         if (studies(place)%group == group .and. &
-            (studies(place)%of_structure .eqv. of_structure)) return
+         if (studies(place)%name == group .and. is_for(studies(place)%models, model)) return
       end do
    end function place_of_study
 

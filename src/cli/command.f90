@@ -117,7 +117,7 @@ contains
       end do
       call list_studies(studies)
       do i = 1, size(studies)
-         call append(lines, '  &'//studies(i)%group//'  '//trim(studies(i)%meaning))
+         call append(lines, '  &'//studies(i)%name//'  '//trim(studies(i)%meaning))
       end do
       do i = 1, size(after)
          call append(lines, trim(after(i)))

@@ -1,11 +1,12 @@
 !> The language of namelists, described from the tables of keys: for users and for programs.
 module vi_describe
    use vi_case, only: output_keys, system_keys
-   use vi_key, only: a_whole, a_word, describe_key, key_type, unbounded
+   use vi_key, only: a_whole, a_word, describe_key, every_model, is_for, key_type, of_oscillator, &
+      of_structure, unbounded
    use vi_kinds, only: wp
    use vi_result, only: column_kinds, column_type
    use vi_study, only: name_length, study_type
-   use vi_structure_groups, only: gap_keys, load_keys, structure_keys
+   use vi_structure_groups, only: gap_keys, load_keys, matrix_keys => structure_keys
    use vi_study_list, only: find_study, list_studies
    use vi_sweep, only: sweep_keys
    use vi_text, only: append, line_type, number_text, whole
@@ -13,6 +14,9 @@ module vi_describe
    private
 
    public :: describe_all, describe_group, list_groups
+
+   !> How the models are called, from `every_model` on.
+   character(10), parameter :: models(0:2) = [character(10) :: '', 'oscillator', 'structure']
 
 contains
 
@@ -34,33 +38,32 @@ contains
       !> The text.
       type(line_type), allocatable, intent(out) :: lines(:)
       type(study_type), allocatable :: studies(:)
-      integer :: i, j
+      integer :: model, place, taken
 
       call list_studies(studies)
-      call append(lines, '&'//trim(name))
-      i = findloc(studies%name == name, .true., 1)
-      if (i > 0) lines(1)%text = '&'//trim(studies(i)%group)
-      if (i > 0) lines(1)%text = lines(1)%text//trim(merge(' of a &structure', repeat(' ', 16), &
-         studies(i)%of_structure))
-      call describe_keys(name, lines)
-      do j = 1, size(studies)
-         if (studies(j)%group /= name .or. studies(j)%name == name) cycle
-         call append(lines, '&'//trim(studies(j)%group)//' of a &structure')
-         call describe_keys(trim(studies(j)%name), lines)
+      taken = of_oscillator
+      place = findloc(studies%name == name, .true., 1)
+      if (place > 0) taken = studies(place)%models
+      do model = of_oscillator, of_structure
+         if (.not. is_for(taken, model)) cycle
+         call append(lines, '&'//trim(name)//trim(merge(' of a &structure', repeat(' ', 16), &
+            model == of_structure)))
+         call describe_keys(name, model, lines)
       end do
    end subroutine describe_group
 
    !> Adds the keys of a group.
-   subroutine describe_keys(name, lines)
-      !> One of `list_groups`.
+   subroutine describe_keys(name, model, lines)
+      !> One of `list_groups`, and the model.
       character(*), intent(in) :: name
+      integer, intent(in) :: model
       !> The text so far.
       type(line_type), allocatable, intent(inout) :: lines(:)
       type(key_type), allocatable :: keys(:)
       character(:), allocatable :: text
       integer :: i
 
-      call keys_of(name, keys)
+      call keys_of(name, model, keys)
       do i = 1, size(keys)
          call describe_key(keys, i, text)
          call append(lines, '  '//trim(keys(i)%name)//': '//text)
@@ -76,10 +79,10 @@ contains
    !> The keys of all groups and the columns of all results for programs, as JSON.
    subroutine describe_all(lines)
       !> An object with two members: `groups` holds a list of keys for each group; `results` holds,
-      !! for each study, its meaning, the table whose rows are those of the CSV, and a list of
-      !! columns.
+      !! for each study, the models that it takes, its meaning, the table whose rows are those of
+      !! the CSV, by the model, and a list of columns. Keys and columns have the model for which
+      !! they are, if it is not every one.
       type(line_type), allocatable, intent(out) :: lines(:)
-      type(key_type), allocatable :: keys(:)
       type(column_type), allocatable :: columns(:)
       type(study_type), allocatable :: studies(:)
       character(name_length), allocatable :: names(:)
@@ -90,24 +93,22 @@ contains
       call list_groups(names)
       do i = 1, size(names)
          call append(lines, quoted(names(i))//': [')
-         call keys_of(trim(names(i)), keys)
-         do j = 1, size(keys)
-            call describe_json(keys, j, text)
-            if (j < size(keys)) text = text//','
-            call append(lines, text)
-         end do
+         call list_keys(trim(names(i)), lines)
          call append(lines, trim(merge('], ', ']  ', i < size(names))))
       end do
       call append(lines, '}, "results": {')
       call list_studies(studies)
       do i = 1, size(studies)
          associate (study => studies(i))
-            call append(lines, quoted(study%name)//': {"group": '//quoted(study%group)// &
-               ', "of_structure": '//truth(study%of_structure)//', "in_python": '//truth( &
-               study%in_python)//', "takes_r": '//truth( &
-               study%has_load .and. .not. study%finds_r)// &
-               ', "meaning": '//quoted(study%meaning)// &
-               ', "row": '//quoted(study%row)//', "columns": [')
+            text = ''
+            do j = of_oscillator, of_structure
+               if (.not. is_for(study%models, j)) cycle
+               if (len(text) > 0) text = text//', '
+               text = text//quoted(models(j))//': '//quoted(study%row(j))
+            end do
+            call append(lines, quoted(study%name)//': {"in_python": '//truth(study%in_python)// &
+               ', "takes_r": '//truth(study%has_load .and. .not. study%finds_r)// &
+               ', "meaning": '//quoted(study%meaning)//', "rows": {'//text//'}, "columns": [')
             call study%list(columns=columns)
             do j = 1, size(columns)
                call describe_column(columns(j), text)
@@ -120,6 +121,32 @@ contains
       call append(lines, '}}')
    end subroutine describe_all
 
+   !> Adds the keys of a group as objects, each with its values as the cases of its model take them.
+   subroutine list_keys(name, lines)
+      !> One of `list_groups`.
+      character(*), intent(in) :: name
+      !> The text so far.
+      type(line_type), allocatable, intent(inout) :: lines(:)
+      type(key_type), allocatable :: keys(:), oscillator_keys(:), structure_keys(:)
+      character(:), allocatable :: text
+      integer :: places(2), i
+
+      call keys_of(name, every_model, keys)
+      call keys_of(name, of_oscillator, oscillator_keys)
+      call keys_of(name, of_structure, structure_keys)
+      places = 0
+      do i = 1, size(keys)
+         where (is_for(keys(i)%model, [of_oscillator, of_structure])) places = places + 1
+         if (keys(i)%model == of_structure) then
+            call describe_json(structure_keys, places(of_structure), text)
+         else
+            call describe_json(oscillator_keys, places(of_oscillator), text)
+         end if
+         if (i < size(keys)) text = text//','
+         call append(lines, text)
+      end do
+   end subroutine list_keys
+
    !> One column as an object.
    pure subroutine describe_column(column, text)
       !> The column.
@@ -131,7 +158,7 @@ contains
          ', "kind": '//quoted(column_kinds(column%kind))//', "each": '//quoted(column%each)// &
          ', "unit": '//quoted(column%unit)//', "meaning": '//quoted(column%meaning)// &
          ', "words": '//quoted(column%words)//', "listed": '//truth(column%listed)// &
-         ', "label": '//quoted(column%label)//'}'
+         ', "label": '//quoted(column%label)//', "model": '//quoted(models(column%model))//'}'
    end subroutine describe_column
 
    !> One key as an object.
@@ -158,14 +185,15 @@ contains
             quoted(key%or)//', "over": '//quoted(key%over)//', "only": '//quoted(key%only)// &
             ', "never": '//quoted(key%never)//', "is": '//quoted(key%is)//', "option": '// &
             quoted(key%option)//', "unit": '//quoted(key%unit)//', "meaning": '// &
-            quoted(key%meaning)//'}'
+            quoted(key%meaning)//', "model": '//quoted(models(key%model))//'}'
       end associate
    end subroutine describe_json
 
-   !> The keys of a group.
-   subroutine keys_of(name, keys)
-      !> One of `list_groups`.
+   !> The keys of a group in cases of a model, or of all models.
+   subroutine keys_of(name, model, keys)
+      !> One of `list_groups`, and the model.
       character(*), intent(in) :: name
+      integer, intent(in) :: model
       !> Its table.
       type(key_type), allocatable, intent(out) :: keys(:)
       type(study_type) :: study
@@ -174,7 +202,7 @@ contains
       case ('system')
          keys = system_keys
       case ('structure')
-         keys = structure_keys
+         keys = matrix_keys
       case ('gap')
          keys = gap_keys
       case ('load')
@@ -185,7 +213,8 @@ contains
          keys = output_keys
       case default
          call find_study(name, study)
-         call study%list(keys)
+         if (model == every_model) call study%list(keys=keys)
+         if (model /= every_model) call study%keys_of(model, keys)
       end select
    end subroutine keys_of
 

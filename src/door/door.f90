@@ -10,6 +10,7 @@ module vi_door
    use vi_case, only: case_type, echo, first_line, first_line_of_structure
    use vi_lines, only: unify_line_ends
    use vi_parse_cases, only: find_name, parse_cases
+   use vi_key, only: of_structure
    use vi_kinds, only: wp
    use vi_result, only: column_type, complexes, filled_type, result_type, &
       start_result, table_type, wholes, words
@@ -183,8 +184,8 @@ contains
       holder%status = status
       call echo(cases(1), lines)
       call find_study(cases(1)%study_name, study)
-      call study%list(columns=columns)
-      call start_result(lines, columns, study%row, holder%result)
+      call study%columns_of(cases(1)%model, columns)
+      call start_result(lines, columns, study%row(cases(1)%model), holder%result)
    end subroutine new_result
 
    !> A holder of a text without a result; `describe_result` returns the text as the message.
@@ -203,9 +204,11 @@ contains
    end subroutine new_text
 
    !> A result without a case, since no namelist produces it; it has no tables and is to be filled.
-   subroutine new_bare_result(name, handle)
+   subroutine new_bare_result(name, model, handle)
       !> Name of the study that declares its columns.
       character(*), intent(in) :: name
+      !> The model of its system, as in vi_key.
+      integer, intent(in) :: model
       !> The result, to be freed with `free_result`.
       integer(c_int64_t), intent(out) :: handle
       type(holder_type), pointer :: holder
@@ -219,11 +222,11 @@ contains
       holder%status = done
       handle = address_of(c_loc(holder))
       call find_study(name, study)
-      call study%list(columns=columns)
+      call study%columns_of(model, columns)
       first = first_line
-      if (study%of_structure) first = first_line_of_structure
-      call start_result([line_type(first//'no namelist tells how it began')], columns, study%row, &
-         holder%result)
+      if (model == of_structure) first = first_line_of_structure
+      call start_result([line_type(first//'no namelist tells how it began')], columns, &
+         study%row(model), holder%result)
    end subroutine new_bare_result
 
    !> Opens a table of a result.

@@ -8,7 +8,7 @@ module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, system_keys
    use vi_common_keys, only: most_numbers
-   use vi_key, only: key_type, place_of
+   use vi_key, only: is_for, key_type, of_oscillator, of_structure, place_of
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
@@ -42,8 +42,8 @@ module vi_parse_cases
    type :: system_type
       !> &system or &structure; without a name before the first of them.
       type(values_type) :: values
+      integer :: model = of_oscillator
       !> Of a structure: its number of coordinates, gaps and load.
-      logical :: of_structure = .false.
       integer :: coordinates = 0
       type(values_type), allocatable :: parts(:)
    end type system_type
@@ -104,6 +104,7 @@ contains
       type(study_type), allocatable :: studies(:)
       type(system_type) :: system
       character(:), allocatable :: names
+      integer, allocatable :: models(:)
       integer :: line, i, n, n_before
 
       allocate (cases(0))
@@ -117,7 +118,8 @@ contains
       if (len(message) == 0) call check_names(studies, groups, line, message)
       if (len(message) == 0) then
          deallocate (cases)
-         allocate (cases(count([(is_case(studies, groups(i:)), i=1, size(groups))])))
+         allocate (models, source=models_of(groups))
+         allocate (cases(count([(is_case(studies, groups(i:), models(i)), i=1, size(groups))])))
          n = 0
          do i = 1, size(groups)
             line = groups(i)%line
@@ -133,7 +135,7 @@ contains
                if (groups(i)%name == 'output' .and. n_before > 0) n_before = n_before - &
                   merge(1, 0, groups(n_before)%name == 'sweep')
                if (.not. ends_in_case(studies, groups(:n_before))) then
-                  call join_groups(studies%group, names)
+                  call join_groups(studies%name, names)
                   message = '&'//groups(i)%name//': no '//names//' stands before it'
                   if (n_before > 0 .and. groups(i)%name == 'sweep') then
                      if (any(groups(n_before)%name == [character(6) :: 'sweep', 'output'])) then
@@ -145,14 +147,13 @@ contains
             case default
                if (.not. allocated(system%values%name)) then
                   message = '&'//groups(i)%name//': no &system stands before it'
-                  if (place_of_study(studies, groups(i)%name, .true.) > 0) message = &
+                  if (place_of_study(studies, groups(i)%name, of_structure) > 0) message = &
                      '&'//groups(i)%name//': no &system or &structure stands before it'
-               else if (place_of_study(studies, groups(i)%name, system%of_structure) == 0) then
-                  call join_groups(pack(studies%group, studies%of_structure .eqv. &
-                     system%of_structure), names)
+               else if (place_of_study(studies, groups(i)%name, system%model) == 0) then
+                  call join_groups(pack(studies%name, is_for(studies%models, system%model)), names)
                   message = '&'//groups(i)%name//': is not a study of a &'// &
                      system%values%name//'; must be '//names
-               else if (is_case(studies, groups(i:))) then
+               else if (is_case(studies, groups(i:), system%model)) then
                   n = n + 1
                   call take_case(studies, path, groups, i, system, cases(n), line, message)
                   n_before = i
@@ -187,9 +188,9 @@ contains
 
       do i = 1, size(groups)
          associate (name => groups(i)%name)
-            if (any(other_groups == name) .or. any(studies%group == name)) cycle
+            if (any(other_groups == name) .or. any(studies%name == name)) cycle
             line = groups(i)%line
-            call join_groups(studies%group, names)
+            call join_groups(studies%name, names)
             message = '&'//name//': is not a group; must be &system, &output, '//names// &
                ', or &structure, &gap, &load'
             return
@@ -213,8 +214,8 @@ contains
       logical :: needed
 
       if (.not. ends_in_case(studies, groups(2:min(2, size(groups))))) then
-         call join_groups(pack(studies%group, studies%starts_from == '' .and. .not. &
-            studies%of_structure), names)
+         call join_groups(pack(studies%name, studies%starts_from(of_oscillator) == '' .and. &
+            is_for(studies%models, of_oscillator)), names)
          message = '&system: no '//names//' follows'
          return
       end if
@@ -263,12 +264,12 @@ contains
             &be at most '//whole(most_coordinates)
          return
       end do
-      system%of_structure = .true.
+      system%model = of_structure
       if (gaps == 0) then
          message = '&structure: no &gap follows'
       else if (.not. ends_in_case(studies, groups(n + 1:min(n + 1, size(groups))))) then
-         call join_groups(pack(studies%group, studies%starts_from == '' .and. &
-            studies%of_structure), names)
+         call join_groups(pack(studies%name, studies%starts_from(of_structure) == '' .and. &
+            is_for(studies%models, of_structure)), names)
          message = '&structure: no '//names//' follows its gaps and its load'
       end if
       if (len(message) > 0) return
@@ -315,7 +316,7 @@ contains
       needs_r = .false.
       do i = 1, size(groups)
          if (groups(i)%name == 'system' .or. groups(i)%name == 'structure') return
-         place = place_of_study(studies, groups(i)%name, .false.)
+         place = place_of_study(studies, groups(i)%name, of_oscillator)
          if (place == 0) cycle
          needs_r = needs_r .or. .not. has_own_r(studies(place), groups(i))
       end do
@@ -330,11 +331,11 @@ contains
       character(:), allocatable :: names
       integer :: i
 
-      call join_groups(pack(studies%group, [(has_window(studies(i)), i=1, size(studies))]), names)
+      call join_groups(pack(studies%name, [(has_window(studies(i)), i=1, size(studies))]), names)
       text = 'it is not for a '//names//', which has r_min and r_max, nor for parameter = ''r'''
-      call join_groups(pack(studies%group, .not. studies%has_load), names)
+      call join_groups(pack(studies%name, .not. studies%has_load), names)
       if (len(names) > 0) text = text//', nor for a '//names//', which has no load'
-      call join_groups(pack(studies%group, studies%finds_r), names)
+      call join_groups(pack(studies%name, studies%finds_r), names)
       if (len(names) > 0) text = text//', nor for a '//names//', which finds it'
    end subroutine explain_own_r
 
@@ -344,7 +345,7 @@ contains
       type(study_type), intent(in) :: study
       type(key_type), allocatable :: keys(:)
 
-      call study%list(keys)
+      call study%keys_of(of_oscillator, keys)
       has_window = place_of(keys, 'r_min') > 0
    end function has_window
 
@@ -358,7 +359,7 @@ contains
 
       has_own_r = has_window(study) .or. .not. study%has_load .or. study%finds_r
       ! a study that starts from a group may have r as its parameter: it starts at the r of &system
-      if (has_own_r .or. study%starts_from /= '') return
+      if (has_own_r .or. study%starts_from(of_oscillator) /= '') return
       do i = 1, size(group%items)
          associate (value => group%items(i)%value)
             if (group%items(i)%key == 'r') has_own_r = .true.
@@ -389,10 +390,12 @@ contains
       type(key_type), allocatable :: keys(:)
       integer :: j
 
-      associate (study => studies(place_of_study(studies, groups(i)%name, system%of_structure)))
+      associate (study => studies(place_of_study(studies, groups(i)%name, system%model)), &
+         model => system%model)
          case%system = system%values
+         case%model = model
          case%study_name = trim(study%name)
-         if (system%of_structure) then
+         if (model == of_structure) then
             case%coordinates = system%coordinates
             case%parts = system%parts
          else
@@ -403,26 +406,25 @@ contains
                   values%number('r')
             end associate
          end if
-         if (study%starts_from /= '') then
+         if (study%starts_from(model) /= '') then
             do j = i - 1, 1, -1
-               if (groups(j)%name == study%starts_from .or. groups(j)%name == 'system' .or. &
-                  groups(j)%name == 'structure') exit
+               if (groups(j)%name == study%starts_from(model) .or. groups(j)%name == 'system' &
+                  .or. groups(j)%name == 'structure') exit
             end do
             if (groups(j)%name == 'system' .or. groups(j)%name == 'structure') then
-               message = '&'//trim(study%group)//': no &'//trim(study%starts_from)// &
+               message = '&'//trim(study%name)//': no &'//trim(study%starts_from(model))// &
                   ' of this &'//groups(j)%name//' stands before it'
                return
             end if
-            associate (start => studies(place_of_study(studies, study%starts_from, &
-               system%of_structure)))
-               call start%list(keys)
-               call read_values(trim(start%group), keys, groups(j), case%start)
+            associate (start => studies(place_of_study(studies, study%starts_from(model), model)))
+               call start%keys_of(model, keys)
+               call read_values(trim(start%name), keys, groups(j), case%start)
             end associate
             call study%check_start(case, groups(i)%line)
             call pass_on(case%start, line, message)
             if (len(message) > 0) return
          end if
-         call study%list(keys)
+         call study%keys_of(model, keys)
          call read_values(groups(i)%name, keys, groups(i), case%study)
          call case%study%find_files(path)
          if (associated(study%check)) call study%check(case)
@@ -510,19 +512,37 @@ contains
       type(group_type), intent(in) :: groups(:)
 
       ends_in_case = .false.
-      if (size(groups) > 0) ends_in_case = any(studies%group == groups(size(groups))%name)
+      if (size(groups) > 0) ends_in_case = any(studies%name == groups(size(groups))%name)
    end function ends_in_case
 
+   !> The model of the system to which each group belongs.
+   pure function models_of(groups) result(models)
+      !> All groups of the file.
+      type(group_type), intent(in) :: groups(:)
+      integer :: models(size(groups)), i, model
+
+      model = of_oscillator
+      do i = 1, size(groups)
+         if (groups(i)%name == 'system') model = of_oscillator
+         if (groups(i)%name == 'structure') model = of_structure
+         models(i) = model
+      end do
+   end function models_of
+
    !> Whether a group is a case; one that is only the start of the study after it is not.
-   pure logical function is_case(studies, groups)
+   pure logical function is_case(studies, groups, model)
       !> All studies.
       type(study_type), intent(in) :: studies(:)
       !> The group, and all after it.
       type(group_type), intent(in) :: groups(:)
+      !> The model of its system.
+      integer, intent(in) :: model
+      integer :: place
 
-      is_case = any(studies%group == groups(1)%name)
-      if (is_case .and. size(groups) > 1) is_case = .not. any(studies%group == groups(2)%name &
-         .and. studies%starts_from == groups(1)%name)
+      is_case = any(studies%name == groups(1)%name)
+      if (.not. is_case .or. size(groups) == 1) return
+      place = place_of_study(studies, groups(2)%name, model)
+      if (place > 0) is_case = studies(place)%starts_from(model) /= groups(1)%name
    end function is_case
 
    !> The place of a fault: file and line.

@@ -1,34 +1,25 @@
 !> The studies: the only file that lists all of them.
 module vi_study_list
    use vi_atlas_study, only: declare_atlas
-   use vi_basins_structure_study, only: declare_basins_structure
    use vi_basins_study, only: declare_basins
-   use vi_bifurcation_structure_study, only: declare_bifurcation_structure
    use vi_bifurcation_study, only: declare_bifurcation
-   use vi_branch_structure_study, only: declare_branch_structure
    use vi_branch_study, only: declare_branch
    use vi_case, only: case_type, echo
    use vi_chart_study, only: declare_chart
    use vi_decay_study, only: declare_decay
    use vi_design_study, only: declare_design
-   use vi_find_structure_study, only: declare_find_structure
    use vi_find_study, only: declare_find
    use vi_identify_study, only: declare_identify
    use vi_kinds, only: wp
-   use vi_lyapunov_structure_study, only: declare_lyapunov_structure
    use vi_lyapunov_study, only: declare_lyapunov
-   use vi_motion_structure_study, only: declare_motion_structure
    use vi_motion_study, only: declare_motion
    use vi_processor, only: has_memory, stack_left, stack_needed, usable_threads
-   use vi_response_structure_study, only: declare_response_structure
    use vi_response_study, only: declare_response
    use vi_result, only: column_type, result_type, start_result
-   use vi_simulate_structure_study, only: declare_simulate_structure
    use vi_simulate_study, only: declare_simulate
    use vi_status, only: stat, status_text
    use vi_study, only: declare_type, study_type
    use vi_text, only: line_type, whole
-   use vi_zone_structure_study, only: declare_zone_structure
    use vi_zone_study, only: declare_zone
    implicit none (type, external)
    private
@@ -62,16 +53,7 @@ contains
          declare_type(declare_decay), &
          declare_type(declare_design), &
          declare_type(declare_basins), &
-         declare_type(declare_identify), &
-         declare_type(declare_simulate_structure), &
-         declare_type(declare_motion_structure), &
-         declare_type(declare_find_structure), &
-         declare_type(declare_lyapunov_structure), &
-         declare_type(declare_branch_structure), &
-         declare_type(declare_zone_structure), &
-         declare_type(declare_basins_structure), &
-         declare_type(declare_bifurcation_structure), &
-         declare_type(declare_response_structure)], studies)
+         declare_type(declare_identify)], studies)
    end subroutine list_studies
 
    !> The declarations of some studies.
@@ -85,7 +67,7 @@ contains
       allocate (studies(size(each)))
       do i = 1, size(each)
          call each(i)%declare(studies(i))
-         if (studies(i)%group == '') studies(i)%group = studies(i)%name(:len(studies(i)%group))
+         studies(i)%list => each(i)%declare
       end do
    end subroutine collect
 
@@ -119,10 +101,10 @@ contains
       type(line_type), allocatable :: lines(:)
 
       call find_study(case%study_name, study)
-      call study%list(columns=columns)
+      call study%columns_of(case%model, columns)
       allocate (lines(0))
       if (has_room(echo_bytes*case%study%count_numbers())) call echo(case, lines)
-      call start_result(lines, columns, study%row, result)
+      call start_result(lines, columns, study%row(case%model), result)
       if (allocated(case%sweep%name)) then
          result%empty = .true.
          call result%fail('with its &sweep this is a campaign, which the Python package runs: &
@@ -131,7 +113,7 @@ contains
       end if
       if (study%in_python) then
          result%empty = .true.
-         call result%fail('&'//trim(study%group)//' is computed by the Python package: &
+         call result%fail('&'//trim(study%name)//' is computed by the Python package: &
             &vibroimpact run FILE.nml')
          return
       end if

@@ -27,7 +27,10 @@ WINDOW = "r_min = 0.8, r_max = 1.2, clearance_min = 2, clearance_max = 200"
 LANGUAGE = json.loads(
     subprocess.run([find_batch(), "--describe"], capture_output=True, check=True).stdout
 )
-TABLES = LANGUAGE["groups"]
+TABLES = {
+    group: [key for key in keys if key["model"] != "structure"]
+    for group, keys in LANGUAGE["groups"].items()
+}
 #: The studies whose smallest case is the example of their command, as far as their keys have no default.
 OTHERS = [
     name for name in COMMANDS
@@ -393,16 +396,20 @@ def test_keys_of_a_group_for_people(batch):
 
 @pytest.mark.parametrize("study", LANGUAGE["results"])
 def test_a_study_has_all_its_parts(study):
-    """Each study has a meaning, rows for the CSV, a case in inputs/, and an entry in inputs/README.md."""
+    """Each study has a meaning, and for each of its models rows for the CSV, a case in inputs/, and an entry in
+    inputs/README.md."""
     message = LANGUAGE["results"][study]
     assert message["in_python"] == (study in IN_PYTHON)
     assert message["meaning"]
-    assert message["row"] in {column["table"] for column in message["columns"]}
     inputs = [path.read_text(encoding="utf-8") for path in (ROOT / "inputs").glob("*.nml")]
-    system = "structure" if message["of_structure"] else "system"
-    assert any(re.search(rf"(?ms)^&{system}\b.*^&{message['group']}\b", text) for text in inputs)
-    row = f"`&{message['group']}`" + " of a `&structure`" * message["of_structure"]
-    assert f"\n| {row} | " in (ROOT / "inputs/README.md").read_text(encoding="utf-8")
+    for model, table in message["rows"].items():
+        assert table in {
+            item["table"] for item in message["columns"] if item["model"] in ("", model)
+        }
+        system = "structure" if model == "structure" else "system"
+        assert any(re.search(rf"(?ms)^&{system}\b.*^&{study}\b", text) for text in inputs)
+        row = f"`&{study}`" + " of a `&structure`" * (model == "structure")
+        assert f"\n| {row} | " in (ROOT / "inputs/README.md").read_text(encoding="utf-8")
 
 
 def test_the_help_says_what_each_study_does():
@@ -411,6 +418,4 @@ def test_the_help_says_what_each_study_does():
         [find_batch(), "--help"], capture_output=True, text=True, check=True
     ).stdout
     found = re.findall(r"^  &(\w+) +(.*)$", text, re.MULTILINE)
-    assert found == [
-        (message["group"], message["meaning"]) for message in LANGUAGE["results"].values()
-    ]
+    assert found == [(study, message["meaning"]) for study, message in LANGUAGE["results"].items()]

@@ -92,11 +92,7 @@ class Language:
         self.weights = list(accumulate(1 / COSTS.get(path.stem, 1) for path in paths))
         self.parsed = [parse(seed.decode(errors="replace")) for seed in self.seeds]
         self.groups = described["groups"]
-        self.of = {
-            (about["group"], about["of_structure"]): name
-            for name, about in described["results"].items()
-        }
-        self.names = [*dict.fromkeys([*self.groups, *(group for group, _ in self.of)])]
+        self.names = [*self.groups]
 
     def choose(self, rng):
         """The place of a seed."""
@@ -104,8 +100,8 @@ class Language:
 
     def keys(self, group, groups):
         """The table of keys of a group of a case."""
-        of_structure = any(name == "structure" for name, _ in groups)
-        return self.groups.get(self.of.get((group, of_structure), group), [])
+        model = "structure" if any(name == "structure" for name, _ in groups) else "oscillator"
+        return [key for key in self.groups.get(group, []) if key["model"] in ("", model)]
 
     def value(self, rng, key):
         """A value that a key could have: at a bound, near it, or one of its words."""

@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 from vibroimpact import _core
 from vibroimpact.base.interrupt import new_counters
+from vibroimpact.cases.case import study_of
+from vibroimpact.results.namelist import has_structure
 from vibroimpact.results.tables import STORED, Handle, declared, language, shown, text_of
 
 FOLDER = Path(__file__).parents[1] / "data" / "answers"
@@ -39,11 +41,12 @@ def read(owner, status, described):
     if status == 2:
         return {"status": status, "message": about["message"]}
     lines = [line[2:] for line in about["case"]]
-    study = study_of(lines)
+    text = "\n".join(lines)
+    known = declared(study_of(text), has_structure(text))
     sizes = {item["name"]: [size for _, size in item["dims"]] for item in about["tables"]}
     columns = {
         f"{item['table']}.{item['name']}": fingerprint(
-            column(owner, item, declared(study)[item["table"], item["name"]], sizes)
+            column(owner, item, known[item["table"], item["name"]], sizes)
         )
         for item in about["columns"]
         if item["address"] is not None
@@ -57,7 +60,7 @@ def read(owner, status, described):
     }
     return {
         "status": status,
-        "case": zlib.crc32("\n".join(lines).encode()),
+        "case": zlib.crc32(text.encode()),
         "notes": [rounded(text) for _, text in about["notes"]],
         "remarks": [rounded(text) for text in about["remarks"]],
         "columns": columns | owners,
@@ -67,16 +70,6 @@ def read(owner, status, described):
 def rounded(text):
     """A text with five digits of each number that has more."""
     return re.sub(r"-?\d\.\d{6,}E[+-]\d+", lambda number: f"{float(number[0]):.4e}", text)
-
-
-def study_of(case):
-    """The study of a complete case: that of its last group before &output."""
-    groups = [line[1:] for line in case if line[:1] == "&" and line not in ("&output", "&sweep")]
-    of_structure = "structure" in groups
-    return next(
-        name for name, about in language()["results"].items()
-        if (about["group"], about["of_structure"]) == (groups[-1], of_structure)
-    )  # fmt: skip
 
 
 def column(owner, item, about, sizes):

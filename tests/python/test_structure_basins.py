@@ -201,7 +201,7 @@ def test_it_stops_when_asked(found):
     counters = new_counters()
     counters[2] = 1
     handle, _ = _core.run_case(np.frombuffer(found.to_namelist().encode(), "S1"), 1, counters)
-    result = from_core("basins_structure", handle)
+    result = from_core("basins", handle)
     assert result.cut == "0 of 90 states were reached"
 
 

@@ -77,7 +77,7 @@ def assert_same(one, other):
 
 
 def run_case(text):
-    found = door.run_text(RESULTS["simulate_structure"], text, study="simulate_structure")
+    found = door.run_text(RESULTS["simulate"], text)
     found.require()
     return found.parts()[0]
 
@@ -279,7 +279,7 @@ def test_case_of_a_structure(tmp_path):
     path.write_text(CELL, encoding="utf-8")
     (case,) = vi.read_namelist(path)
     assert case.kind == "simulate"
-    assert case.study == "simulate_structure"
+    assert case.study == "simulate"
     assert case.osc is None
     assert case.load is None
     assert case.structure.gaps[1].restitution == 0.9
@@ -293,7 +293,7 @@ def test_one_file_with_both_kinds_of_systems(tmp_path):
     path = tmp_path / "both.nml"
     path.write_text(pair + CELL + pair, encoding="utf-8")
     cases = vi.read_namelist(path)
-    assert [case.study for case in cases] == ["simulate", "simulate_structure", "simulate"]
+    assert [case.study for case in cases] == ["simulate", "simulate", "simulate"]
     assert cases[0].text.replace("both_1", "") == cases[2].text.replace("both_3", "")
 
 

@@ -99,7 +99,7 @@ def test_it_stops_when_asked():
     counters = new_counters()
     counters[2] = 1
     handle, _ = _core.run_case(np.frombuffer(search().to_namelist().encode(), "S1"), 1, counters)
-    result = from_core("find_structure", handle)
+    result = from_core("find", handle)
     assert result.cut == "0 of 4 states and 0 sets of impact times were tried"
 
 

@@ -236,4 +236,4 @@ def test_it_stops_when_asked():
     counters[2] = 1
     text = vi.lyapunov(WALL, vi.Load(1.0, cosine=[1]), cycles=40).to_namelist()
     handle, _ = _core.run_case(np.frombuffer(text.encode(), "S1"), 1, counters)
-    assert from_core("lyapunov_structure", handle).cut
+    assert from_core("lyapunov", handle).cut

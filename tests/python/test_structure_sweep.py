@@ -217,7 +217,7 @@ def test_errors_name_the_parameter(change, message):
 def test_a_stop_keeps_what_was_reached(diagram):
     sizes = vi.response(WALL, LOAD, np.linspace(0.9, 1.1, 5))
     for result, study, count in (
-        (diagram, "bifurcation_structure", 10), (sizes, "response_structure", 10),
+        (diagram, "bifurcation", 10), (sizes, "response", 10),
     ):  # fmt: skip
         counters = new_counters()
         counters[2] = 1

@@ -15,9 +15,9 @@ from ..base import checks
 from ..base.errors import OutOfMemoryError, ParameterError, ParameterTypeError
 from ..base.libraries import xarray
 from ..results.noun import Noun
-from ..results.tables import declared, language
+from ..results.tables import declared, language, present
 from .chunk import joined, recoded
-from .store import PARTS, PLAN, Store
+from .store import OWN, PLAN, Store
 from .sweep import Sweep
 
 __all__ = ["Campaign"]
@@ -67,11 +67,12 @@ class Campaign:
         plan = self._store.plan()
         self.sweep = None
         try:
-            self.study: str = plan["study"]
+            self.study: str = present(plan["study"])
+            structure = bool(plan.get("of_structure", self.study != plan["study"]))
             self.size: int = checks.integer(plan["size"], "size", 0, 2**62)
             self._chunk: int = checks.integer(plan["chunk"], "chunk", 1, 10**7)
             if "template" in plan and self.study in language()["results"]:
-                self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in PARTS})
+                self.sweep = Sweep.of_record({k: v for k, v in plan.items() if k not in OWN})
         except (LookupError, ValueError, TypeError, AttributeError) as error:
             raise ParameterError(
                 f"store = {str(store)!r}: its {PLAN} is damaged; restore it, or use another store ({error})"
@@ -81,6 +82,7 @@ class Campaign:
                 f"store = {str(self._store.folder)!r}: holds cases of {self.study!r}, which this vibroimpact does "
                 f"not have; must be read with vibroimpact {plan.get('vibroimpact')}"
             )
+        self._declared = declared(self.study, structure)
         self._read = lru_cache(4)(self._store.read)
 
     @property
@@ -173,7 +175,7 @@ class Campaign:
             For a column that the study does not have.
         """
         checks.choice(reduce, "reduce", ("first", *REDUCTIONS, "mean", "count"))
-        known = [f"{one}.{name}" for one, name in declared(self.study)]
+        known = [f"{one}.{name}" for one, name in self._declared]
         if f"{table}.{column}" not in known:
             raise ParameterError(f"{table}.{column}: must be one of {', '.join(known)}")
         if where is not None and not isinstance(where, Mapping):
@@ -185,11 +187,11 @@ class Campaign:
                 raise ParameterTypeError(
                     f"where: {table}.{name} = {wanted!r}: must be a number, True or False"
                 )
-            if (one := declared(self.study)[table, name])["kind"] == "word" or one["each"]:
+            if (one := self._declared[table, name])["kind"] == "word" or one["each"]:
                 raise ParameterError(
                     f"where: {table}.{name}: must be a column of single numbers or verdicts"
                 )
-        item = declared(self.study)[table, column]
+        item = self._declared[table, column]
         if item["kind"] in ("complex", "word") or item["each"]:
             raise ParameterError(f"{table}.{column}: must be a column of single real numbers")
         found = self._array(np.nan)
@@ -236,7 +238,7 @@ class Campaign:
         if column is None:
             return self._rows(table)
         values = self.values(table, column, reduce, where)
-        item = declared(self.study)[table, column]
+        item = self._declared[table, column]
         about = {"long_name": item["meaning"], "units": item["unit"] or "1", "reduction": reduce}
         if self.sweep is None:
             return xarray().DataArray(values, dims=["case"], name=column, attrs=about)
@@ -251,7 +253,7 @@ class Campaign:
 
     def _rows(self, table: str) -> Any:
         """All rows of a table."""
-        known = declared(self.study)
+        known = self._declared
         coded = {
             key for (one, key), item in known.items() if one == table and item["kind"] == "word"
         }
@@ -276,7 +278,7 @@ class Campaign:
         row = f"{table}_row"
         data: dict[str, Any] = {}
         for key, given in parts.items():
-            values = joined(self.study, table, key, given, cases)
+            values = joined(self._declared, table, key, given, cases)
             if key == "owner":
                 data[key] = (row, values, {"long_name": "row of the parent table within the case"})
                 continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,6 +19,7 @@ from ..base.errors import ParameterError, VibroimpactError
 from ..base.interrupt import new_counters
 from ..cases.case import case_of
 from ..results import door
+from ..results.namelist import has_structure
 from ..results.noun import RESULTS, Noun
 from ..results.tables import STORED, Found, Result, Table, declared, declared_column, language
 
@@ -60,6 +61,7 @@ class Chunk:
         head = self.heads[number]
         if "error" in head:
             raise ParameterError(head["error"])
+        known = declared(self.study, has_structure(head["case"]))
         tables = {}
         for name, about in head["tables"].items():
             packed = self.arrays[name]
@@ -67,7 +69,7 @@ class Chunk:
             shape = tuple(about["dims"].values())
             columns = {}
             for key, inner in about["columns"].items():
-                item = declared(self.study)[name, key]
+                item = known[name, key]
                 values = packed[key][first:last]
                 values = (
                     values[:, :inner].reshape(*shape, inner)
@@ -120,11 +122,11 @@ def compute(
 
 def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) -> Result:
     """The result of one case."""
+    noun = RESULTS[study]
     if language()["results"][study]["in_python"]:
-        result: Result = RESULTS[study].computed(case_of(text), None)._result
-        return result
-    noun = door.run_text(RESULTS[study], text, threads, counters=counters, study=study)
-    result = noun._result
+        result: Result = noun.computed(case_of(text), None)._result
+    else:
+        result = door.run_text(noun, text, threads, counters=counters)._result
     return result
 
 
@@ -161,8 +163,9 @@ def packed(study: str, texts: Sequence[str], found: Iterable[Result | str]) -> C
             "remarks": list(result.remarks), "notes": [list(note) for note in result.notes], "row": result.row,
             "tables": tables,
         })  # fmt: skip
+    known = declared(study, has_structure(texts[0]))
     arrays = {
-        name: {key: joined(study, name, key, parts, columns["case"]) for key, parts in columns.items()}
+        name: {key: joined(known, name, key, parts, columns["case"]) for key, parts in columns.items()}
         for name, columns in rows.items()
     }  # fmt: skip
     return Chunk(study, heads, arrays, {place: tuple(codes) for place, codes in words.items()})
@@ -175,12 +178,13 @@ def recoded(words: Sequence[str], values: NDArray[Any], codes: dict[str, int]) -
 
 
 def joined(
-    study: str, table: str, key: str, parts: Sequence[Any], cases: Sequence[NDArray[Any]]
-) -> NDArray[Any]:
+    known: Mapping[tuple[str, str], Mapping[str, Any]], table: str, key: str, parts: Sequence[Any],
+    cases: Sequence[NDArray[Any]],
+) -> NDArray[Any]:  # fmt: skip
     """All rows of a column; shorter lists, and rows of cases without this column, are filled."""
     if key in ("case", "owner"):
         return np.concatenate(parts)
-    item = declared(study)[table, key]
+    item = known[table, key]
     kind = STORED.get(item["kind"], "<i4")
     widths = {values.shape[1] for _, values in parts}
     width = max(widths)

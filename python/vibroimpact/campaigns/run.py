@@ -28,6 +28,7 @@ from ..base.errors import (
 )
 from ..base.interrupt import new_counters
 from ..cases.case import Case, study_of
+from ..results.namelist import has_structure
 from .campaign import Campaign
 from .chunk import Chunk, compute, core_digest, name_of
 from .store import Store
@@ -135,7 +136,8 @@ def campaign(
     checks.progress(progress)
     place = Store(store)
     record = {
-        "study": study, "size": number, "chunk": size, "core": core_digest(),
+        "study": study, "of_structure": has_structure(plan.text(0)), "size": number, "chunk": size,
+        "core": core_digest(),
         "vibroimpact": version("vibroimpact"),
         **plan.record,
     }  # fmt: skip

@@ -23,6 +23,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.libraries import zarr
 from ..base.sizes import NUMBERS, TEXT, check_file, check_size
+from ..results.tables import present
 from .chunk import Chunk
 
 __all__ = ["Store"]
@@ -31,6 +32,8 @@ __all__ = ["Store"]
 PLAN = "campaign.json"
 #: What each plan has.
 PARTS = {"study", "size", "chunk", "core", "vibroimpact"}
+#: All that a plan holds besides its sweep; earlier versions told the model by the name of the study.
+OWN = PARTS | {"of_structure"}
 #: The name of a chunk: its first case, and a hash.
 NAME = re.compile(r"\d{12,}-[0-9a-f]{40}")
 #: The name of what is being written.
@@ -221,7 +224,7 @@ class Store:
             arrays.setdefault(table, {})[key] = values
         with foreign(self.chunks / name):
             words = {(table, key): tuple(words) for table, key, words in held["words"]}
-        return Chunk(held["study"], held["heads"], arrays, words)
+        return Chunk(present(held["study"]), held["heads"], arrays, words)
 
     def fail(self, number: int, text: str, message: str) -> None:
         """Keep a case that failed as a namelist that runs."""

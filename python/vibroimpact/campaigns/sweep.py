@@ -17,7 +17,7 @@ from ..base.libraries import scipy
 from ..base.spacing import spaced
 from ..cases.case import Case
 from ..results import namelist
-from ..results.tables import language
+from ..results.tables import keys_for, language
 
 __all__ = ["CaseList", "Sweep"]
 
@@ -256,6 +256,11 @@ class CaseList:
             _groups(text, f"cases[{i}]")
         if not self.cases:
             raise ParameterError("cases: is empty; must hold at least one case")
+        for i, text in enumerate(self.cases):
+            if namelist.has_structure(text) != namelist.has_structure(self.cases[0]):
+                raise ParameterError(
+                    f"cases[{i}]: must be of the same model as cases[0]: &system or &structure"
+                )
         self.shape = (len(self.cases),)
         digest = hashlib.sha256("\0".join(self.cases).encode()).hexdigest()
         self.record: dict[str, Any] = {"cases": len(self.cases), "digest": digest}
@@ -271,10 +276,10 @@ class CaseList:
 def _groups(text: str, name: str = "case") -> list[str]:
     """The groups of a case; an error unless it is written with one key a line, as results give it."""
     groups = re.findall(r"(?m)^&(\w+)$", text)
-    about = language()
-    known = {*about["groups"], *(item["group"] for item in about["results"].values())}
     try:
-        whole = len(namelist.parts_of(text)) == len(groups) > 1 and known.issuperset(groups)
+        whole = len(namelist.parts_of(text)) == len(groups) > 1 and language()["groups"].keys() >= {
+            *groups
+        }
     except ValueError:  # a value with a comment, or with another key
         whole = False
     inside = re.sub(r"(?m)^!.*$|'[^'\n]*'", "", text)
@@ -288,12 +293,7 @@ def _groups(text: str, name: str = "case") -> list[str]:
 
 def _known(group: str, groups: Sequence[str]) -> list[str]:
     """The keys that a group of a case may have."""
-    about = language()
-    studies = [
-        name for name, item in about["results"].items()
-        if (item["group"], item["of_structure"]) == (group, "structure" in groups)
-    ]  # fmt: skip
-    return [str(key["name"]) for key in about["groups"][(studies or [group])[0]]]
+    return [str(key["name"]) for key in keys_for(group, "structure" in groups)]
 
 
 def _full_name(key: Any, groups: Sequence[str]) -> str:

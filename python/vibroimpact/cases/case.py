@@ -18,7 +18,7 @@ from ..results import door
 from ..results.namelist import keys_of, parts_of
 from ..results.noun import RESULTS, Noun
 from ..results.systems import from_groups
-from ..results.tables import Handle, language, message_of
+from ..results.tables import Handle, keys_for, language, message_of
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record
 from ..systems.structure import Load, Structure
@@ -29,11 +29,10 @@ __all__ = ["Case", "read_namelist"]
 @cache
 def kinds(structures: bool = True) -> tuple[str, ...]:
     """Kinds of cases: the words of the key `kind` of a study, or the name of its group."""
-    groups = language()["groups"]
-    words = [
-        next((key["words"] for key in groups[study] if key["name"] == "kind"), about["group"])
-        for study, about in language()["results"].items() if structures or not about["of_structure"]
-    ]  # fmt: skip
+    words = []
+    for study in language()["results"]:
+        keys = keys_for(study) + (keys_for(study, True) if structures else [])
+        words += [key["words"] for key in keys if key["name"] == "kind"] or [study]
     return tuple(dict.fromkeys(" ".join(words).split()))
 
 
@@ -93,7 +92,7 @@ class Case(NamedTuple):
         noun = RESULTS[self.study]
         if self.in_python:
             return noun.computed(self, progress)
-        return door.run_text(noun, self.text, progress=progress, study=self.study)
+        return door.run_text(noun, self.text, progress=progress)
 
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.
@@ -118,13 +117,9 @@ class Case(NamedTuple):
 
 
 def study_of(text: str) -> str:
-    """The name of the study of a case."""
-    groups = groups_of(text)
-    *_, last = (name for name in groups if name not in ("sweep", "output"))
-    return next(
-        str(name) for name, about in language()["results"].items()
-        if (about["group"], about["of_structure"]) == (last, groups[0] == "structure")
-    )  # fmt: skip
+    """The name of the study of a case: that of its last group before &sweep and &output."""
+    *_, last = (name for name in groups_of(text) if name not in ("sweep", "output"))
+    return last
 
 
 def groups_of(text: str) -> list[str]:

@@ -24,7 +24,7 @@ from ..results.tables import language
 #: The studies that have a command, and what each does, as the core declares them; motions have none.
 STUDIES: dict[str, str] = {
     name: study["meaning"]
-    for name, study in language()["results"].items() if name != "motion" and not study["of_structure"]
+    for name, study in language()["results"].items() if name != "motion"
 }  # fmt: skip
 #: In the order of the help text.
 NAMES = (

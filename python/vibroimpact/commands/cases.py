@@ -57,7 +57,7 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
 
 def needs_python(file: str) -> bool:
     """Whether a file has a case that the compiled program leaves to Python; a pipe, read only once, has none."""
-    groups = [about["group"] for about in language()["results"].values() if about["in_python"]]
+    groups = [name for name, about in language()["results"].items() if about["in_python"]]
     if not os.path.isfile(file):
         return False
     with open(file, encoding="utf-8", errors="replace") as lines:

@@ -13,7 +13,7 @@ from ..base.errors import ParameterError
 from ..base.files import write_text
 from ..cases import case
 from ..results.namelist import Groups
-from ..results.tables import language
+from ..results.tables import keys_for
 from . import STUDIES
 from .options import takes
 
@@ -82,9 +82,9 @@ def template(kind: str, file: str) -> str:
     explained: set[str] = set()
     for group, values in [*groups, ("output", {})]:
         given = {name: value for name, value in values.items() if value is not None}
-        study = "simulate_structure" if (kind, group) == ("structure", "simulate") else group
         keys = [f"  {name} = {shown(value)}" for name, value in given.items()]
-        lines += [f"&{group}", *(keys if group in explained else key_lines(study, given)), "/\n"]
+        known = keys_for(group, kind == "structure")
+        lines += [f"&{group}", *(keys if group in explained else key_lines(known, given)), "/\n"]
         explained.add(group)
     return "\n".join(lines).rstrip("\n") + "\n"
 
@@ -92,17 +92,15 @@ def template(kind: str, file: str) -> str:
 def title_of(kind: str) -> str:
     """What a template does."""
     if kind == "structure":
-        meaning: str = language()["results"]["simulate_structure"]["meaning"]
-        return meaning
+        return "simulate a structure with gaps from an initial state"
     return example(kind)[0]
 
 
-def key_lines(group: str, given: Mapping[str, Any]) -> Iterator[str]:
+def key_lines(keys: Sequence[Mapping[str, Any]], given: Mapping[str, Any]) -> Iterator[str]:
     """Each key of a group: its value, or commented out its default, and what it means.
 
     Behind the name of a key that has no default, or that is wrong beside those that are given, stands a colon.
     """
-    keys = language()["groups"][group]
     known = {key["name"]: key["default"] for key in keys} | {
         name: shown(x) for name, x in given.items()
     }
@@ -121,7 +119,7 @@ def key_lines(group: str, given: Mapping[str, Any]) -> Iterator[str]:
         if name in given:
             line = f"  {name} = {known[name]}"
             about += [f"default: {key['default']}"] * bool(key["default"])
-        elif (group, name) == ("system", "r"):
+        elif name == "r" and "xi" in known:  # of &system, which the case does not need
             continue
         else:
             plain = key["default"] and not wrong

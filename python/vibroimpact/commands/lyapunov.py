@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from ..base.errors import ParameterError
-from ..results.tables import language
+from ..results.tables import keys_for
 from .cases import run_kind
 from .options import Option, options_of, shown
 from .request import Request, request_of
@@ -48,7 +48,7 @@ def request(options: argparse.Namespace) -> Request:
             raise ParameterError(f"--{name} {shown(given)}: must be a number, or LOW HIGH N")
         if line:
             raise ParameterError("--r, --clearance: one of them must be a number")
-        keys = language()["groups"]["lyapunov"]
+        keys = keys_for("lyapunov")
         known[name] = Option(name, [("lyapunov", key) for key in keys if key["name"] in SPAN])
         line = {"parameter": name}
     return request_of(options, "lyapunov", known, lyapunov=line)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ..base import checks
 from ..base.errors import ParameterError
-from ..results.tables import language
+from ..results.tables import keys_for, language
 
 #: The placeholder of a value in the help, by the end of the name of its key.
 ENDS = {"min": "LOW", "max": "HIGH", "points": "N", "axes": "NAME"}
@@ -126,15 +126,14 @@ def options_of(
     study: str, before: Mapping[str, Sequence[str]] = MappingProxyType({})
 ) -> dict[str, Option]:
     """The options of a study by name: of &system, of some keys of groups before its own, and of its own."""
-    groups = language()["groups"]
     # those whose frequency ratio the study finds or does not need have no --r
     takes_r = language()["results"][study]["takes_r"]
-    keys = [("system", key) for key in groups["system"] if takes_r or key["name"] != "r"]
+    keys = [("system", key) for key in keys_for("system") if takes_r or key["name"] != "r"]
     keys += [
-        (group, key) for group in before for key in groups[group] if key["name"] in before[group]
+        (group, key) for group in before for key in keys_for(group) if key["name"] in before[group]
     ]
-    keys += [(study, key) for key in groups[study]]
-    own = {name_of(key) for key in groups[study]}
+    keys += [(study, key) for key in keys_for(study)]
+    own = {name_of(key) for key in keys_for(study)}
     found: dict[str, Option] = {}
     for group, key in keys:
         name = name_of(key)

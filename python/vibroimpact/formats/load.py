@@ -70,7 +70,8 @@ def load(path: str | Path) -> Any:
         read = READERS.get(place.suffix.lower(), READERS[".json"])
         data = json.loads(read(place))
         kind = mapping(data, "record").get("type")
-        noun = FORMER[kind][0] if kind in [*FORMER] else NOUNS[kind] if kind in [*NOUNS] else None
+        classes = NOUNS | FORMER
+        noun = classes[kind] if kind in [*classes] else None
         if noun is None:
             raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")
         found = noun.from_dict(data)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
@@ -14,8 +15,19 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, VibroimpactError
+from ..results.namelist import has_structure
 from ..results.noun import FORMER
-from ..results.tables import STORED, Column, Found, Result, Table, column_from, language
+from ..results.tables import (
+    STORED,
+    Column,
+    Found,
+    Result,
+    Table,
+    column_from,
+    declared,
+    present,
+    row_of,
+)  # fmt: skip
 from .rows import places_of
 
 #: Characters that no word has: the core keeps words as lines.
@@ -87,24 +99,27 @@ def from_json(kind: Any, text: str) -> Any:
 def from_dict(kind: Any, data: Any) -> Any:
     """The inverse of `to_dict`."""
     name = mapping(data, "record").get("type", kind.__name__)
-    now, named = FORMER.get(name, (kind, data.get("study", kind.study)))
-    if now is not kind or (name != kind.__name__ and name not in FORMER):
+    named = present(str(data.get("study", kind.study)))
+    if FORMER.get(name, kind) is not kind or (name != kind.__name__ and name not in FORMER):
         raise ParameterError(f"type = {name!r}: must be {kind.__name__!r}")
-    if named not in kind.studies:
-        raise ParameterError(f"study = {named!r}: must be one of {', '.join(kind.studies)}")
+    if named != kind.study:
+        raise ParameterError(f"study = {named!r}: must be {kind.study!r}")
     for key, wanted in HEAD.items():
         if not isinstance(data.get(key), wanted):
             raise ParameterError(f"{key} = {data.get(key)!r}: must be of type {wanted.__name__}")
-    declared: dict[str, dict[str, Any]] = {}
-    study = language()["results"][named]
-    for item in study["columns"]:
-        declared.setdefault(item["table"], {})[item["name"]] = item
+    given = mapping(data.get("tables"), "tables")
+    structure = has_structure(data["case"]) or "matrices" in given
+    known = declared(named, structure)
+    system = "a structure" if structure else "an oscillator"
+    columns: dict[str, dict[str, Any]] = {}
+    for (table, column), item in known.items():
+        columns.setdefault(table, {})[column] = item
     for key in ("case", "cut", "remarks", "notes"):
         check_texts(key, data[key])
     tables = {}
-    for name, table in mapping(data.get("tables"), "tables").items():
+    for name, table in given.items():
         check_name(name, "tables")
-        tables[name] = table_of(name, mapping(table, name), declared.get(name, {}))
+        tables[name] = table_of(name, mapping(table, name), columns.get(name, {}), system)
     widen_empty(tables)
     check_sizes(tables)
     check_parents(tables)
@@ -115,10 +130,10 @@ def from_dict(kind: Any, data: Any) -> Any:
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
     result = Result(
         named, data["case"], data["cut"], data["empty"], tuple(map(str, data["remarks"])), notes,
-        study["row"], Found(tables, "tables"),
+        row_of(named, structure), Found(tables, "tables"),
     )  # fmt: skip
     if not result.empty:
-        check_rows(result, study["columns"])
+        check_rows(result, known.values())
     try:
         noun = kind.of_result(result)
         noun._check_read()
@@ -187,16 +202,16 @@ def check_parents(tables: dict[str, Table]) -> None:
             raise ParameterError(f"{name}.owners: must be rows of {table.parent}, in order, from 0")
 
 
-def check_rows(result: Result, columns: list[dict[str, Any]]) -> None:
+def check_rows(result: Result, columns: Iterable[dict[str, Any]]) -> None:
     """An error unless every cell of the rows of the CSV has a value."""
     if result.row not in result.tables:
         raise ParameterError(f"tables.{result.row}: must be there; it is missing")
     places = places_of(result, result.row)
-    for declared in columns:
-        name = declared["table"]
-        if not declared["listed"]:
+    for item in columns:
+        name = item["table"]
+        if not item["listed"]:
             continue
-        result.column(name, declared["name"])
+        result.column(name, item["name"])
         rows = math.prod(result.tables[name].dims.values())
         if name not in places or (places[name].size and places[name].max() >= rows):
             raise ParameterError(f"{name}: must have a row for each row of {result.row}")
@@ -228,8 +243,8 @@ def check_texts(label: str, item: Any) -> None:
             raise ParameterError(f"{label} = {item[:60]!r}: must be a text of Unicode") from None
 
 
-def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table:
-    """A table from its record."""
+def table_of(name: str, data: dict[str, Any], declared: dict[str, Any], system: str) -> Table:
+    """A table from its record; `system` is that of its case."""
     dims = {
         check_name(key, f"{name}.dims"): checks.integer(size, f"{name}.dims.{key}", 0, 2**31 - 1)
         for key, size in mapping(data.get("dims"), f"{name}.dims").items()
@@ -245,7 +260,8 @@ def table_of(name: str, data: dict[str, Any], declared: dict[str, Any]) -> Table
     columns = {}
     for key, values in mapping(data.get("columns"), f"{name}.columns").items():
         if key not in declared:
-            raise ParameterError(f"{name}.{key}: must be one of {', '.join(declared)}")
+            wanted = f"one of {', '.join(declared)}" if declared else "left out"
+            raise ParameterError(f"{name}.{key}: must be {wanted}; the case is that of {system}")
         if declared[key]["label"] == "=" and not dims:
             raise ParameterError(
                 f"{name}.dims: must hold the dimension along which {key} names rows"

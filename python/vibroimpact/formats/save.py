@@ -61,7 +61,9 @@ def check_written(message: Any, path: Path) -> None:
 def restored(result: Result) -> Handle:
     """A result that the core does not hold, put into it."""
     study = characters(f"{result.study:24}")
-    number, status = _core.new_result(characters(result.case or " "), study)
+    number, status = _core.new_result(
+        characters(result.case or " "), study, 1 + result.of_structure
+    )
     handle = Handle(number)
     if status:
         raise ParameterError(f"case: {message_of(handle)}")

@@ -99,7 +99,7 @@ def _impulses(motion: Motion) -> _Array:
     return (1 + motion.restitution) * mass * motion.speeds
 
 
-class Motion(Solution, study="motion", of_structure="motion_structure", formerly="StructureMotion"):
+class Motion(Solution, study="motion", formerly="StructureMotion"):
     """A periodic motion with impacts; its arrays are read-only.
 
     Motions come from `periodic`, `equispaced`, `exact` and `find`. Of an oscillator lengths are in F0/K,
@@ -618,7 +618,7 @@ class Motion(Solution, study="motion", of_structure="motion_structure", formerly
             case = ""
         if self.of_structure:
             tables = self._tables_of_structure()
-            return with_owners(self.structure, made("motion_structure", case, tables))
+            return with_owners(self.structure, made("motion", case, tables))
         n, (right, left) = len(self.pattern), self.osc.restitution
         own: dict[str, Any] = {name: getattr(self, name) for name in OF_MOTION}
         own |= {name: CODES[getattr(self, name)] for name in VERDICTS}
@@ -803,9 +803,7 @@ class Motion(Solution, study="motion", of_structure="motion_structure", formerly
         )  # fmt: skip
 
 
-class MotionSet(
-    Noun, study="motion", of_structure="motion_structure", formerly="StructureMotionResult"
-):
+class MotionSet(Noun, study="motion", formerly="StructureMotionResult"):
     """The motions of a &motion case: two of the equispaced kind, else one; none if there is no such motion."""
 
     __slots__ = ()

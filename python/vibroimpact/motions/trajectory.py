@@ -111,9 +111,7 @@ def _states(run: Trajectory) -> _Array:
     )
 
 
-class Trajectory(
-    Solution, study="simulate", of_structure="simulate_structure", formerly="StructureTrajectory"
-):
+class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     """A simulated trajectory.
 
     Of an oscillator lengths are in F0/K (or any unit, if `load` is not 1) and times in 1/omega; of a structure all
@@ -468,7 +466,7 @@ class Trajectory(
             remarks = (f"final time: {namelist.digits(self.end)}",)
             tables = self._tables_of_structure()
             return with_owners(
-                self.structure, made("simulate_structure", case, tables, remarks, cut)
+                self.structure, made("simulate", case, tables, remarks, cut)
             )
         right, left = self.osc.restitution
         ends = (self.initial_state, self.final_state)
@@ -704,9 +702,7 @@ def request_of(
     return request | {name: np.atleast_1d(request[name]).tolist() for name in lists & set(request)}
 
 
-class Simulation(
-    Noun, study="simulate", of_structure="simulate_structure", formerly="StructureSimulation"
-):
+class Simulation(Noun, study="simulate", formerly="StructureSimulation"):
     """The result of a &simulate case: its trajectory, unless the simulation failed."""
 
     __slots__ = ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -20,7 +20,7 @@ from ..systems.oscillator import Oscillator, of_numbers
 from ..systems.structure import Load, Structure, check_load
 from . import namelist
 from .states import coordinates_of
-from .tables import Handle, Result, from_core, language, message_of
+from .tables import Handle, Result, from_core, keys_for, message_of
 
 #: The status that the core returns for a case that needs more memory or stack than is available.
 NO_MEMORY = 4
@@ -62,7 +62,8 @@ def run(
     study: str = noun.study  # type: ignore[attr-defined]
     of_numbers(osc)
     names = parameters or {}
-    values = {key: plain(study, key, value, names.get(key, key)) for key, value in keys.items()}
+    known = keys_for(study)
+    values = {key: plain(known, key, value, names.get(key, key)) for key, value in keys.items()}
     before = {} if start is None else {"motion": start}
     text = namelist.case(osc, r, **before, **{study: values})
     try:
@@ -82,7 +83,7 @@ def run_structure(
     Parameters
     ----------
     noun : class
-        Class of the result; the last of its `studies` is that of structures.
+        Class of the result; its `study` names the group.
     keys : mapping
         Keys of the group; None for a key that is left out.
     threads, progress, parameters
@@ -90,22 +91,21 @@ def run_structure(
     needs_frequency : bool
         Whether the load must have a frequency.
     """
-    study: str = noun.studies[-1]  # type: ignore[attr-defined]
+    study: str = noun.study  # type: ignore[attr-defined]
     kinds = (Load,) if needs_frequency else (Load, type(None))
     check_load(structure, load, frequency=needs_frequency, kinds=kinds)
-    names = parameters or {}
+    names, known = parameters or {}, keys_for(study, True)
     values = {
-        key: plain(study, key, value, names.get(key, key))
+        key: plain(known, key, value, names.get(key, key))
         for key, value in keys.items() if value is not None
     }  # fmt: skip
-    group = language()["results"][study]["group"]
     forces = [] if load is None else load._groups()
-    text = namelist.text([*structure._groups(), *forces, (group, values)])
+    text = namelist.text([*structure._groups(), *forces, (study, values)])
     try:
-        return run_text(noun, text, threads, progress, study=study)
+        return run_text(noun, text, threads, progress)
     except ParameterError as error:
         message = str(error)
-        for name in (group, "structure", "load"):
+        for name in (study, "structure", "load"):
             message = message.removeprefix(f"&{name} ")
         raise ParameterError(translated(message, names)) from None
 
@@ -130,14 +130,12 @@ def translated(message: str, names: Mapping[str, str]) -> str:
 def run_text(
     noun: Callable[[Result], Found], text: str, threads: int | None = None,
     progress: Progress | None = None, little: bool = False, counters: NDArray[np.int32] | None = None,
-    study: str = "",
 ) -> Found:  # fmt: skip
     """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist.
 
-    `study` is that of the class by default. With `counters` the call is made in this thread, and another one stops
-    it by their flag.
+    With `counters` the call is made in this thread, and another one stops it by their flag.
     """
-    study = study or noun.study  # type: ignore[attr-defined]
+    study: str = noun.study  # type: ignore[attr-defined]
     checks.progress(progress)
     workers = checks.integer(
         os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
@@ -163,9 +161,10 @@ def run_text(
     return found
 
 
-def plain(study: str, key: str, value: Any, name: str) -> Any:
-    """A value in a form for a namelist: float, int, str, or a list of them; the core checks its range."""
-    declared = next(item for item in language()["groups"][study] if item["name"] == key)
+def plain(known: Sequence[Mapping[str, Any]], key: str, value: Any, name: str) -> Any:
+    """A value of a key, of all that are known, in a form for a namelist: float, int, str, or a list of them; the
+    core checks its range."""
+    declared = next(item for item in known if item["name"] == key)
     wanted = declared["takes"]
     if value is None:
         # None never stands for a default, even where the core has one

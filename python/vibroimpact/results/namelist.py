@@ -66,6 +66,12 @@ def parts_of(text: str) -> list[tuple[str, dict[str, Any]]]:
     return [(name, keys_of(body)) for name, body in groups]
 
 
+def has_structure(text: str) -> bool:
+    """Whether a case is that of a structure, by its first group."""
+    first = re.search(r"(?m)^&(\w+)$", text)
+    return first is not None and first[1] == "structure"
+
+
 def keys_of(text: str) -> dict[str, Any]:
     """The keys of a case with one `key = value` a line, and its kind.
 

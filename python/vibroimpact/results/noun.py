@@ -15,7 +15,7 @@ from ..systems.oscillator import Oscillator
 from ..systems.structure import Load, Structure
 from .namelist import keys_of, parts_of
 from .systems import check_gap_numbers, system_of
-from .tables import Found, Result, declared, language
+from .tables import Found, Result, declared, keys_for
 
 if TYPE_CHECKING:
     from ..systems.units import Units
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 Self = TypeVar("Self", bound="Savable")
 #: The classes by name, for results that are read from files.
 NOUNS: dict[str, type[Savable]] = {}
-#: The classes by the studies whose whole result they are.
+#: The classes by the study whose whole result they are.
 RESULTS: dict[str, type[Noun]] = {}
-#: The class and the study of results in files by the names that their classes had before.
-FORMER: dict[str, tuple[type[Savable], str]] = {}
+#: The classes of results in files by the names that they had before.
+FORMER: dict[str, type[Savable]] = {}
 #: What is done with results elsewhere: files, pictures, physical units, derivatives. The package registers these
 #: functions when it is imported, so that results depend on none of them.
 ACTIONS: dict[str, Callable[..., Any]] = {}
@@ -76,7 +76,7 @@ def key(*names: str) -> Any:
 
     def value(noun: Noun) -> Any:
         if noun.of_structure:
-            known = [item["name"] for item in language()["groups"][noun._result.study]]
+            known = [item["name"] for item in keys_for(noun._result.study, True)]
             for name in names:
                 if name not in known:
                     raise AttributeError(noun._lack(name, ", ".join(known)))
@@ -93,10 +93,8 @@ class Savable:
     """
 
     __slots__ = ()
-    #: The study that computes it: of oscillators, if there is one for each system.
+    #: The study that computes it.
     study: ClassVar[str] = ""
-    #: The studies that compute it.
-    studies: ClassVar[tuple[str, ...]] = ()
     #: Whether there is something to draw.
     drawable: bool = True
     #: The message if there is nothing to draw.
@@ -105,16 +103,15 @@ class Savable:
     _log_clearance: ClassVar[bool] = False
     plot: Callable[..., Any]
 
-    def __init_subclass__(cls, study: str = "", of_structure: str = "", formerly: str = "") -> None:
-        """`of_structure`: the study for structures; `formerly`: the class of its results in older files."""
+    def __init_subclass__(cls, study: str = "", formerly: str = "") -> None:
+        """`formerly`: the class of its results of structures in older files."""
         super().__init_subclass__()
         if study:  # a dataclass with slots is created a second time, without these arguments
             cls.study = study
-            cls.studies = (study, of_structure) if of_structure else (study,)
         if cls.study:
             NOUNS[cls.__name__] = cls
         if formerly:
-            FORMER[formerly] = (cls, of_structure)
+            FORMER[formerly] = cls
 
     @property
     def of_structure(self) -> bool:
@@ -311,14 +308,13 @@ class Noun(Savable):
     _result: Result
 
     def __init_subclass__(
-        cls, study: str = "", part: bool = False, example: str = "", of_structure: str = "",
-        formerly: str = "",
-    ) -> None:  # fmt: skip
+        cls, study: str = "", part: bool = False, example: str = "", formerly: str = ""
+    ) -> None:
         """`part`: whether the result of a case contains several objects of this class, rather than being one."""
-        super().__init_subclass__(study, of_structure, formerly)
+        super().__init_subclass__(study, formerly)
         cls.example = example
-        if not part:
-            RESULTS.update(dict.fromkeys(cls.studies, cls))
+        if cls.study and not part:
+            RESULTS[cls.study] = cls
 
     def __init__(self, result: Result) -> None:
         object.__setattr__(self, "_result", result)
@@ -355,10 +351,6 @@ class Noun(Savable):
         return {"coordinates": str(structure.coordinates), "gaps": str(len(structure.gaps))}
 
     def _check_read(self) -> None:
-        groups = self.case and {name for name, _ in parts_of(self.case)}
-        if groups and self.studies[1:] and ("structure" in groups) != self.of_structure:
-            system = "a structure" if self.of_structure else "an oscillator"
-            raise ParameterError(f"case = {self.case[:60]!r}: must be that of {system}")
         if self.of_structure and not self._result.empty:
             check_gap_numbers(self._result, self.structure)
 
@@ -376,7 +368,7 @@ class Noun(Savable):
 
     @property
     def of_structure(self) -> bool:
-        return self._result.study in self.studies[1:]
+        return self._result.of_structure
 
     @property
     def keys(self) -> dict[str, Any]:
@@ -414,7 +406,7 @@ class Noun(Savable):
 
     def _values(self, table: str, name: str, attribute: str = "") -> NDArray[Any]:
         """A column of a table, decoded; an AttributeError if results of its system do not have it."""
-        known = declared(self._result.study)
+        known = declared(self._result.study, self.of_structure)
         if (table, name) not in known:
             others = dict.fromkeys(other for _, other in known)
             raise AttributeError(self._lack(attribute or name, ", ".join(others)))

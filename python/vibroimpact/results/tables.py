@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base.errors import ParameterError
 from ..systems.units import GAP, MIXED, RATIO
-from .namelist import keys_of
+from .namelist import has_structure, keys_of
 
+#: The models of systems, as the core calls them.
+MODELS = ("oscillator", "structure")
 #: How values are stored, by the kind of their column.
 STORED = {"real": "<f8", "complex": "<c16"}
 
@@ -42,6 +44,22 @@ def text_of(function: Any, *arguments: Any, capacity: int = 16_384) -> str:
 def language() -> Any:
     """The keys of all groups and the columns of all results, as the core declares them."""
     return json.loads(text_of(_core.describe_language, capacity=200_000))
+
+
+def is_for(declared: Mapping[str, Any], of_structure: bool) -> bool:
+    """Whether a key or column is for the model of cases of structures, or for that of all others."""
+    return declared["model"] in ("", MODELS[of_structure])
+
+
+@cache
+def keys_for(group: str, of_structure: bool = False) -> list[dict[str, Any]]:
+    """The keys of a group in cases of oscillators, or of structures."""
+    return [key for key in language()["groups"][group] if is_for(key, of_structure)]
+
+
+def present(study: str) -> str:
+    """The name of a study in a file; earlier versions had two where it takes oscillators and structures."""
+    return study if study in language()["results"] else study.removesuffix("_structure")
 
 
 class Handle:
@@ -142,10 +160,16 @@ class Found(dict[str, Any]):
 
 
 @cache
-def declared(study: str) -> dict[tuple[str, str], dict[str, Any]]:
-    """The declarations of the columns of a study, by table and name."""
+def declared(study: str, of_structure: bool = False) -> dict[tuple[str, str], dict[str, Any]]:
+    """The declarations of the columns of a study of oscillators, or of structures, by table and name."""
     columns = language()["results"][study]["columns"]
-    return {(item["table"], item["name"]): item for item in columns}
+    return {(item["table"], item["name"]): item for item in columns if is_for(item, of_structure)}
+
+
+def row_of(study: str, of_structure: bool) -> str:
+    """The table whose rows are those of the CSV."""
+    row: str = language()["results"][study]["rows"][MODELS[of_structure]]
+    return row
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,6 +203,11 @@ class Result:
         items = [getattr(self, name) for name in self.__slots__[:-1]]
         return Result, tuple(items)
 
+    @property
+    def of_structure(self) -> bool:
+        """Whether its system is a structure, which stands in its case or, without one, in its tables."""
+        return has_structure(self.case) or "matrices" in self.tables
+
     def column(self, table: str, name: str) -> Column:
         """One column; an error if it is not there, as in a file that lacks it."""
         try:
@@ -188,16 +217,15 @@ class Result:
 
     def columns(self) -> Iterator[tuple[Table, Column]]:
         """All columns with their tables, in the order of their declaration."""
-        for declared in language()["results"][self.study]["columns"]:
-            table = self.tables.get(declared["table"])
-            if table is not None and declared["name"] in table.columns:
-                yield table, table.columns[declared["name"]]
+        for place, name in declared(self.study, self.of_structure):
+            table = self.tables.get(place)
+            if table is not None and name in table.columns:
+                yield table, table.columns[name]
 
     def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
         """One row of a table with all rows that belong to it, as the result of another study; the arrays are
         views."""
-        study_tables = language()["results"][study]
-        known = {(item["table"], item["name"]) for item in study_tables["columns"]}
+        known = declared(study)
         rows = {table: slice(row, row + 1)}
         tables = {}
         for name, item in self.tables.items():
@@ -227,7 +255,7 @@ class Result:
             False,
             (remark,),
             (),
-            study_tables["row"],
+            row_of(study, False),
             Found(tables, "tables"),
         )
 
@@ -249,7 +277,8 @@ def made(
     notes : sequence of (bool, str)
         Lines for the user: whether each is a fault, and its text.
     """
-    about = declared(study)
+    structure = has_structure(case) or "matrices" in tables
+    about = declared(study, structure)
     filled = {}
     for name, (dims, values) in tables.items():
         columns = {
@@ -258,7 +287,7 @@ def made(
         }  # fmt: skip
         shape = next(iter(columns.values())).values.shape
         filled[name] = Table(dict(zip(dims, shape, strict=False)), columns=columns)
-    row = language()["results"][study]["row"]
+    row = row_of(study, structure)
     return Result(study, case, cut, False, remarks, tuple(notes), row, filled)
 
 
@@ -304,6 +333,9 @@ def from_core(study: str, number: int) -> Result:
     """The result behind a handle, which is freed with it."""
     handle = Handle(number)
     described = json.loads(text_of(_core.describe_result, number))
+    lines = [line[2:] for line in described["case"] if not line.startswith("# !")]
+    case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
+    known = declared(study, has_structure(case))
     tables = {}
     for item in described["tables"]:
         # the core counts rows from 1, and its first dimension varies fastest
@@ -316,13 +348,11 @@ def from_core(study: str, number: int) -> Result:
         if item["address"] is None:
             continue
         table = tables[item["table"]]
-        about = declared(study)[item["table"], item["name"]]
+        about = known[item["table"], item["name"]]
         own = (item["inner"],) if about["each"] else ()
         stored = STORED.get(about["kind"], "<i4")
         values = shown(handle, item["address"], (*table.dims.values(), *own), stored)
         table.columns[item["name"]] = declared_column(about, tuple(item["words"]), values)
-    lines = [line[2:] for line in described["case"] if not line.startswith("# !")]
-    case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
     return Result(
         study, case, described["cut"], described["empty"], tuple(described["remarks"]),
         tuple((bool(fault), text) for fault, text in described["notes"]), described["row"], tables, handle,

@@ -88,7 +88,7 @@ class Attractor:
         return f"<{kind}attractor {self.name}>"
 
 
-class Basins(Noun, study="basins", of_structure="basins_structure", formerly="StructureBasins"):
+class Basins(Noun, study="basins", formerly="StructureBasins"):
     """To which attractor each of many initial states goes.
 
     Attributes

@@ -107,7 +107,7 @@ class SettledMotions(Noun):
 
 
 class BifurcationDiagram(
-    SettledMotions, study="bifurcation", of_structure="bifurcation_structure", formerly="StructureBifurcation"
+    SettledMotions, study="bifurcation", formerly="StructureBifurcation"
 ):  # fmt: skip
     """The motions on which simulations settle along a parameter.
 

@@ -18,7 +18,7 @@ from ..results import door, namelist
 from ..results.noun import Noun, column
 from ..results.parameters import Parameter, Path, keys_of_parameter
 from ..results.systems import structure_of
-from ..results.tables import Result
+from ..results.tables import Result, keys_for
 from ..systems.oscillator import Pattern, plain_pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
@@ -169,9 +169,7 @@ class Followed(Noun, part=True):
         return self._start[1] if self.of_structure else 1.0
 
 
-class Branch(
-    Followed, study="branch", part=True, of_structure="branch_structure", formerly="StructureBranch"
-):
+class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     """A family of exact motions along one parameter, as columns; points on the last axis.
 
     An index gives the motion of a point. The branch is in order along its curve: the parameter turns back at
@@ -361,7 +359,7 @@ class Branch(
         )
 
 
-class Branches(Noun, study="branch", of_structure="branch_structure"):
+class Branches(Noun, study="branch"):
     """The branches of a case: one for each motion of its &motion that can be followed.
 
     An index gives a `Branch`; they all have the points of this result, not copied.
@@ -465,16 +463,15 @@ def run_from(
     progress: door.Progress | None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
-    study = noun.studies[-1]
-    group = study.removesuffix("_structure")
+    study = noun.study
     try:
-        return door.run_text(noun, case_from(motion, group, keys), progress=progress, study=study)
+        return door.run_text(noun, case_from(motion, study, keys), progress=progress)
     except ParameterError as error:
-        message = str(error).removeprefix(f"&{group} ")
+        message = str(error).removeprefix(f"&{study} ")
         raise ParameterError(door.translated(message, names)) from None
 
 
-def case_from(motion: Motion, group: str, keys: dict[str, Any]) -> str:
+def case_from(motion: Motion, study: str, keys: dict[str, Any]) -> str:
     """The case of a study that starts from a motion."""
     if len(motion.rests):
         raise ParameterError(f"motion = {motion!r}: must be one without rest")
@@ -483,14 +480,14 @@ def case_from(motion: Motion, group: str, keys: dict[str, Any]) -> str:
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "
             "exact(structure, load, motion) gives the exact motion near it"
         )
-    study = f"{group}_structure"
-    values = {name: door.plain(study, name, value, name) for name, value in keys.items()}
+    known = keys_for(study, True)
+    values = {name: door.plain(known, name, value, name) for name, value in keys.items()}
     start = {
         "kind": "exact", "cycles": motion.cycles, "gaps": motion.gaps.tolist(),
         "phases": motion.phases.tolist(),
     }  # fmt: skip
     groups = [*motion.structure._groups(), *motion.load._groups(), ("motion", start)]
-    return namelist.text([*groups, (group, values)])
+    return namelist.text([*groups, (study, values)])
 
 
 @overload

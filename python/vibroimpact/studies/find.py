@@ -89,9 +89,7 @@ class Search:
         return self.text
 
 
-class FoundMotions(
-    Noun, Sequence[Any], study="find", of_structure="find_structure", formerly="StructureMotions"
-):
+class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions"):
     """The admissible motions that `find` found, in order, and how they were searched for.
 
     Those of an oscillator are at a point, stable ones first; of the motions of a structure those come first on
@@ -244,7 +242,7 @@ class FoundMotions(
 
 
 #: The class and the study of searches in files that earlier versions wrote.
-FORMER["Findings"] = (FoundMotions, "find")
+FORMER["Findings"] = FoundMotions
 
 
 def structure_motions_of(noun: Noun) -> list[Motion]:

@@ -22,9 +22,7 @@ __all__ = ["Lyapunov", "lyapunov"]
 _Array = NDArray[np.float64]
 
 
-class Lyapunov(
-    Noun, study="lyapunov", of_structure="lyapunov_structure", formerly="StructureLyapunov"
-):
+class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     """The Lyapunov exponents of a trajectory, or of many trajectories of an oscillator on a grid of points.
 
     They are those of the map of the state over a load cycle: how fast small changes of the state grow, in

@@ -28,12 +28,7 @@ class steady(cell):  # noqa: N801 (a descriptor, written as property is)
         return found
 
 
-class Response(
-    SettledMotions,
-    study="response",
-    of_structure="response_structure",
-    formerly="StructureResponse",
-):
+class Response(SettledMotions, study="response", formerly="StructureResponse"):
     """The size of settled motions along the frequency of the load.
 
     Attributes

@@ -152,7 +152,7 @@ class ZoneSearch:
     open_seeds: list[tuple[float, float]] = field(default_factory=list)
 
 
-class Zone(Followed, study="zone", of_structure="zone_structure", formerly="StructureZone"):
+class Zone(Followed, study="zone", formerly="StructureZone"):
     """The region of a window of the plane of two parameters where motions are stable and admissible.
 
     Of an oscillator the plane is (r, d K/F0), and the motions are all those of a pattern; of a structure any two

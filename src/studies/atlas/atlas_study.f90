@@ -8,11 +8,11 @@ module vi_atlas_study
    use vi_zone_request, only: zone_request_type
    use vi_survey_outcome, only: beyond, outcome_names, periodic
    use vi_progress, only: is_stopped
-   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
-      wholes, words
+   use vi_study, only: a_whole, case_type, column_type, key_type, of_oscillator, result_type, &
+      study_type, truths, wholes, words
    use vi_text, only: counted, exact, line_type, whole, whole_width
-   use vi_zone_pieces, only: add_pieces, not_closed, piece_columns, pieces_type, put_pieces, &
-      vertex_columns
+   use vi_zone_pieces, only: add_pieces, family_columns, not_closed, piece_columns, pieces_type, &
+      put_pieces, vertex_columns
    use vi_zone_study, only: lines_key, vertices_key
    implicit none (type, external)
    private
@@ -38,7 +38,7 @@ module vi_atlas_study
       column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
       column_type('families', 'symmetric', truths, &
       meaning='whether the motions are their own mirror images'), &
-      piece_columns, vertex_columns, &
+      piece_columns, vertex_columns, family_columns, &
       column_type('pieces', 'symmetric', truths, listed=.false., &
       meaning='whether the motions are their own mirror images'), &
       column_type('points', 'r', listed=.false., &
@@ -61,22 +61,10 @@ module vi_atlas_study
 
 contains
 
-   !> Declares the study.
-   subroutine declare_atlas(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'atlas'
-      study%meaning = 'find the zones of all patterns in a window'
-      study%list => list_atlas
-      study%row = 'vertices'
-      study%check => check_atlas
-      study%memory => atlas_memory
-      study%run => run_atlas
-   end subroutine declare_atlas
-
-   !> Lists the keys and columns.
-   pure subroutine list_atlas(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_atlas(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
@@ -84,7 +72,15 @@ contains
 
       if (present(keys)) keys = atlas_keys
       if (present(columns)) columns = atlas_columns
-   end subroutine list_atlas
+      if (.not. present(study)) return
+      study%name = 'atlas'
+      study%models = of_oscillator
+      study%meaning = 'find the zones of all patterns in a window'
+      study%row = 'vertices'
+      study%check => check_atlas
+      study%memory => atlas_memory
+      study%run => run_atlas
+   end subroutine declare_atlas
 
    !> Checks the rules that involve several keys.
    subroutine check_atlas(case)

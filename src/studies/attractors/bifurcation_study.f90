@@ -1,16 +1,23 @@
 !> The study &bifurcation: the impacts after the transient along a parameter.
 module vi_bifurcation_study
    use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
-   use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, &
+   use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, keep_key, &
       load_key, max_events_key, most_numbers, most_state, parameter_of, parameter_place, &
-      parameter_takes, parameter_values, parameter_words, range_takes, resonance, spacing_key, &
-      state_keys, state_of, window_keys
+      parameter_takes, parameter_values, parameter_words, range_takes, resonance, settling_key, &
+      spacing_key, state_keys, state_of, window_keys
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance
    use vi_status, only: stat, status_text
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
+   use vi_structure_parameter, only: function_keys, parameter_change
+   use vi_structure_path, only: change_type, structure_path_type, structure_takes => parameter_takes
+   use vi_structure_sweep, only: cell_type
+   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
+   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+      of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
-   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
-      truths, wholes, words
    implicit none (type, external)
    private
 
@@ -43,10 +50,6 @@ module vi_bifurcation_study
       &anew from many states'), &
       key_type('states', a_whole, default='12', low=1.0_wp, high=1.0e6_wp, only=states, &
       meaning='initial states at each value, spread evenly'), &
-      key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e7_wp, &
-      meaning='load cycles simulated at each value before the motion is examined'), &
-      key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
-      meaning='load cycles then examined; periods of up to half of them are detected'), &
       key_type('points', a_whole, default='100', low=1.0_wp, high=4096.0_wp, &
       meaning='impacts kept of each run and value'), &
       key_type('t', may_miss=.true., low=-most_state, high=most_state, never=states, &
@@ -59,7 +62,7 @@ module vi_bifurcation_study
       why=own, option='state', unit='F0/K', meaning=state_keys(4)%meaning), &
       key_type('z_dot', may_miss=.true., low=-most_state, high=most_state, never=states, &
       why=own, option='state', unit='omega F0/K', &
-      meaning=state_keys(5)%meaning), load_key, max_events_key]
+      meaning=state_keys(5)%meaning), load_key]
 
    type(column_type), parameter :: bifurcation_columns(*) = [ &
       column_type('runs', 'run', words, &
@@ -105,32 +108,49 @@ module vi_bifurcation_study
       column_type('windows', 'cut', truths, listed=.false., &
       meaning='whether it is next to a value that was not reached')]
 
+   type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('parameter', a_word, takes=structure_takes, meaning='parameter that changes'), &
+      key_type('low', meaning='first value of the parameter', takes='a finite number', &
+      option='values'), &
+      key_type('high', over='low', meaning='last value of the parameter', &
+      takes='a finite number', option='values'), &
+      key_type('points', a_whole, default='100', low=0.0_wp, high=4096.0_wp, &
+      meaning='impacts kept at each value')]
+
+   type(column_type), parameter :: structure_columns(*) = [ &
+      column_type('strobes', 'q', each='coordinate', label='q_#', &
+      meaning='coordinates at the beginning of a load cycle'), &
+      column_type('strobes', 'q_dot', each='coordinate', label='q_dot_#', meaning='velocities'), &
+      column_type('impacts', 'gap', wholes, listed=.false., meaning='number of the gap, from 0'), &
+      column_type('impacts', 'phase', unit='rad', listed=.false., &
+      meaning='load phase within a load cycle'), &
+      column_type('impacts', 'speed', listed=.false., meaning='approach speed')]
+
 contains
 
-   !> Declares the study.
-   subroutine declare_bifurcation(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'bifurcation'
-      study%meaning = 'sweep a parameter up and down, or from many states'
-      study%list => list_bifurcation
-      study%row = 'impacts'
-      study%check => check_bifurcation
-      study%memory => bifurcation_memory
-      study%run => run_bifurcation
-   end subroutine declare_bifurcation
-
-   !> Lists the keys and columns.
-   pure subroutine list_bifurcation(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_bifurcation(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = bifurcation_keys
-      if (present(columns)) columns = bifurcation_columns
-   end subroutine list_bifurcation
+      if (present(keys)) keys = [for_model(bifurcation_keys(:10), of_oscillator), &
+         for_model([structure_keys(:3), sweep_keys], of_structure), settling_key, keep_key, &
+         for_model(bifurcation_keys(11:), of_oscillator), for_model(start_keys(:2), of_structure), &
+         max_events_key, for_model([structure_keys(4:), function_keys], of_structure)]
+      if (present(columns)) columns = [for_model(bifurcation_columns, of_oscillator), &
+         for_model([cell_columns, structure_columns], of_structure)]
+      if (.not. present(study)) return
+      study%name = 'bifurcation'
+      study%meaning = 'sweep a parameter up and down, or from many states'
+      study%row = [character(7) :: 'impacts', 'strobes']
+      study%check => check_bifurcation
+      study%memory => bifurcation_memory
+      study%run => run_bifurcation
+   end subroutine declare_bifurcation
 
    !> Checks the rules that involve several keys.
    subroutine check_bifurcation(case)
@@ -139,6 +159,10 @@ contains
       real(wp), allocatable :: clearance(:)
       integer :: runs, n, i
 
+      if (case%model == of_structure) then
+         call check_structure(case)
+         return
+      end if
       call check_parameter(case)
       associate (study => case%study)
          if (len(study%fault) > 0) return
@@ -215,15 +239,21 @@ contains
       if (case%study%has('t')) state = state_of(case%study)
    end function start_state
 
-   !> Bytes for all runs and values: three copies of the impacts kept, and about 60 numbers each.
+   !> Bytes for all runs and values, in the result too: of an oscillator three copies of the impacts
+   !! kept and about 60 numbers each, of a structure the states and impacts.
    pure real(wp) function bifurcation_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
       integer :: runs
 
       associate (s => case%study)
-         runs = size(directions_of(case))
-         bytes = (200.0_wp*s%whole_number('points') + 500)*size(parameter_values(case))*runs
+         if (case%model == of_structure) then
+            bytes = 2.0_wp*s%whole_number('values')*(48.0_wp*s%whole_number('keep')* &
+               case%coordinates + 60.0_wp*s%whole_number('points') + 500)
+         else
+            runs = size(directions_of(case))
+            bytes = (200.0_wp*s%whole_number('points') + 500)*size(parameter_values(case))*runs
+         end if
       end associate
    end function bifurcation_memory
 
@@ -243,6 +273,10 @@ contains
       integer, allocatable :: directions(:)
       integer :: windows, reached, lost, m, n, i, j
 
+      if (case%model == of_structure) then
+         call run_structure(case, result, progress)
+         return
+      end if
       path = path_of(case)
       allocate (directions, source=directions_of(case))
       associate (s => case%study)
@@ -434,5 +468,75 @@ contains
 
       if (period(1) > 0) text = whole(period(2))//'/'//whole(period(1))
    end function label
+
+   !> Checks the rules that involve several keys.
+   subroutine check_structure(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      type(structure_path_type) :: path
+      character(:), allocatable :: message
+      character(9), parameter :: keys(0:2) = [character(9) :: 'parameter', 'low', 'high']
+      integer :: bound
+
+      if (len(case%study%fault) > 0) return
+      call check_start_state(case)
+      call needs_frequency(case, 'parameter')
+      call check_sweep(case%study, case%coordinates)
+      if (len(case%study%fault) > 0) return
+      call structure_path(case, path, message, bound)
+      if (len(message) > 0) call case%study%refuse(trim(keys(bound)), message)
+   end subroutine check_structure
+
+   !> The structure and its load as functions of the parameter.
+   subroutine structure_path(case, path, message, bound)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> The path.
+      type(structure_path_type), intent(out) :: path
+      !> What is wrong with the parameter; empty if nothing is.
+      character(:), allocatable, intent(out) :: message
+      !> The bound with which that is wrong, 1 or 2; 0 if it is another key.
+      integer, intent(out) :: bound
+      type(change_type) :: change
+      type(structure_type) :: structure
+      type(load_type) :: load
+
+      call structure_of(case, structure, load)
+      load%frequency = load_frequency(case)
+      call parameter_change(case%study, 'parameter', '', structure, load, change, message, bound)
+      path%structure = structure
+      path%load = load
+      allocate (path%changes(1))
+      path%changes(1) = change
+   end subroutine structure_path
+
+   !> Sweeps of a structure, from value to value.
+   subroutine run_structure(case, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(structure_path_type) :: path
+      type(cell_type), allocatable :: cells(:)
+      character(:), allocatable :: message
+      integer, allocatable :: owners(:)
+      integer :: bound, i, n
+
+      n = case%coordinates
+      call structure_path(case, path, message, bound)
+      call run_sweep(case%study, path, case%study%whole_number('points'), cells, result, progress)
+      call put_cells(result, path, case%study, cells)
+      owners = [(spread(i, 1, size(cells(i)%strobes, 2)), i=1, size(cells))]
+      call result%open('strobes', 'strobe', [size(owners)], 'cells', owners)
+      call result%put('strobes', 'q', [(cells(i)%strobes(:n, :), i=1, size(cells))], n)
+      call result%put('strobes', 'q_dot', [(cells(i)%strobes(n + 1:, :), i=1, size(cells))], n)
+      owners = [(spread(i, 1, size(cells(i)%gaps)), i=1, size(cells))]
+      call result%open('impacts', 'impact', [size(owners)], 'cells', owners)
+      call result%put('impacts', 'gap', [(cells(i)%gaps - 1, i=1, size(cells))])
+      call result%put('impacts', 'phase', [(cells(i)%phases, i=1, size(cells))])
+      call result%put('impacts', 'speed', [(cells(i)%speeds, i=1, size(cells))])
+   end subroutine run_structure
 
 end module vi_bifurcation_study

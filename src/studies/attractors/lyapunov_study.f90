@@ -9,9 +9,14 @@ module vi_lyapunov_study
    use vi_oscillator, only: at_resonance
    use vi_progress, only: is_stopped
    use vi_status, only: stat, status_text
-   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
-      wholes
-   use vi_text, only: counted, whole
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_gaps, only: start_fault
+   use vi_structure_groups, only: load_frequency, most_coordinates, record_end, structure_of
+   use vi_structure_keys, only: check_start_state, start_keys
+   use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
+   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+      of_oscillator, of_structure, result_type, study_type, wholes
+   use vi_text, only: counted, shown, whole
    use vi_trajectory, only: pack_state
    implicit none (type, external)
    private
@@ -20,7 +25,8 @@ module vi_lyapunov_study
 
    character(*), parameter :: with = 'parameter', range_takes = 'a number in the range of the &
       &parameter (1e-6 <= r <= 1e6, 1e-12 <= clearance <= 1e12)'
-   type(key_type), parameter :: lyapunov_keys(*) = [ &
+   !> The points of an oscillator, and its averages.
+   type(key_type), parameter :: point_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each point'), &
@@ -47,12 +53,26 @@ module vi_lyapunov_study
       takes='a whole number, 2 batches <= cycles <= 1e9', &
       meaning='load cycles averaged over'), &
       key_type('discard', a_whole, default='1000', low=0.0_wp, high=1.0e9_wp, &
-      meaning='load cycles simulated before the average begins'), &
+      meaning='load cycles simulated before the average begins')]
+
+   !> The averages of a structure.
+   type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('cycles', a_whole, default='2000', low=4.0_wp, high=1.0e9_wp, &
+      takes='a whole number, 2 batches <= cycles <= 1e9', &
+      meaning='load cycles averaged over; units of time if the load has no frequency'), &
+      key_type('discard', a_whole, default='300', low=0.0_wp, high=1.0e9_wp, &
+      meaning='load cycles simulated before the average begins')]
+
+   type(key_type), parameter :: further_keys(*) = [ &
       key_type('batches', a_whole, default='20', low=2.0_wp, high=1000.0_wp, &
       meaning='parts of the cycles whose scatter gives the standard errors'), &
-      state_keys, load_key, max_events_key]
+      key_type('directions', a_whole, low=1.0_wp, high=2.0_wp*most_coordinates, may_miss=.true., &
+      takes='a whole number, 1 <= directions <= 2n with n coordinates', &
+      meaning='number of exponents, the greatest first; all 2n if it is left out', &
+      model=of_structure), &
+      max_events_key]
 
-   type(column_type), parameter :: lyapunov_columns(*) = [ &
+   type(column_type), parameter :: point_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
       column_type('points', 'clearance', unit='F0/K', &
       meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
@@ -73,43 +93,73 @@ module vi_lyapunov_study
       column_type('points', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
 
+   type(column_type), parameter :: structure_columns(*) = [ &
+      column_type('exponents', 'number', wholes, meaning='number of the exponent'), &
+      column_type('exponents', 'per_cycle', unit='1/load cycle', &
+      meaning='Lyapunov exponent per load cycle (per unit of time if the load has no frequency), &
+      &the greatest first'), &
+      column_type('exponents', 'error_per_cycle', unit='1/load cycle', &
+      meaning='standard error of per_cycle'), &
+      column_type('exponents', 'exponent', meaning='Lyapunov exponent per unit of time'), &
+      column_type('exponents', 'standard_error', meaning='standard error of exponent'), &
+      column_type('run', 'dimension', listed=.false., &
+      meaning='Kaplan-Yorke dimension; nan unless there are all 2n exponents'), &
+      column_type('run', 'identity_error', listed=.false., &
+      meaning='error of the sum of the exponents per unit of time, which is known from damping and &
+      &impacts; nan unless there are all of them and no rest'), &
+      column_type('run', 'impacts', wholes, listed=.false., &
+      meaning='impacts in the cycles averaged over'), &
+      column_type('run', 'rests', wholes, listed=.false., &
+      meaning='rests in the cycles averaged over')]
+
 contains
 
-   !> Declares the study.
-   subroutine declare_lyapunov(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'lyapunov'
-      study%meaning = 'compute all Lyapunov exponents at a point or along a line'
-      study%list => list_lyapunov
-      study%row = 'points'
-      study%check => check_lyapunov
-      study%memory => lyapunov_memory
-      study%run => run_lyapunov
-   end subroutine declare_lyapunov
-
-   !> Lists the keys and columns.
-   pure subroutine list_lyapunov(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_lyapunov(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = lyapunov_keys
-      if (present(columns)) columns = lyapunov_columns
-   end subroutine list_lyapunov
+      if (present(keys)) keys = [for_model(point_keys, of_oscillator), &
+         for_model(structure_keys, of_structure), further_keys(:2), for_model([state_keys, &
+         load_key], of_oscillator), for_model(start_keys, of_structure), further_keys(3:)]
+      if (present(columns)) columns = [for_model(point_columns, of_oscillator), &
+         for_model(structure_columns, of_structure)]
+      if (.not. present(study)) return
+      study%name = 'lyapunov'
+      study%meaning = 'compute all Lyapunov exponents at a point or along a line'
+      study%row = [character(9) :: 'points', 'exponents']
+      study%check => check_lyapunov
+      study%memory => lyapunov_memory
+      study%run => run_lyapunov
+   end subroutine declare_lyapunov
 
    !> Checks the rules that involve several keys.
    subroutine check_lyapunov(case)
       !> The case.
       type(case_type), intent(inout) :: case
 
-      call check_parameter(case)
       associate (study => case%study)
+         if (case%model == of_structure) then
+            if (len(study%fault) == 0) call check_start_state(case)
+            if (record_end(case) >= 0) call study%refuse('cycles', 'the load must be periodic or &
+               &constant, not a record')
+         else
+            call check_parameter(case)
+         end if
          if (len(study%fault) > 0) return
          if (study%whole_number('cycles') < 2*study%whole_number('batches')) call &
             study%refuse('cycles', 'batches is '//whole(study%whole_number('batches')))
+         if (case%model == of_structure) then
+            if (.not. study%has('directions')) call study%set('directions', [2.0_wp* &
+               case%coordinates])
+            if (study%whole_number('directions') > 2*case%coordinates) call &
+               study%refuse('directions', 'there are '//whole(case%coordinates)//' coordinates')
+            return
+         end if
          call check_points(case)
          ! the clearance may vary from point to point: the smallest one counts
          if (study%has('clearance')) then
@@ -186,15 +236,21 @@ contains
       if (size(given) == size(values)) values = given
    end subroutine spread_out
 
-   !> Bytes for all points, about 100 numbers each.
+   !> Bytes for all points, about 100 numbers each; of a structure for its matrices and those that
+   !! follow from them, and the batches.
    pure real(wp) function lyapunov_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
 
-      bytes = 800.0_wp*count_points(case)
+      if (case%model == of_structure) then
+         bytes = 800.0_wp*real(case%coordinates, wp)**2 + 16.0_wp*case%coordinates* &
+            case%study%whole_number('batches')
+      else
+         bytes = 800.0_wp*count_points(case)
+      end if
    end function lyapunov_memory
 
-   !> Computes the exponents along a line of points, or at one.
+   !> Computes the exponents of a case.
    subroutine run_lyapunov(case, threads, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -210,6 +266,10 @@ contains
       character(:), allocatable :: reason
       integer :: j, n, lost, batches
 
+      if (case%model == of_structure) then
+         call run_structure(case, result, progress)
+         return
+      end if
       call list_points(case, r, clearance)
       n = size(r)
       allocate (states(7, n), contacts(3, n), loads(n), exponents(4, n), deviations(4, n), &
@@ -281,5 +341,55 @@ contains
          call result%open('points', 'point', [n])
       end if
    end subroutine open_points
+
+   !> Computes the exponents of a structure, of which one simulation gives all.
+   subroutine run_structure(case, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(average_type) :: average
+      type(exponents_type) :: found
+      character(:), allocatable :: cycle, text
+      integer :: i, status
+
+      call structure_of(case, structure, load)
+      load%frequency = load_frequency(case)
+      associate (s => case%study)
+         average%batches = s%whole_number('batches')
+         average%cycles = s%whole_number('cycles')/average%batches
+         average%discard = s%whole_number('discard')
+         average%directions = s%whole_number('directions')
+         average%max_events = s%whole_number('max_events')
+         call structure_exponents(structure, load, s%number('start'), s%numbers('q'), &
+            s%numbers('q_dot'), average, found, status, progress)
+      end associate
+      result%empty = status /= stat%ok
+      if (status == stat%not_computed) then
+         result%cut = 'the simulation was stopped before its end'
+      else if (status /= stat%ok) then
+         call start_fault(structure, load, case%study%numbers('q'), status, text)
+         call result%fail('no exponents: '//text)
+      end if
+      if (result%empty) return
+      call result%open('exponents', 'direction', [average%directions])
+      call result%put('exponents', 'number', [(i, i=1, average%directions)])
+      call result%put('exponents', 'per_cycle', found%exponents*found%period)
+      call result%put('exponents', 'error_per_cycle', found%deviations*found%period)
+      call result%put('exponents', 'exponent', found%exponents)
+      call result%put('exponents', 'standard_error', found%deviations)
+      call result%open('run', '', [integer ::])
+      call result%put('run', 'dimension', [found%dimension])
+      call result%put('run', 'identity_error', [found%error])
+      call result%put('run', 'impacts', [found%impacts])
+      call result%put('run', 'rests', [found%rests])
+      cycle = merge('load cycle  ', 'unit of time', load%frequency > 0)
+      call result%add_note('greatest exponent '//shown(found%exponents(1)*found%period, 'f14.6')// &
+         ' +- '//shown(found%deviations(1)*found%period, 'f14.6')//' per '//trim(cycle))
+   end subroutine run_structure
 
 end module vi_lyapunov_study

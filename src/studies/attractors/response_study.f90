@@ -1,14 +1,22 @@
 !> The study &response: the greatest displacement of the primary mass along the frequency ratio.
 module vi_response_study
    use vi_attractor_response, only: respond
-   use vi_common_keys, only: most_numbers, check_product, clearance_key, max_events_key, &
-      resonance, window_keys
+   use vi_common_keys, only: check_product, clearance_key, keep_key, max_events_key, most_numbers, &
+      resonance, settling_key, window_keys
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance
+   use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
+   use vi_structure_path, only: new_change, structure_path_type
+   use vi_structure_sweep, only: cell_type, steady_size
+   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
+   use vi_study, only: a_whole, case_type, column_type, for_model, key_type, of_oscillator, &
+      of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
-   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
    implicit none (type, external)
    private
 
@@ -33,10 +41,8 @@ module vi_response_study
       meaning='initial states at each frequency ratio, spread evenly'), &
       key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
       meaning='load cycles simulated before the motion is examined'), &
-      key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
-      meaning='load cycles then examined'), &
       key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
-      meaning='load amplitude'), max_events_key]
+      meaning='load amplitude')]
 
    type(column_type), parameter :: response_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
@@ -54,32 +60,51 @@ module vi_response_study
       column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
       column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
 
+   type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('low', low=0.0_wp, above=.true., meaning='first circular frequency of the load', &
+      option='values'), &
+      key_type('high', low=0.0_wp, over='low', meaning='last circular frequency of the load', &
+      option='values')]
+
+   type(column_type), parameter :: structure_columns(*) = [ &
+      column_type('cells', 'largest', each='coordinate', label='largest_#', &
+      meaning='greatest magnitude of each coordinate'), &
+      column_type('cells', 'rms', each='coordinate', label='rms_#', &
+      meaning='root of the mean square of each coordinate'), &
+      column_type('cells', 'steady_largest', each='coordinate', label='steady_largest_#', &
+      meaning='greatest magnitude of the steady motion without impacts; nan if there is none'), &
+      column_type('cells', 'steady_rms', each='coordinate', label='steady_rms_#', &
+      meaning='root of the mean square of the steady motion without impacts'), &
+      column_type('cells', 'q_min', each='coordinate', listed=.false., &
+      meaning='least value of each coordinate'), &
+      column_type('cells', 'q_max', each='coordinate', listed=.false., &
+      meaning='greatest value of each coordinate')]
+
 contains
 
-   !> Declares the study.
-   subroutine declare_response(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'response'
-      study%meaning = 'follow max|X|/A along r over all attractors'
-      study%list => list_response
-      study%row = 'points'
-      study%check => check_response
-      study%memory => response_memory
-      study%run => run_response
-   end subroutine declare_response
-
-   !> Lists the keys and columns.
-   pure subroutine list_response(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_response(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = response_keys
-      if (present(columns)) columns = response_columns
-   end subroutine list_response
+      if (present(keys)) keys = [for_model(response_keys(:8), of_oscillator), &
+         for_model([structure_keys, sweep_keys, settling_key], of_structure), keep_key, &
+         for_model(response_keys(9:), of_oscillator), for_model(start_keys(:2), of_structure), &
+         max_events_key]
+      if (present(columns)) columns = [for_model(response_columns, of_oscillator), &
+         for_model([cell_columns, structure_columns], of_structure)]
+      if (.not. present(study)) return
+      study%name = 'response'
+      study%meaning = 'follow the size of settled motions along the load frequency'
+      study%row = [character(6) :: 'points', 'cells']
+      study%check => check_response
+      study%memory => response_memory
+      study%run => run_response
+   end subroutine declare_response
 
    !> Checks the rules that involve several keys.
    subroutine check_response(case)
@@ -90,6 +115,12 @@ contains
 
       associate (study => case%study)
          if (len(study%fault) > 0) return
+         if (case%model == of_structure) then
+            call check_start_state(case)
+            call needs_frequency(case, 'low')
+            call check_sweep(study, case%coordinates)
+            return
+         end if
          n = size(r_values(case))
          key = trim(merge('r    ', 'r_min', study%has('r')))
          if (any(at_resonance(case%osc%xi, r_values(case)))) call study%refuse(key, resonance// &
@@ -140,12 +171,20 @@ contains
       if (case%study%has('inverse_clearance')) clearance = 1/clearance
    end function clearance_values
 
-   !> Bytes for all simulations: about 120 numbers each.
+   !> Bytes for all simulations, about 120 numbers each, or for all values of a structure, in the
+   !! result too.
    pure real(wp) function response_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
 
-      bytes = 1000.0_wp*size(r_values(case))*case%study%whole_number('states')
+      associate (s => case%study)
+         if (case%model == of_structure) then
+            bytes = 2.0_wp*s%whole_number('values')*(48.0_wp*s%whole_number('keep')* &
+               case%coordinates + 500)
+         else
+            bytes = 1000.0_wp*size(r_values(case))*s%whole_number('states')
+         end if
+      end associate
    end function response_memory
 
    !> Finds max|X|/A of the attractors at each frequency ratio, and its least and greatest value.
@@ -162,6 +201,10 @@ contains
       integer, allocatable :: periods(:, :, :), status(:, :), done(:)
       integer :: n, states, lost, i
 
+      if (case%model == of_structure) then
+         call run_structure(case, threads, result, progress)
+         return
+      end if
       allocate (r, source=r_values(case))
       n = size(r)
       states = case%study%whole_number('states')
@@ -198,5 +241,55 @@ contains
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(n*states, 'simulation')// &
          ' failed: '//status_text(maxval(status(:, done))))
    end subroutine run_response
+
+   !> Sweeps of a structure.
+   subroutine run_structure(case, threads, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(structure_path_type) :: path
+      type(cell_type), allocatable :: cells(:)
+      type(structure_type) :: structure
+      type(load_type) :: load
+      character(:), allocatable :: message
+      real(wp), allocatable :: largest(:, :), rms(:, :), shares(:)
+      integer :: i, m, n
+
+      call structure_of(case, structure, load)
+      load%frequency = load_frequency(case)
+      path%structure = structure
+      path%load = load
+      allocate (path%changes(1))
+      associate (s => case%study)
+         call new_change('frequency', [s%number('low'), s%number('high')], structure, load, &
+            path%changes(1), message)
+         n = case%coordinates
+         m = s%whole_number('values')
+         allocate (shares, source=even(0.0_wp, 1.0_wp, m))
+         allocate (largest(n, m), rms(n, m), source=0.0_wp)
+         call add_expected_work(m, progress)
+         !$omp parallel do schedule(dynamic, 1) num_threads(threads)
+         do i = 1, m
+            if (is_stopped(progress)) cycle  ! and the sweep, which is next, reaches no value
+            call steady_size(path, shares(i), largest(:, i), rms(:, i))
+            call add_done_work(1, progress)
+         end do
+         !$omp end parallel do
+         call run_sweep(s, path, 0, cells, result, progress)
+         call put_cells(result, path, s, cells)
+      end associate
+      call result%put('cells', 'largest', [(max(abs(cells(i)%q_min), cells(i)%q_max), i=1, &
+         size(cells))], n)
+      call result%put('cells', 'rms', [(cells(i)%q_rms, i=1, size(cells))], n)
+      call result%put('cells', 'steady_largest', [largest(:, cells%value)], n)
+      call result%put('cells', 'steady_rms', [rms(:, cells%value)], n)
+      call result%put('cells', 'q_min', [(cells(i)%q_min, i=1, size(cells))], n)
+      call result%put('cells', 'q_max', [(cells(i)%q_max, i=1, size(cells))], n)
+   end subroutine run_structure
 
 end module vi_response_study

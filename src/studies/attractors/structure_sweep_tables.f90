@@ -1,32 +1,26 @@
 !> The keys of sweeps of structures along a parameter, and their tables in a result.
 module vi_structure_sweep_tables
-   use vi_common_keys, only: most_numbers, check_product, max_events_key
+   use vi_common_keys, only: check_product, most_numbers
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
-   use vi_structure_keys, only: start_keys
    use vi_structure_path, only: structure_path_type, value_at
    use vi_structure_sweep, only: cell_type, sweep, sweep_type
-   use vi_study, only: a_whole, a_word, column_type, key_type, result_type, values_type, wholes, &
-      words
+   use vi_study, only: a_whole, a_word, column_type, key_type, result_type, values_type, &
+      wholes, words
    use vi_text, only: counted, whole
    implicit none (type, external)
    private
 
    public :: check_sweep, put_cells, run_sweep
 
-   !> The keys of all sweeps.
+   !> The keys of all sweeps of structures.
    type(key_type), parameter, public :: sweep_keys(*) = [ &
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, option='values', &
       meaning='number of values, evenly spaced'), &
       key_type('sweep', a_word, default='''both''', words='up down both', &
-      meaning='up, down, or up and then down; the state is carried from value to value'), &
-      key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e7_wp, &
-      meaning='load cycles simulated at each value before the motion is examined'), &
-      key_type('keep', a_whole, default='33', low=3.0_wp, high=1.0e4_wp, &
-      meaning='load cycles then examined; periods of up to half of them are detected'), &
-      start_keys(:2), max_events_key]
+      meaning='up, down, or up and then down; the state is carried from value to value')]
 
    !> The columns of what was found at each value.
    type(column_type), parameter, public :: cell_columns(*) = [ &

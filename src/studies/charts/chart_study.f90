@@ -9,8 +9,8 @@ module vi_chart_study
    use vi_status, only: stat
    use vi_text, only: whole
    use vi_chart_grid, only: compute_chart, chart_type, most_points, chart_grid_type
-   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, &
-      study_type, values_type, verdicts, wholes
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, &
+      of_oscillator, result_type, study_type, values_type, verdicts, wholes
    implicit none (type, external)
    private
 
@@ -88,22 +88,10 @@ module vi_chart_study
 
 contains
 
-   !> Declares the study.
-   subroutine declare_chart(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'chart'
-      study%meaning = 'compute all motions of a pattern on a grid of r and d K/F0'
-      study%list => list_chart
-      study%row = 'motions'
-      study%check => check_chart
-      study%memory => chart_memory
-      study%run => run_chart
-   end subroutine declare_chart
-
-   !> Lists the keys and columns.
-   pure subroutine list_chart(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_chart(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
@@ -111,7 +99,15 @@ contains
 
       if (present(keys)) keys = chart_keys
       if (present(columns)) columns = chart_columns
-   end subroutine list_chart
+      if (.not. present(study)) return
+      study%name = 'chart'
+      study%models = of_oscillator
+      study%meaning = 'compute all motions of a pattern on a grid of r and d K/F0'
+      study%row = 'motions'
+      study%check => check_chart
+      study%memory => chart_memory
+      study%run => run_chart
+   end subroutine declare_chart
 
    !> Checks the rules that involve several keys.
    subroutine check_chart(case)

@@ -39,6 +39,13 @@ module vi_common_keys
    type(key_type), parameter, public :: max_events_key = key_type('max_events', a_whole, &
       default='10000000', low=1.0_wp, high=1.0e9_wp, &
       meaning='events (impacts, rests, releases) after which one simulation is given up')
+   !> How long a motion settles, and how long it is then examined.
+   type(key_type), parameter, public :: settling_key = key_type('settling', a_whole, &
+      default='300', low=0.0_wp, high=1.0e7_wp, &
+      meaning='load cycles simulated at each value before the motion is examined')
+   type(key_type), parameter, public :: keep_key = key_type('keep', a_whole, default='33', &
+      low=3.0_wp, high=1.0e4_wp, &
+      meaning='load cycles then examined; periods of up to half of them are detected')
    type(key_type), parameter, public :: cycles_key = key_type('cycles', a_whole, default='1', &
       low=1.0_wp, high=1.0e4_wp, meaning='load cycles in a period')
    type(key_type), parameter, public :: symmetric_key = key_type('symmetric', a_word, &

@@ -18,11 +18,8 @@ module vi_structure_found
       integer :: n = 0
    end type found_list_type
 
-   !> The columns of these tables.
-   type(column_type), parameter, public :: found_columns(*) = [ &
-      column_type('motions', 'motion', wholes, meaning='number of the motion'), &
-      column_type('motions', 'cycles', wholes, meaning='load cycles in a period'), &
-      column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
+   !> The columns of the impacts, and those of multipliers, derivative and rests.
+   type(column_type), parameter, public :: impact_columns(*) = [ &
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
       column_type('impacts', 'gap', wholes, meaning='number of the gap, from 0'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase'), &
@@ -30,16 +27,8 @@ module vi_structure_found
       column_type('impacts', 'impulse', meaning='impulse'), &
       column_type('impacts', 'q', each='coordinate', label='q_#', meaning='coordinates'), &
       column_type('impacts', 'q_dot', each='coordinate', label='q_dot_#', &
-      meaning='velocities just after the impact'), &
-      column_type('motions', 'residual', listed=.false., &
-      meaning='largest relative residual of the equations'), &
-      column_type('motions', 'determinant', listed=.false., meaning='det[P]'), &
-      column_type('motions', 'law', listed=.false., &
-      meaning='the value that the damping and the impacts give det[P]'), &
-      column_type('motions', 'consistent', verdicts, listed=.false., &
-      meaning='whether it solves all equations'), &
-      column_type('motions', 'admissible', verdicts, listed=.false., &
-      meaning='whether all gaps stay open between the impacts'), &
+      meaning='velocities just after the impact')], &
+      derivative_columns(*) = [ &
       column_type('multipliers', 'multiplier', complexes, listed=.false., &
       meaning='eigenvalues of [P], by decreasing modulus'), &
       column_type('derivative', 'P', each='state', listed=.false., &
@@ -49,6 +38,23 @@ module vi_structure_found
       meaning='load phase at which it begins to rest'), &
       column_type('rests', 'end', unit='rad', listed=.false., &
       meaning='load phase at which it opens')]
+
+   !> The columns of the motions of a list.
+   type(column_type), parameter, public :: found_columns(*) = [ &
+      column_type('motions', 'motion', wholes, meaning='number of the motion'), &
+      column_type('motions', 'cycles', wholes, meaning='load cycles in a period'), &
+      column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
+      impact_columns, &
+      column_type('motions', 'residual', listed=.false., &
+      meaning='largest relative residual of the equations'), &
+      column_type('motions', 'determinant', listed=.false., meaning='det[P]'), &
+      column_type('motions', 'law', listed=.false., &
+      meaning='the value that the damping and the impacts give det[P]'), &
+      column_type('motions', 'consistent', verdicts, listed=.false., &
+      meaning='whether it solves all equations'), &
+      column_type('motions', 'admissible', verdicts, listed=.false., &
+      meaning='whether all gaps stay open between the impacts'), &
+      derivative_columns]
 
    real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 

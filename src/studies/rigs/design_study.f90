@@ -6,8 +6,8 @@
 module vi_design_study
    use vi_common_keys, only: least_gap, least_r, most_gap, most_r
    use vi_kinds, only: wp
-   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
-      truths, verdicts, wholes, words
+   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, of_oscillator, &
+      result_type, study_type, truths, verdicts, wholes, words
    use vi_text, only: lower
    implicit none (type, external)
    private
@@ -175,22 +175,10 @@ module vi_design_study
 
 contains
 
-   !> Declares the study.
-   subroutine declare_design(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'design'
-      study%meaning = 'design an impact damper for a band, with tolerances'
-      study%finds_r = .true.
-      study%in_python = .true.
-      study%list => list_design
-      study%row = 'chosen'
-      study%check => check_design
-   end subroutine declare_design
-
-   !> Lists the keys and columns.
-   pure subroutine list_design(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_design(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
@@ -198,7 +186,15 @@ contains
 
       if (present(keys)) keys = design_keys
       if (present(columns)) columns = design_columns
-   end subroutine list_design
+      if (.not. present(study)) return
+      study%name = 'design'
+      study%models = of_oscillator
+      study%meaning = 'design an impact damper for a band, with tolerances'
+      study%finds_r = .true.
+      study%in_python = .true.
+      study%row = 'chosen'
+      study%check => check_design
+   end subroutine declare_design
 
    !> Checks the rules that involve several keys.
    subroutine check_design(case)

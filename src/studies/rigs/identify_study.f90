@@ -4,8 +4,8 @@
 !! are declared here as of any other study.
 module vi_identify_study
    use vi_kinds, only: wp
-   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, result_type, &
-      study_type, wholes, words
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, &
+      of_oscillator, result_type, study_type, wholes, words
    implicit none (type, external)
    private
 
@@ -137,22 +137,10 @@ module vi_identify_study
 
 contains
 
-   !> Declares the study.
-   subroutine declare_identify(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'identify'
-      study%meaning = 'identify the parameters of a rig from its records'
-      study%finds_r = .true.
-      study%in_python = .true.
-      study%list => list_identify
-      study%row = 'parameters'
-      study%check => check_identify
-   end subroutine declare_identify
-
-   !> Lists the keys and columns.
-   pure subroutine list_identify(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_identify(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
@@ -160,7 +148,15 @@ contains
 
       if (present(keys)) keys = identify_keys
       if (present(columns)) columns = identify_columns
-   end subroutine list_identify
+      if (.not. present(study)) return
+      study%name = 'identify'
+      study%models = of_oscillator
+      study%meaning = 'identify the parameters of a rig from its records'
+      study%finds_r = .true.
+      study%in_python = .true.
+      study%row = 'parameters'
+      study%check => check_identify
+   end subroutine declare_identify
 
    !> Checks the rules that involve several keys.
    subroutine check_identify(case)

@@ -8,7 +8,8 @@ module vi_decay_study
    use vi_peaks, only: find_peaks, peak_type
    use vi_status, only: stat, status_text
    use vi_text, only: counted, shown, whole
-   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, wholes
+   use vi_study, only: a_whole, case_type, column_type, key_type, of_oscillator, result_type, &
+      study_type, wholes
    implicit none (type, external)
    private
 
@@ -53,23 +54,10 @@ module vi_decay_study
 
 contains
 
-   !> Declares the study.
-   subroutine declare_decay(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'decay'
-      study%meaning = 'find the peaks and the damping of free vibration'
-      study%has_load = .false.
-      study%list => list_decay
-      study%row = 'peaks'
-      study%check => check_decay
-      study%memory => decay_memory
-      study%run => run_decay
-   end subroutine declare_decay
-
-   !> Lists the keys and columns.
-   pure subroutine list_decay(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_decay(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
@@ -77,7 +65,16 @@ contains
 
       if (present(keys)) keys = decay_keys
       if (present(columns)) columns = decay_columns
-   end subroutine list_decay
+      if (.not. present(study)) return
+      study%name = 'decay'
+      study%models = of_oscillator
+      study%meaning = 'find the peaks and the damping of free vibration'
+      study%has_load = .false.
+      study%row = 'peaks'
+      study%check => check_decay
+      study%memory => decay_memory
+      study%run => run_decay
+   end subroutine declare_decay
 
    !> Checks the rules that involve several keys.
    subroutine check_decay(case)

@@ -6,9 +6,16 @@ module vi_simulate_study
    use vi_processor, only: has_memory
    use vi_simulate, only: event_type, impact_event, release_event, stick_event
    use vi_status, only: stat, status_text
-   use vi_study, only: a_whole, case_type, column_type, key_type, result_type, study_type, truths, &
-      wholes, words
-   use vi_text, only: counted, exact_list, shown, whole
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_gaps, only: start_fault
+   use vi_structure_groups, only: load_frequency, record_end, record_of, structure_of
+   use vi_structure_keys, only: check_start_state, longest, start_keys
+   use vi_structure_run, only: hit_event => impact_event, rest_event => stick_event
+   use vi_structure_tables, only: put_structure, structure_columns
+   use vi_structure_trajectory, only: simulate_structure_case
+   use vi_study, only: a_whole, case_type, column_type, for_model, key_type, of_oscillator, &
+      of_structure, result_type, study_type, truths, values_type, wholes, words
+   use vi_text, only: counted, exact, exact_list, number_text, shown, whole
    use vi_trajectory, only: pack_state, simulate_case
    implicit none (type, external)
    private
@@ -74,31 +81,71 @@ module vi_simulate_study
       meaning='wall (1 right, -1 left, 0 none), whether the free mass rests on it, whether it was &
       &released just then')]
 
+   type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('duration', low=0.0_wp, high=longest, may_miss=.true., or='cycles', &
+      meaning='how long to simulate; if neither is given, to the last sample of a record'), &
+      key_type('cycles', low=0.0_wp, high=1.0e9_wp, may_miss=.true., or='duration', &
+      takes='a number of load cycles with 0 <= cycles <= 1e9', &
+      meaning='how long, as a number of cycles of the load; fractions are allowed'), &
+      key_type('discard', default='0', low=0.0_wp, high=longest, &
+      meaning='how long to simulate before what is kept: load cycles if cycles is given, else &
+      &time'), &
+      start_keys, &
+      key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
+      meaning='events after which the simulation is cut short')]
+
+   type(column_type), parameter :: own_structure_columns(*) = [ &
+      column_type('events', 'time', meaning='time'), &
+      column_type('events', 'kind', words, words='impact,stick,release', meaning='kind'), &
+      column_type('events', 'gap', wholes, meaning='number of the gap, from 0'), &
+      column_type('events', 'speed', meaning='approach speed'), &
+      column_type('events', 'impulse', meaning='impulse'), &
+      column_type('events', 'q', each='coordinate', label='q_#', &
+      meaning='coordinates'), &
+      column_type('events', 'q_dot', each='coordinate', label='q_dot_#', &
+      meaning='velocities just after the event'), &
+      column_type('moments', 'moment', words, words='initial,final', listed=.false., &
+      meaning='the start and the end'), &
+      column_type('moments', 'time', listed=.false., meaning='time'), &
+      column_type('moments', 'q', each='coordinate', listed=.false., meaning='coordinates'), &
+      column_type('moments', 'q_dot', each='coordinate', listed=.false., meaning='velocities'), &
+      column_type('rests', 'gap', wholes, listed=.false., &
+      meaning='number of a gap that rests from the start to the end'), &
+      column_type('run', 'frequency', listed=.false., &
+      meaning='circular frequency of the load; 0 if there is none'), &
+      column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &
+      column_type('run', 'finished', truths, listed=.false., &
+      meaning='whether the end was reached before max_events events'), &
+      column_type('run', 'step', listed=.false., &
+      meaning='time between the samples of a record; 0 without a record'), &
+      column_type('record', 'value', each='channel', listed=.false., &
+      meaning='samples of a record, linear between them'), &
+      column_type('channels', 'weight', each='coordinate', listed=.false., &
+      meaning='forces on the coordinates for 1 in a column of the record'), structure_columns]
+
 contains
 
-   !> Declares the study.
-   subroutine declare_simulate(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'simulate'
-      study%meaning = 'simulate from an initial state'
-      study%list => list_simulate
-      study%row = 'events'
-      study%check => check_simulate
-      study%run => run_simulate
-   end subroutine declare_simulate
-
-   !> Lists the keys and columns.
-   pure subroutine list_simulate(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_simulate(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = simulate_keys
-      if (present(columns)) columns = simulate_columns
-   end subroutine list_simulate
+      if (present(keys)) keys = [for_model(simulate_keys, of_oscillator), &
+         for_model(structure_keys, of_structure)]
+      if (present(columns)) columns = [for_model(simulate_columns, of_oscillator), &
+         for_model(own_structure_columns, of_structure)]
+      if (.not. present(study)) return
+      study%name = 'simulate'
+      study%meaning = 'simulate from an initial state'
+      study%row = 'events'
+      study%check => check_simulate
+      study%memory => simulate_memory
+      study%run => run_simulate
+   end subroutine declare_simulate
 
    !> Checks the rules that involve several keys.
    subroutine check_simulate(case)
@@ -107,6 +154,10 @@ contains
       real(wp) :: least
 
       if (len(case%study%fault) > 0) return
+      if (case%model == of_structure) then
+         call check_structure(case)
+         return
+      end if
       associate (s => case%study)
          call check_start(s, s%number('clearance'))
          if (len(s%fault) > 0) return
@@ -140,6 +191,10 @@ contains
 
       associate (not_used => threads)    ! one simulation has one thread
       end associate
+      if (case%model == of_structure) then
+         call run_structure(case, result, progress)
+         return
+      end if
       associate (s => case%study)
          call simulate_case(new_forced_system(case%osc, case%r, s%number('load'), &
             s%number('clearance')), &
@@ -212,5 +267,195 @@ contains
          'the free mass rests on '//merge('R', 'L', moments(1)%side > 0)//' all the time')
       if (status == stat%more_events) call result%fail('cut short, max_events was reached')
    end subroutine run_simulate
+
+   !> Checks those of a structure.
+   subroutine check_structure(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      real(wp) :: end_of_record
+
+      associate (study => case%study)
+         call check_start_state(case)
+         if (len(study%fault) > 0 .or. study%has('duration')) return
+         if (.not. study%has('cycles')) then
+            end_of_record = record_end(case)
+            if (end_of_record < 0) then
+               call study%refuse('duration', 'or give cycles')
+               return
+            end if
+            end_of_record = end_of_record - study%number('start') - study%number('discard')
+            if (.not. end_of_record <= longest) then
+               call study%refuse('duration', 'the record is longer than that')
+            else
+               call study%set('duration', [max(0.0_wp, end_of_record)])
+            end if
+         else if (.not. load_frequency(case) > 0) then
+            call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &
+               &duration')
+         else if (.not. span(case, 'cycles') <= longest) then
+            call study%refuse('cycles', 'they must take at most '//trim(number_text(longest, &
+               .false.))//' units of time')
+         else if (.not. span(case, 'discard') <= longest) then
+            call study%refuse('discard', 'they must take at most '//trim(number_text(longest, &
+               .false.))//' units of time')
+         end if
+      end associate
+   end subroutine check_structure
+
+   !> The time of a key that may count load cycles.
+   pure real(wp) function span(case, key)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> The key: `cycles`, `duration` or `discard`.
+      character(*), intent(in) :: key
+      real(wp), parameter :: pi = acos(-1.0_wp)
+
+      span = case%study%number(key)
+      if (case%study%has('cycles')) span = span*2*pi/load_frequency(case)
+   end function span
+
+   !> Bytes for the matrices of a structure and those that follow from them; the events are checked
+   !! while they are found.
+   pure real(wp) function simulate_memory(case) result(bytes)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: samples(:, :), weights(:, :)
+
+      bytes = 0
+      if (case%model /= of_structure) return
+      call record_of(case, samples, weights)
+      ! the record stands in the case, the load and the run, and in the result
+      bytes = 400.0_wp*real(case%coordinates, wp)**2 + 24.0_wp*size(samples, 2)* &
+         (case%coordinates + size(samples, 1))
+   end function simulate_memory
+
+   !> Simulates a structure.
+   subroutine run_structure(case, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp), allocatable :: table(:, :)
+      integer, allocatable :: labels(:, :)
+      real(wp), allocatable :: first_state(:), last_state(:)
+      integer, allocatable :: resting(:)
+      character(:), allocatable :: text
+      real(wp) :: start, first, end_time
+      integer :: i, n, most, status
+      logical :: room
+
+      call structure_of(case, structure, load)
+      start = case%study%number('start')
+      most = case%study%whole_number('max_events')
+      first = start + span(case, 'discard')
+      associate (s => case%study)
+         call simulate_structure_case(structure, load, start, s%numbers('q'), s%numbers('q_dot'), &
+            first + span(case, trim(merge('cycles  ', 'duration', s%has('cycles')))), most, table, &
+            labels, n, last_state, end_time, status, progress, first, first_state, resting)
+      end associate
+      if (status == stat%event_limit) then
+         result%empty = .true.
+         call result%fail('max_events = '//whole(most)//': must be more; it was reached within the &
+            &discarded time')
+         return
+      end if
+      ! the table, once more in the columns of the result, and room to make them
+      room = has_memory(24.0_wp*size(table, 1)*n)
+      if (.not. room) status = stat%no_memory
+      if (status == stat%no_memory) then
+         result%empty = .true.
+         result%no_memory = .true.
+         call result%fail(status_text(status)//': the events so far, '//whole(n)// &
+            ', leave no room for more; simulate less time, or give a smaller max_events')
+         return
+      else if (status == stat%not_computed) then
+         result%cut = 'the simulation was stopped after '//counted(count(labels(1, :n) == &
+            hit_event), 'impact')
+         result%empty = end_time < first
+         if (result%empty) return
+      else if (status /= stat%ok .and. status /= stat%more_events) then
+         result%empty = .true.
+         call start_fault(structure, load, case%study%numbers('q'), status, text)
+         call result%fail(text)
+         return
+      end if
+      call put_events(result, table(:, :n), labels(:, :n))
+      call put_moments(result, [first, end_time], first_state, last_state)
+      call result%open('rests', 'rest', [size(resting)])
+      call result%put('rests', 'gap', resting - 1)
+      call put_structure(result, structure, load)
+      call result%open('run', '', [integer ::])
+      call result%put('run', 'frequency', [load_frequency(case)])
+      call result%put('run', 'loaded', [merge(1, 0, case%parts(size(case%parts))%name == 'load')])
+      call result%put('run', 'finished', [merge(1, 0, status == stat%ok)])
+      call result%put('run', 'step', [load%step])
+      call put_record(result, case)
+      if (status == stat%more_events) call result%remark('cut short: max_events was reached')
+      call result%remark('final time: '//exact(end_time))
+      call result%add_note(counted(count(labels(1, :n) == hit_event), 'impact')//', '// &
+         counted(count(labels(1, :n) == rest_event), 'rest'))
+      do i = 1, size(resting)
+         call result%add_note('gap '//whole(resting(i) - 1)//' rests all the time')
+      end do
+      if (status == stat%more_events) call result%fail('cut short, max_events was reached')
+   end subroutine run_structure
+
+   !> Fills the table of events.
+   pure subroutine put_events(result, table, labels)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> (3 + 2n, events) and (2, events), as of `simulate_structure_arrays`.
+      real(wp), intent(in) :: table(:, :)
+      !> As in `table`.
+      integer, intent(in) :: labels(:, :)
+      integer :: n
+
+      n = (size(table, 1) - 3)/2
+      call result%open('events', 'event', [size(labels, 2)])
+      call result%put('events', 'time', table(1, :))
+      call result%put('events', 'kind', labels(1, :))
+      call result%put('events', 'gap', labels(2, :) - 1)
+      call result%put('events', 'speed', table(2, :))
+      call result%put('events', 'impulse', table(3, :))
+      call result%put('events', 'q', [table(4:3 + n, :)], n)
+      call result%put('events', 'q_dot', [table(4 + n:, :)], n)
+   end subroutine put_events
+
+   !> Fills the tables of the record.
+   pure subroutine put_record(result, case)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> The case.
+      type(case_type), intent(in) :: case
+      real(wp), allocatable :: samples(:, :), weights(:, :)
+
+      call record_of(case, samples, weights)
+      call result%open('record', 'sample', [size(samples, 2)])
+      call result%put('record', 'value', [samples], size(samples, 1))
+      call result%open('channels', 'channel', [size(samples, 1)])
+      call result%put('channels', 'weight', [weights], case%coordinates)
+   end subroutine put_record
+
+   !> Fills the table of the start and the end.
+   pure subroutine put_moments(result, times, first_state, last_state)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      !> Times of the start and of the end of what is kept.
+      real(wp), intent(in) :: times(2)
+      !> (2n) Coordinates and velocities at both.
+      real(wp), intent(in) :: first_state(:), last_state(:)
+      integer :: n
+
+      n = size(first_state)/2
+      call result%open('moments', 'moment', [2])
+      call result%put('moments', 'moment', [1, 2])
+      call result%put('moments', 'time', times)
+      call result%put('moments', 'q', [first_state(:n), last_state(:n)])
+      call result%put('moments', 'q_dot', [first_state(n + 1:), last_state(n + 1:)])
+   end subroutine put_moments
 
 end module vi_simulate_study

@@ -42,7 +42,8 @@ module vi_zone_pieces
       column_type('rings', 'r', listed=.false., &
       meaning='frequency ratio along a closed loop, counter-clockwise around a zone'), &
       column_type('rings', 'clearance', unit='F0/K', listed=.false., &
-      meaning='clearance along a closed loop'), &
+      meaning='clearance along a closed loop')], &
+      family_columns(*) = [ &
       column_type('families', 'motions', wholes, listed=.false., &
       meaning='motions at nodes of the lattice'), &
       column_type('families', 'steps', wholes, listed=.false., &
@@ -50,7 +51,7 @@ module vi_zone_pieces
       column_type('families', 'untraced', wholes, listed=.false., &
       meaning='places on a boundary from which continuation failed'), &
       column_type('families', 'lines', wholes, each='axis', listed=.false., &
-      meaning='lattice lines of constant r and of constant clearance'), &
+      meaning='lattice lines in each direction'), &
       column_type('families', 'closed', truths, listed=.false., &
       meaning='whether all boundaries that were found are closed')]
 

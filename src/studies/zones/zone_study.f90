@@ -1,21 +1,36 @@
 !> The study &zone: where motions of a pattern are stable.
 module vi_zone_study
    use vi_common_keys, only: check_window, cycles_key, symmetric_key, window_keys
+   use vi_branch_study, only: check_structure_start, touch_detail
+   use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
+   use vi_linear, only: most
+   use vi_motion_family, only: grazing
+   use vi_motion_study, only: find_structure_motion
    use vi_orbit, only: most_impacts
-   use vi_pattern, only: pattern_type, starred_symbols, starred_pattern
-   use vi_zone_request, only: zone_request_type
-   use vi_progress, only: is_stopped
-   use vi_study, only: a_whole, a_word, case_type, column_type, key_type, result_type, study_type, &
-      truths, values_type, wholes, words
+   use vi_pattern, only: pattern_type, starred_pattern, starred_symbols
+   use vi_progress, only: add_expected_work, is_stopped
+   use vi_status, only: stat, status_text
+   use vi_structure, only: check_structure, load_type, structure_type
+   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_parameter, only: check_parameter, parameter_change, x_function_keys, &
+      y_function_keys
+   use vi_structure_path, only: change_type, parameter_takes, value_at
+   use vi_structure_return, only: settled_type
+   use vi_structure_start, only: start_curve
+   use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
+   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+      of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: counted, exact, whole
-   use vi_zone_pieces, only: not_closed, piece_columns, pieces_type, put_pieces, vertex_columns, &
-      zone_pieces
+   use vi_zone, only: zone_around, zone_type, zone_work
+   use vi_zone_pieces, only: add_pieces, family_columns, not_closed, piece_columns, pieces_type, &
+      put_pieces, vertex_columns, zone_pieces
+   use vi_zone_request, only: zone_request_type
    implicit none (type, external)
    private
 
-   public :: declare_zone, list_types
+   public :: declare_zone
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, &
@@ -29,50 +44,82 @@ module vi_zone_study
       takes='letters R and L, one for each impact, 2 to 24 of them, each wall &
       &at least once; a star after a symbol for impacts that accumulate and end in rest', &
       meaning='walls of the impacts in order, for example RRL, or RL* with rest on L'), &
-      cycles_key, symmetric_key, window_keys, lines_key, &
-      key_type('guesses', a_whole, default='12', low=0.0_wp, high=1.0e5_wp, &
-      meaning='guesses for motions at every second node each way, a quarter of them at &
-      &others; 0: seeds alone'), &
-      vertices_key, &
-      key_type('seeds', most=100000, may_miss=.true., &
+      cycles_key, symmetric_key, window_keys]
+   type(key_type), parameter :: guesses_key = key_type('guesses', a_whole, default='12', &
+      low=0.0_wp, high=1.0e5_wp, meaning='guesses for motions at every second node each way, a &
+      &quarter of them at others; 0: seeds alone')
+   type(key_type), parameter :: seeds_key = key_type('seeds', most=100000, may_miss=.true., &
       takes='for each motion r, clearance, then x/D and load phase of all its impacts; with rest &
       &load phase and velocity over D of the last release, then zeros', &
-      meaning='motions that are known to exist and that the search could miss')]
+      meaning='motions that are known to exist and that the search could miss')
 
-   type(column_type), parameter :: zone_columns(*) = [piece_columns, &
+   type(column_type), parameter :: zone_columns(*) = [ &
       column_type('pieces', 'symmetric', truths, &
-      meaning='whether the motions are their own mirror images'), vertex_columns, &
+      meaning='whether the motions are their own mirror images'), &
       column_type('open_seeds', 'r', listed=.false., &
       meaning='frequency ratio of a seed around which no boundary could be closed'), &
       column_type('open_seeds', 'clearance', unit='F0/K', listed=.false., &
       meaning='clearance of a seed around which no boundary could be closed')]
 
+   type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('x', a_word, takes=parameter_takes, meaning='parameter of the abscissa'), &
+      key_type('x_low', takes='a number, at most the value that the motion has', option='x', &
+      meaning='lower bound of x'), &
+      key_type('x_high', takes='a number above x_low, at least the value that the motion has', &
+      option='x', meaning='upper bound of x'), &
+      key_type('y', a_word, takes=parameter_takes, meaning='parameter of the ordinate'), &
+      key_type('y_low', takes='a number, at most the value that the motion has', option='y', &
+      meaning='lower bound of y'), &
+      key_type('y_high', takes='a number above y_low, at least the value that the motion has', &
+      option='y', meaning='upper bound of y')]
+
+   type(column_type), parameter :: own_columns(*) = [ &
+      column_type('pieces', 'symmetric', truths, listed=.false., &
+      meaning='whether the motions are their own images half a period later'), &
+      column_type('vertices', 'x', meaning='parameter of the abscissa'), &
+      column_type('vertices', 'y', meaning='parameter of the ordinate'), &
+      column_type('vertices', 'speeds', each='impact', label='speed_#', &
+      meaning='approach speeds of the impacts'), &
+      column_type('vertices', 'phases', each='impact', label='phase_#', unit='rad', &
+      meaning='load phases of the impacts'), &
+      column_type('rings', 'x', listed=.false., &
+      meaning='abscissa along a closed loop, counter-clockwise around a zone'), &
+      column_type('rings', 'y', listed=.false., meaning='ordinate along a closed loop'), &
+      column_type('motion', 'gaps', wholes, each='impact', listed=.false., &
+      meaning='gaps of the impacts, from 0'), &
+      column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
+      column_type('motion', 'frequency', listed=.false., &
+      meaning='circular frequency of the load at the start'), path_columns, structure_columns]
+
 contains
 
-   !> Declares the study.
-   subroutine declare_zone(study)
-      !> The declaration of the study.
-      type(study_type), intent(out) :: study
-
-      study%name = 'zone'
-      study%meaning = 'find where the motions of a pattern are stable'
-      study%list => list_zone
-      study%row = 'vertices'
-      study%check => check_zone
-      study%memory => zone_memory
-      study%run => run_zone
-   end subroutine declare_zone
-
-   !> Lists the keys and columns.
-   pure subroutine list_zone(keys, columns)
+   !> Declares the study, with its keys and columns.
+   pure subroutine declare_zone(study, keys, columns)
+      !> The study.
+      type(study_type), intent(out), optional :: study
       !> The keys of the group.
       type(key_type), allocatable, intent(out), optional :: keys(:)
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = zone_keys
-      if (present(columns)) columns = zone_columns
-   end subroutine list_zone
+      if (present(keys)) keys = [for_model(zone_keys, of_oscillator), for_model(structure_keys, &
+         of_structure), lines_key, for_model(guesses_key, of_oscillator), vertices_key, &
+         for_model(seeds_key, of_oscillator), for_model([x_function_keys, y_function_keys], &
+         of_structure)]
+      if (present(columns)) columns = [piece_columns, for_model([zone_columns(1), &
+         vertex_columns(:2)], of_oscillator), for_model(own_columns(:3), of_structure), &
+         vertex_columns(3), for_model([vertex_columns(4:), zone_columns(2:)], of_oscillator), &
+         for_model(own_columns(4:), of_structure), family_columns]
+      if (.not. present(study)) return
+      study%name = 'zone'
+      study%meaning = 'find where the motions of a pattern are stable'
+      study%starts_from(of_structure) = 'motion'
+      study%check_start => check_structure_start
+      study%row = 'vertices'
+      study%check => check_zone
+      study%memory => zone_memory
+      study%run => run_zone
+   end subroutine declare_zone
 
    !> Checks the rules that involve several keys.
    subroutine check_zone(case)
@@ -82,6 +129,10 @@ contains
       integer :: n
 
       if (len(case%study%fault) > 0) return
+      if (case%model == of_structure) then
+         call check_structure_zone(case)
+         return
+      end if
       pattern = zone_pattern(case%study)
       n = size(pattern%sides)
       if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. all(pattern%sides > 0) &
@@ -131,9 +182,14 @@ contains
       !> The case, checked.
       type(case_type), intent(in) :: case
       type(pattern_type) :: pattern
+      integer :: impacts
 
-      pattern = zone_pattern(case%study)
-      bytes = case%study%whole_number('max_points')*(1600 + 300.0_wp*size(pattern%sides))
+      impacts = most
+      if (case%model /= of_structure) then
+         pattern = zone_pattern(case%study)
+         impacts = size(pattern%sides)
+      end if
+      bytes = case%study%whole_number('max_points')*(1600 + 300.0_wp*impacts)
    end function zone_memory
 
    !> Finds the zones of a pattern in a window.
@@ -147,10 +203,14 @@ contains
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(pieces_type) :: found
-      character(:), allocatable :: what, types
+      character(:), allocatable :: none, what
 
       associate (not_used => threads)    ! a boundary is followed from point to point
       end associate
+      if (case%model == of_structure) then
+         call run_structure(case, result, progress)
+         return
+      end if
       call case%study%text('sides', what)
       what = what//'/'//whole(case%study%whole_number('cycles'))
       call zone_pieces(zone_request(case), seeds_of(case), .not. [case%study%is('symmetric', &
@@ -166,18 +226,11 @@ contains
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       call put_open_seeds(case, found%open_seeds, result)
       call remark_unused_seeds(case, found%used_seeds, result)
+      none = 'no zone: motions '//what//' were found in the window, but none that is both stable &
+         &and admissible'
+      if (found%motions == 0) none = 'no motion '//what//' was found anywhere in the window'
       result%empty = found%motions == 0 .or. (found%n == 0 .and. found%closed)
-      if (found%motions == 0) then
-         call result%fail('no motion '//what//' was found anywhere in the window')
-      else if (result%empty) then
-         call result%fail('no zone: motions '//what// &
-            ' were found in the window, but none that is both stable and admissible')
-      end if
-      if (result%empty) return
-      call list_types(found, types)
-      call result%add_note(what//', '//counted(found%loops, 'loop')//' in '//counted(found%n, &
-         'piece')//types)
-      if (.not. found%closed) call result%fail(not_closed)
+      call tell_pieces(found, what//', ', none, result)
    end subroutine run_zone
 
    !> How many numbers are given as seeds.
@@ -251,21 +304,181 @@ contains
          &that repeats a shorter one')
    end subroutine remark_unused_seeds
 
-   !> The types of the pieces, each once.
-   pure subroutine list_types(found, text)
+   !> Tells how many pieces were found, and of which types, each once.
+   pure subroutine tell_pieces(found, what, none, result)
       !> The pieces.
       type(pieces_type), intent(in) :: found
-      !> A colon and their types, separated by commas; empty without pieces.
-      character(:), allocatable, intent(out) :: text
+      !> What has these zones, with a comma; may be empty.
+      character(*), intent(in) :: what
+      !> The fault if there are none.
+      character(*), intent(in) :: none
+      !> The result, empty if there are none.
+      type(result_type), intent(inout) :: result
+      character(:), allocatable :: types
       integer :: i
 
-      text = ''
+      if (result%empty) then
+         call result%fail(none)
+         return
+      end if
+      types = ''
       do i = 1, found%n
          associate (name => found%pieces(i)%name)
-            if (index(text//',', ' '//name//',') > 0) cycle
-            text = text//trim(merge(':', ',', len(text) == 0))//' '//name
+            if (index(types//',', ' '//name//',') > 0) cycle
+            types = types//trim(merge(':', ',', len(types) == 0))//' '//name
          end associate
       end do
-   end subroutine list_types
+      call result%add_note(what//counted(found%loops, 'loop')//' in '//counted(found%n, 'piece')// &
+         types)
+      if (.not. found%closed) call result%fail(not_closed)
+   end subroutine tell_pieces
+
+   !> Checks both parameters.
+   subroutine check_structure_zone(case)
+      !> The case, with `start`.
+      type(case_type), intent(inout) :: case
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(change_type) :: changes(2)
+      type(values_type) :: group
+      integer :: i, j, status
+
+      call structure_of(case, structure, load)
+      load%frequency = load_frequency(case)
+      call check_structure(structure, status)
+      group = case%study
+      call check_parameter(group, 'x', 'x_', structure, load, changes(1))
+      call check_parameter(group, 'y', 'y_', structure, load, changes(2))
+      if (len(group%fault) == 0) then
+         do i = 1, size(changes(1)%entries, 2)
+            do j = 1, size(changes(2)%entries, 2)
+               if (all(changes(1)%entries(:, i) == changes(2)%entries(:, j))) call group%refuse( &
+                  'y', 'it changes what x changes')
+            end do
+         end do
+      end if
+      case%study = group
+   end subroutine check_structure_zone
+
+   !> Finds the zone of a motion of a structure.
+   subroutine run_structure(case, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(settled_type) :: motion
+      type(change_type) :: changes(2)
+      type(curve_type) :: surface
+      type(zone_request_type) :: request
+      type(zone_type) :: zone
+      type(pieces_type) :: found, families(1)
+      character(*), parameter :: columns_of_vertices(4) = ['x     ', 'y     ', 'speeds', 'phases']
+      real(wp), allocatable :: start(:)
+      character(:), allocatable :: message
+      logical :: mirrored
+      integer :: status
+
+      call add_expected_work(zone_work, progress)
+      result%empty = .true.
+      call find_structure_motion(case, case%start, .true., structure, load, motion, status, &
+         progress)
+      if (status == stat%not_computed) then
+         result%cut = 'it was stopped before a motion was reached'
+         return
+      end if
+      if (status /= stat%ok) then
+         call result%fail(status_text(status))
+         return
+      end if
+      call parameter_change(case%study, 'x', 'x_', structure, load, changes(1), message)
+      call parameter_change(case%study, 'y', 'y_', structure, load, changes(2), message)
+      call start_curve(structure, load, motion, changes, surface, start, mirrored, message)
+      if (len(message) > 0) then
+         call result%fail(message)
+         return
+      end if
+      ! the window is the unit square; zones have a logarithmic ordinate
+      request = zone_request_type(symmetric=surface%family%symmetric, r=[0.0_wp, 1.0_wp], &
+         clearance=exp([0.0_wp, 1.0_wp]), lines=case%study%whole_number('lines'), &
+         points=case%study%whole_number('max_points'))
+      call zone_around(request, surface, start, zone, progress)
+      if (is_stopped(progress)) then
+         result%cut = 'it was stopped before all boundaries were followed'
+         return
+      end if
+      call add_pieces(zone, request, mirrored, found)
+      call in_parameters(case, surface, changes, found)
+      call result%open('families', 'family', [1])
+      families(1) = found
+      call put_pieces(families, result, columns_of_vertices)
+      call result%open('motion', 'one', [1])
+      call result%put('motion', 'gaps', motion%gaps - 1)
+      call result%put('motion', 'cycles', [motion%cycles])
+      call result%put('motion', 'frequency', [load%frequency])
+      call put_path(result, changes)
+      call put_structure(result, structure, load)
+      if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
+      result%empty = found%n == 0
+      call tell_pieces(found, '', 'no zone: no motion of this family is both stable and admissible &
+         &on the lines of the lattice', result)
+   end subroutine run_structure
+
+   !> Brings the pieces from the unit square to the parameters.
+   pure subroutine in_parameters(case, surface, changes, found)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> The surface.
+      type(curve_type), intent(in) :: surface
+      !> The parameters.
+      type(change_type), intent(in) :: changes(2)
+      !> In and out: the pieces.
+      type(pieces_type), intent(inout) :: found
+      character(:), allocatable :: text, x, y
+      character(32) :: names(2)
+      integer :: i, j
+
+      call case%study%text('x', x)
+      call case%study%text('y', y)
+      names = [character(32) :: x, y]
+      do i = 1, found%n
+         associate (piece => found%pieces(i))
+            call touch_detail(surface, piece%condition, names, text)
+            piece%detail = text
+            if (piece%condition%kind == grazing .and. piece%condition%share >= 1) piece%name = &
+               'simultaneous'
+            do j = 1, size(piece%vertices, 2)
+               call to_parameters(piece%vertices(:, j))
+            end do
+         end associate
+      end do
+      do i = 1, size(found%rings)
+         do j = 1, size(found%rings(i)%points, 2)
+            call to_parameters(found%rings(i)%points(:, j))
+         end do
+      end do
+   contains
+      !> A place in the plane of the parameters.
+      pure subroutine to_parameters(place)
+         !> In: the share of x, and the exponential of that of y. Out: both parameters.
+         real(wp), intent(inout) :: place(2)
+         real(wp), parameter :: rounding = 1.0e-13_wp
+         real(wp) :: share(2)
+         integer :: axis
+
+         share = [place(1), log(place(2))]
+         do axis = 1, 2
+            associate (bounds => surface%edges(2*axis - 1:2*axis)%bound)
+               ! places on the border are exactly there
+               if (abs(share(axis) - bounds(1)) < rounding) share(axis) = 0
+               if (abs(share(axis) - bounds(2)) < rounding) share(axis) = 1
+            end associate
+            place(axis) = value_at(changes(axis), share(axis))
+         end do
+      end subroutine to_parameters
+   end subroutine in_parameters
 
 end module vi_zone_study
