@@ -22,7 +22,7 @@ from .campaigns.campaign import Campaign
 from .campaigns.run import campaign
 from .campaigns.sweep import Sweep
 from .cases.case import Case, read_namelist
-from .cases.run import RunLog, run_namelists
+from .cases.run import run_namelists
 from .designs.design import Design, design
 from .formats.load import load
 from .identification.identify import Identification, identify
@@ -34,24 +34,24 @@ from .motions.flags import StabilityFlags, stability_flags
 from .motions.likeness import is_symmetric, motion_images, same_motion, standard_motion
 from .motions.motion import Motion, Motions
 from .motions.periodic import equispaced, equispaced_batch, linear_system, periodic, periodic_batch
-from .motions.quantities import Quantities, Signal
-from .motions.trajectory import Period, Trajectory, simulate
+from .motions.quantities import Quantities
+from .motions.trajectory import Trajectory, simulate
 from .physical import Physical, physical
 from .results.events import Sample
 from .results.gradient import Gradient
 from .results.noun import ACTIONS as _ACTIONS
 from .studies.atlas import Atlas, SurveyPoint, atlas
 from .studies.basins import Attractor, Basins, basins
-from .studies.bifurcation import BifurcationDiagram, PeriodicWindow, bifurcation_diagram
+from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.boundary_band import BoundaryBand, boundary_bands
-from .studies.branch import Branch, Branches, SpecialPoint, branch
+from .studies.branch import Branch, SpecialPoint, branch
 from .studies.chart import Chart, chart
 from .studies.decay import Decay, decay
-from .studies.find import FoundMotions, Search, find
+from .studies.find import FoundMotions, find
 from .studies.lyapunov import Lyapunov, lyapunov
 from .studies.response import Response, response
 from .studies.uncertainty import LimitProbability, Uncertainty, limit_probability, uncertainty
-from .studies.zone import Piece, Zone, ZoneSearch, zone
+from .studies.zone import Piece, Zone, zone
 from .systems.excitations import half_sine, swept_sine
 from .systems.oscillator import Oscillator, Pattern, Point
 from .systems.record import Record, base_motion, base_record
@@ -68,7 +68,6 @@ __all__ = [
     "BifurcationDiagram",
     "BoundaryBand",
     "Branch",
-    "Branches",
     "Bundle",
     "Campaign",
     "Case",
@@ -92,8 +91,6 @@ __all__ = [
     "ParameterError",
     "ParameterTypeError",
     "Pattern",
-    "Period",
-    "PeriodicWindow",
     "Physical",
     "Piece",
     "Point",
@@ -101,11 +98,8 @@ __all__ = [
     "Quantities",
     "Record",
     "Response",
-    "RunLog",
     "Sample",
-    "Search",
     "SensorRecord",
-    "Signal",
     "SingularError",
     "SpecialPoint",
     "StabilityFlags",
@@ -120,7 +114,6 @@ __all__ = [
     "VibroimpactError",
     "VirtualRig",
     "Zone",
-    "ZoneSearch",
     "atlas",
     "base_motion",
     "base_record",

@@ -13,6 +13,7 @@ import vibroimpact as vi
 from shared_motions import UNEVEN, after_impact
 from shared_simulations import state
 from shared_systems import RIG, TABLE, TURN
+from vibroimpact.studies.find import Search
 
 
 def same_orbit(one, other):
@@ -536,8 +537,8 @@ def test_stable_motions_of_zones_are_found(osc, r, clearance, sides):
 
 def test_an_old_account_can_be_read():
     """Counts by reason that an older file lacks are 0."""
-    search = vi.Search(**{
-        field.name: 3 for field in dataclasses.fields(vi.Search)
+    search = Search(**{
+        field.name: 3 for field in dataclasses.fields(Search)
         if field.default is dataclasses.MISSING
     })  # fmt: skip
     assert search.wandering == search.lost == 0

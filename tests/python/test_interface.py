@@ -145,6 +145,13 @@ def test_jupyter_shows_oscillator_units_and_what_find_gives():
     assert str(found.search) in found._repr_html_()
 
 
+def test_jupyter_shows_a_point():
+    point = TABLE.at(0.94, 37.0, 2.0)
+    shown = dict(cells(point))
+    assert [float(shown[name]) for name in ("r", "d K/F0", "load over F0")] == [0.94, 37.0, 2.0]
+    assert "Oscillator" in point._repr_html_()
+
+
 def test_what_find_gives_is_a_line():
     """The representation gives the number of motions; the motions are its items."""
     found = vi.find(TABLE, 0.94, 37.0, 2, 1)

@@ -221,6 +221,11 @@ def test_a_record_of_the_former_class_is_read(found):
     assert again.to_dict() == found.to_dict()
 
 
+def test_what_there_is_instead_are_attributes(found):
+    with pytest.raises(AttributeError, match="it has labels, fractions, standard_error$"):
+        found.r  # noqa: B018
+
+
 def test_what_a_system_lacks_is_named(found):
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     own = vi.basins(osc, 1.04, 14.0, states=2, cycles=20, probes=2)

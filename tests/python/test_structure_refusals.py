@@ -89,6 +89,9 @@ def test_help_describes_both_systems(name):
     text = getattr(vi, name).__doc__
     assert "structure" in text
     assert "_structure" not in text
+    first = "motion" if name in ("branch", "zone") else "structure"
+    of = "a motion of a structure" if first == "motion" else "a structure"
+    assert text.split("\n\n")[1].startswith(f"Of {of}: ``{name}({first}, ")
     assert not hasattr(vi, f"{name}_structure")
 
 

@@ -59,10 +59,12 @@ class column:  # noqa: N801 (a descriptor, written as property is)
     def __get__(self, noun: Noun | None, owner: type) -> Any:
         if noun is None:
             return self
-        place = (self.table, self.name)
-        if noun.of_structure and self.of_structure:
-            place = self.of_structure
-        return self.shaped(noun, noun._values(*place, self.attribute))
+        return self.shaped(noun, noun._values(*self.place(noun), self.attribute))
+
+    def place(self, noun: Noun) -> tuple[str, str]:
+        """The table and the column."""
+        own = noun.of_structure and self.of_structure
+        return own or (self.table, self.name)
 
     def shaped(self, noun: Noun, values: NDArray[Any]) -> NDArray[Any]:
         """The values of the table in the order of the attribute."""
@@ -79,7 +81,7 @@ def key(*names: str) -> Any:
             known = [item["name"] for item in keys_for(noun._result.study, True)]
             for name in names:
                 if name not in known:
-                    raise AttributeError(noun._lack(name, ", ".join(known)))
+                    raise AttributeError(noun._lack(name, noun._columns()))
         keys = noun.keys
         return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
 
@@ -408,9 +410,18 @@ class Noun(Savable):
         """A column of a table, decoded; an AttributeError if results of its system do not have it."""
         known = declared(self._result.study, self.of_structure)
         if (table, name) not in known:
-            others = dict.fromkeys(other for _, other in known)
-            raise AttributeError(self._lack(attribute or name, ", ".join(others)))
+            raise AttributeError(self._lack(attribute or name, self._columns()))
         return self._result.column(table, name).decoded()
+
+    def _columns(self) -> str:
+        """The columns that results of its system have, by the names of their attributes."""
+        known = declared(self._result.study)
+        return ", ".join(
+            name
+            for kind in type(self).__mro__
+            for name, item in vars(kind).items()
+            if isinstance(item, column) and name[0] != "_" and item.place(self) in known
+        )
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""

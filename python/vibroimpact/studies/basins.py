@@ -115,6 +115,13 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         if it was cut short.
     standard_error : ndarray
         Standard error of the fractions for independent states; an upper bound for states of a lattice.
+    reached : int
+        States that were simulated: all, unless the study was stopped.
+    uncertain : (ndarray, ndarray)
+        Of a plane of an oscillator: share of pairs of states with different ends, along the first and the second
+        axis, against their distance in cells.
+    uncertainty_exponent : float
+        Of a plane of an oscillator: that of `uncertain`.
     case : str
         The case as a namelist.
     complete : bool

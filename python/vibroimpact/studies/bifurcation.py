@@ -137,6 +137,12 @@ class BifurcationDiagram(
         confirmed, "0/1" without impacts.
     status : ndarray (runs, n) of int
         0 done; see `status_text`. After a failure the next value of a structure starts anew.
+    failures : dict
+        Messages of simulations that failed, and how often each occurred.
+    windows : list of PeriodicWindow
+        Of an oscillator: stretches of values with one label, run by run.
+    coexisting : ndarray (n,) of bool
+        Of an oscillator: whether the runs ended on different motions, as with hysteresis.
     points : structured ndarray
         The impacts kept: ``run`` and ``index`` (of the value) and, of an oscillator, ``side`` ("R", "L"),
         ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure

@@ -41,6 +41,8 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
         Amplitude of the load of an oscillator, or the load of a structure.
     exponents : ndarray (k, ...)
         Per unit of time (1/omega of an oscillator), largest first; NaN where there were no impacts.
+    largest : ndarray (...)
+        The first of them: positive in chaos.
     standard_error : ndarray (k, ...)
         Of `exponents`, from the scatter of the batches.
     per_cycle, error_per_cycle : ndarray (k, ...)

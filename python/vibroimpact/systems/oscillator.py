@@ -471,6 +471,11 @@ class Point:
             "force": self.osc.F0, "mass": self.osc.M,
         }  # fmt: skip
 
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        facts = {"r": self.r, "d K/F0": self.clearance, "load over F0": self.amplitude}
+        return facts_html(repr(self.osc), {name: f"{value:.10g}" for name, value in facts.items()})
+
     def __repr__(self) -> str:
         load = f", load {self.amplitude:.6g}" if self.amplitude != 1 else ""
         return f"<{self.osc!r} at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}{load}>"

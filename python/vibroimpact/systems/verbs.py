@@ -15,6 +15,17 @@ from .structure import Structure
 OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude"}
 
 
+def usage(name: str, kind: type | None, of_structure: Callable[..., Any]) -> str:
+    """A paragraph of the docstring with the signature of a verb for structures."""
+    signature = inspect.signature(of_structure)
+    plain = [
+        item.replace(annotation=inspect.Parameter.empty) for item in signature.parameters.values()
+    ]
+    shown = signature.replace(parameters=plain, return_annotation=inspect.Signature.empty)
+    of = "a motion of a structure" if kind else "a structure"
+    return f"Of {of}: ``{name}{shown}``."
+
+
 def every_system(
     of_structure: Callable[..., Any], kind: type | None = None,
     of_law: Callable[[dict[str, Any]], None] | None = None, along: tuple[str, ...] = (), no_point: str = "",
@@ -40,6 +51,8 @@ def every_system(
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
         signature = inspect.signature(of_oscillator).parameters
         parameters, name = list(signature), of_oscillator.__name__
+        summary, *text = inspect.cleandoc(of_oscillator.__doc__ or "").split("\n\n", 1)
+        of_oscillator.__doc__ = "\n\n".join([summary, usage(name, kind, of_structure), *text])
 
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
