@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,14 +21,15 @@ from .base.files import write_text
 from .motions.quantities import Quantities, Signal
 from .results import namelist
 from .results.events import Sample
+from .results.noun import Savable
 from .results.tables import Column, Found, Result, declared, settled
 from .systems.oscillator import Oscillator, Pattern
 from .systems.units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, powers_of
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["Physical", "physical"]
+
+From = TypeVar("From")
+One = TypeVar("One", bound=Savable)
 
 #: The dimensionless units of names that no column of a result has.
 UNITS = {
@@ -36,7 +37,8 @@ UNITS = {
     "x": "F0/K", "z": "F0/K", "X": "F0/K", "Z": "F0/K", "Y": "F0/K", "clearance": "F0/K",
     "x_dot": "omega F0/K", "z_dot": "omega F0/K", "X_dot": "omega F0/K", "Z_dot": "omega F0/K",
     "X_ddot": "omega^2 F0/K", "Z_ddot": "omega^2 F0/K", "load": "F0", "phase": "rad", "phases": "rad",
-    "alpha": "rad",    "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
+    "alpha": "rad", "start": "1/omega", "end": "1/omega", "speeds": "omega F0/K", "impulses": "F0/omega",
+    "q": "F0/K", "q_dot": "omega F0/K", "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
     "xi": "", "mu": "", "R1": "", "R2": "", "restitution": "", "x_over_D": "",
 } | Quantities.units  # fmt: skip
 
@@ -52,6 +54,12 @@ def units_by_name(study: str) -> dict[str, str]:
     return found | own
 
 
+@overload
+def physical(result: Physical[From], units: Units | str | None = None) -> Physical[From]: ...
+@overload
+def physical(result: One, units: Units | str | None = None) -> Physical[One]: ...
+@overload
+def physical(result: Any, units: Units | str | None = None) -> Any: ...
 def physical(result: Any, units: Units | str | None = None) -> Any:
     """A result, or a dataset of one, in physical units.
 
@@ -115,7 +123,7 @@ def units_of(osc: Oscillator, units: Units | str | None) -> Units:
     return own if units is None else own.to(units)
 
 
-class Physical:
+class Physical(Generic[From]):
     """A result in physical units. It has the names of the result; what has a dimension is in `units`.
 
     `clearance` is d, the whole travel of the free mass between the walls; `frequency` is that of the load in
@@ -130,10 +138,10 @@ class Physical:
     """
 
     __slots__ = ("result", "units")
-    result: Any
+    result: From
     units: Units
 
-    def __init__(self, result: Any, units: Units) -> None:
+    def __init__(self, result: From, units: Units) -> None:
         checks.instance(units, "units", Units)
         object.__setattr__(self, "result", result)
         object.__setattr__(self, "units", units)
@@ -147,8 +155,6 @@ class Physical:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        if name == "frequency":
-            return self.result.r * self.units.frequency
         value = getattr(self.result, name)
         if name.startswith("_"):
             return value
@@ -172,7 +178,7 @@ class Physical:
             return table
         if isinstance(value, Mapping):
             # of a state, without what continues it bit for bit
-            names = units_by_name("design") if self.result.study == "design" else UNITS
+            names = units_by_name("design") if self._of.study == "design" else UNITS
             return {key: self._converted(key, item) for key, item in value.items() if key in names}
         if hasattr(value, "study"):
             return Physical(value, self.units)
@@ -187,9 +193,9 @@ class Physical:
             )
         if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             return [self._converted(name, item) for item in value]
-        unit = units_by_name(self.result.study).get(name, MIXED)
+        unit = units_by_name(self._of.study).get(name, MIXED)
         if unit == MIXED:
-            columns = settled(self.result._result).columns()
+            columns = settled(self._of._result).columns()
             known = [item.unit for _, item in columns if item.name == name and item.unit != MIXED]
             unit = known[0] if known else MIXED
         if unit == MIXED or not isinstance(value, (float, complex, np.ndarray, np.number, Signal)):
@@ -203,9 +209,19 @@ class Physical:
         return value * scale if powers_of(unit) else value
 
     @property
+    def frequency(self) -> Any:
+        """Cycles of the load per unit of time."""
+        return self._of.r * self.units.frequency
+
+    @property
+    def _of(self) -> Any:
+        """The result, whose attributes depend on its class."""
+        return self.result
+
+    @property
     def _result(self) -> Result:
         """Its tables in physical units."""
-        return tables(self.result._result, self.units)
+        return tables(self._of._result, self.units)
 
     def sample(self, t: ArrayLike) -> Sample:
         """Positions, velocities, accelerations and load at physical times, as `sample` of the result."""
@@ -214,21 +230,29 @@ class Physical:
         for name in ("initial_state", "final_state"):
             end = getattr(self.result, name, {"t": math.nan})["t"]
             times = np.where(np.isclose(times, end, rtol=1e-14, atol=0), end, times)
-        sample: Sample = self._converted("sample", self.result.sample(times))
+        sample: Sample = self._converted("sample", self._of.sample(times))
         return sample
 
+    def _with_window(self, options: dict[str, Any]) -> dict[str, Any]:
+        """The options of a method, whose window is in physical times."""
+        if options.get("window") is None:
+            return options
+        window = checks.real_array(options["window"], "window", "two times")
+        return options | {"window": window / self.units.time}
+
     def quantities(self, *args: Any, **options: Any) -> Quantities:
-        """Response quantities in physical units, as `quantities` of the result."""
-        found: Quantities = self._converted("quantities", self.result.quantities(*args, **options))
+        """Response quantities in physical units, as `quantities` of the result; `window` is in physical times."""
+        amounts = self._of.quantities(*args, **self._with_window(options))
+        found: Quantities = self._converted("quantities", amounts)
         return found
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """The picture of the result with physical axes; arguments as of its own `plot`."""
-        return type(self.result).plot(self, *args, **options)
+        """The picture of the result with physical axes; arguments as of its own `plot`, with physical times."""
+        return type(self._of).plot(self, *args, **self._with_window(options))
 
     def animate(self, *args: Any, **options: Any) -> Any:
-        """The animation of the result in physical units; arguments as of its own `animate`."""
-        return type(self.result).animate(self, *args, **options)
+        """The animation of the result in physical units; arguments as of its own `animate`, as in `plot`."""
+        return type(self._of).animate(self, *args, **self._with_window(options))
 
     def _animate(self, *options: Any) -> Any:
         """The animation, for `animate` of the class of the result."""
@@ -241,11 +265,11 @@ class Physical:
         return True  # most results have no length
 
     def __len__(self) -> int:
-        return len(self.result)
+        return len(self._of)
 
     def __getitem__(self, index: Any) -> Any:
         """A part of the result, or a list of them for a slice."""
-        return self._converted("parts", self.result[index])
+        return self._converted("parts", self._of[index])
 
     def _draw(self, *options: Any) -> Any:
         """The picture, for `plot` of the class of the result."""
@@ -266,7 +290,7 @@ class Physical:
             for table in self._result.tables.values() for column in table.columns.values()
         }  # fmt: skip
         own = {field.name: getattr(self.units, field.name) for field in dataclasses.fields(Units)}
-        content: dict[str, Any] = self.result.to_dict()
+        content: dict[str, Any] = self._of.to_dict()
         return content | {"physical": {**own, "columns": named, "tables": columns}}
 
     def to_json(self) -> str:
@@ -275,7 +299,7 @@ class Physical:
 
     def to_xarray(self) -> Any:
         """`to_xarray` of the result in physical units."""
-        return dataset(self.result.to_xarray(), self.units)
+        return dataset(self._of.to_xarray(), self.units)
 
     def to_pandas(self) -> Any:
         """`to_pandas` of the result in physical units; their names are in ``attrs["units"]`` of the frame."""
@@ -315,7 +339,7 @@ class Physical:
         return facts_html(repr(self), {"units": self.units.names, "F0": f"{self.units.F0:.6g}"})
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *dir(self.result), "frequency"})
+        return sorted({*super().__dir__(), *dir(self.result)})
 
     def __repr__(self) -> str:
         return f"<Physical, in {self.units.names}: {self.result!r}>"

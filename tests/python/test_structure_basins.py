@@ -222,7 +222,7 @@ def test_a_record_of_the_former_class_is_read(found):
 
 
 def test_what_there_is_instead_are_attributes(found):
-    with pytest.raises(AttributeError, match="it has labels, fractions, standard_error$"):
+    with pytest.raises(AttributeError, match=r"it has labels, fractions, standard_error$"):
         found.r  # noqa: B018
 
 

@@ -289,6 +289,29 @@ def test_parts_of_results(every):
     assert len(own) == len(piece)
 
 
+def test_windows_and_columns_of_every_system(every):
+    """A window has physical times; speeds, impulses and ends have their units."""
+    run, units = every["Trajectory"], UNITS.to(MM)
+    own = run.physical(MM)
+    assert (own.start, own.end) == pytest.approx((run.start * units.time, run.end * units.time))
+    middle = run.start + 0.4 * (run.end - run.start)
+    whole, part = (
+        own.quantities(window=(own.start, own.end)),
+        run.quantities(window=(middle, run.end)),
+    )
+    assert whole.work == pytest.approx(own.quantities().work, rel=1e-12)
+    shown = own.quantities(window=(middle * units.time, own.end))
+    assert shown.work == pytest.approx(part.work * units.scale("F0^2/K"), rel=1e-9)
+    assert own.plot(kind="load", window=(middle * units.time, own.end)) is not None
+    motion, p = every["Motion"], every["Motion"].physical(MM)
+    change = (
+        np.abs(p.X_dot_after - p.X_dot_before) * units.scale("F0/omega") / units.scale("omega F0/K")
+    )
+    assert p.impulses == pytest.approx(change, rel=1e-9)
+    assert p.speeds == pytest.approx(motion.speeds * units.scale("omega F0/K"), rel=1e-14)
+    np.testing.assert_array_equal(p.gaps, motion.gaps)
+
+
 def test_animations(every, tmp_path):
     """The masses, the walls and the cursor in physical units, and a film."""
     import matplotlib.pyplot as plt

@@ -58,7 +58,7 @@ def motion_images(motion: Motion) -> Iterator[Motion]:
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     >>> motion = vi.exact(osc, 0.94, 37.0, ([0, 4.3], vi.Pattern("RL")))
-    >>> [round(float(image.phases[1]), 3) for image in vi.motion_images(motion)]
+    >>> [round(float(image.alpha[1]), 3) for image in vi.motion_images(motion)]
     [4.342, 1.941]
     """
     _check(motion)
