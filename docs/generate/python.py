@@ -30,9 +30,15 @@ OF_EXTRAS = {
     "The interactive page (extra `explorer`)": ("explorer.server.explore",),
 }
 EXTRA = {
-    "Parts of results": ("motions.trajectory.Period", "motions.quantities.Signal", "studies.find.Search",
-                         "studies.zone.ZoneSearch", "studies.branch.Branches",
-                         "studies.bifurcation.PeriodicWindow", "cases.run.RunLog"),
+    "Parts of results": (
+        "motions.trajectory.Period",
+        "motions.quantities.Signal",
+        "studies.find.Search",
+        "studies.zone.ZoneSearch",
+        "studies.branch.Branches",
+        "studies.bifurcation.PeriodicWindow",
+        "cases.run.RunLog",
+    ),
     "What all results can do": ("results.noun.Savable",),
     "Pictures": ("plot.draw", "plot.draw_chart", "plot.draw_system"),
     "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
