@@ -260,8 +260,9 @@ def phase_table(values: Any, n: int, cycles: int, first: int = 0) -> NDArray[np.
     array = real_array(values, "phases", wanted)
     if array.ndim != 2 or array.shape[0] != n or array.shape[1] == 0:
         raise ParameterError(f"phases of shape {array.shape}: must be {wanted}, M at least 1")
-    shifted: NDArray[np.float64] = array - array[0]
-    bad = ~((np.diff(array, axis=0) > 0).all(axis=0) & (shifted[-1] < period))
+    with np.errstate(invalid="ignore"):  # infinite phases
+        shifted = array - array[0] if array[0].any() else array
+        bad = ~((np.diff(array, axis=0) > 0).all(axis=0) & (shifted[-1] < period))
     if bad.any():
         j = int(np.argmax(bad))
         raise ParameterError(f"phases[:, {first + j}] = {array[:, j].tolist()!r}: must be {wanted}")
