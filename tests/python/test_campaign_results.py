@@ -34,7 +34,7 @@ def test_results_are_those_of_single_calls(tmp_path, study):
     found = vi.Campaign(tmp_path / "store")
     assert found.finished.all()
     for i, text in enumerate(texts):
-        direct = door.run_text(RESULTS[found.study], text, study=found.study)
+        direct = door.run_text(RESULTS[found.study], text)
         assert found[i].to_dict() == direct.to_dict()
 
 

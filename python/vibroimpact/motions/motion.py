@@ -661,7 +661,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     @classmethod
     def of_result(cls, result: Result) -> Motion:
         """The motion of a result that has one."""
-        if result.study == cls.study:
+        if not result.of_structure:
             found = motions_of(result)
             if len(found) != 1:
                 raise ParameterError(f"result with {len(found)} motions: must have one")

@@ -207,7 +207,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         True
         """
         if self.of_structure:
-            return self._sample_structure(t)
+            q, rate = self._sampled(t, 2)
+            return q, rate
         times = checks.real_array(t, "t", "real times")
         first, last = self.start, self.end
         if times.size and not (first <= times.min() and times.max() <= last):
@@ -218,13 +219,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
-    def _sample_structure(self, t: ArrayLike) -> tuple[_Array, _Array]:
-        """As `sample`, of a structure."""
-        q, rate = self._sampled(t, 2)
-        return q, rate
-
     def _sampled(self, t: ArrayLike, parts: int) -> _Array:
-        """Coordinates and velocities of a structure, and with three `parts` accelerations (parts, n, m)."""
+        """Of a structure: coordinates and velocities, and with three `parts` accelerations (parts, n, m)."""
         wanted = f"times from {self.start!r} to {self.end!r}"
         times = np.atleast_1d(checks.real_array(t, "t", wanted))
         inside = (times >= self.start) & (times <= self.end)
@@ -232,19 +228,12 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
         order = np.argsort(times, kind="stable")
         values, status = _core.sample_structure(
-            *core_arrays(self.structure, self.load),
-            *self._segments_of_structure(),
-            times[order],
-            parts,
+            *core_arrays(self.structure, self.load), *self._segments(), times[order], parts
         )
         raise_status(status)
         found = np.empty(values.shape)
         found[:, order] = values
         return found.reshape(parts, self.structure.coordinates, len(times))
-
-    def _segments_of_structure(self) -> tuple[_Array, NDArray[np.int32]]:
-        """What begins at the start and just after each event, as the core takes it."""
-        return segments_of_events(self.start, self.initial_state, self.events, self.states)
 
     def _resting(self) -> tuple[int, ...]:
         """The gaps of a structure that rest from the start."""
@@ -316,14 +305,16 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         first, end = self._times(cycles, window)
         if self.of_structure:
             return structure_quantities(
-                self, core_arrays(self.structure, self.load), self._segments_of_structure(),
-                (first, end), harmonics,
-            )  # fmt: skip
+                self,
+                core_arrays(self.structure, self.load),
+                self._segments(),
+                (first, end),
+                harmonics,
+            )
         starts, resting = self._segments()
-        within = (self.events["time"] > first) & (self.events["time"] <= end)
         return oscillator_quantities(
             self.osc, self.r, self.load, self.clearance, starts, resting, (first, end),
-            self.events[within], harmonics,
+            self.events[(self.events["time"] > first) & (self.events["time"] <= end)], harmonics,
         )  # fmt: skip
 
     def _times(self, cycles: float | None, window: ArrayLike | None) -> tuple[float, float]:
@@ -465,9 +456,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         if self.of_structure:
             remarks = (f"final time: {namelist.digits(self.end)}",)
             tables = self._tables_of_structure()
-            return with_owners(
-                self.structure, made("simulate", case, tables, remarks, cut)
-            )
+            return with_owners(self.structure, made("simulate", case, tables, remarks, cut))
         right, left = self.osc.restitution
         ends = (self.initial_state, self.final_state)
         moments = [moment for state in ends for moment in moments_of(state)]
@@ -514,7 +503,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     @classmethod
     def of_result(cls, result: Result) -> Trajectory:
         """The trajectory of the core's tables."""
-        if result.study != cls.study:
+        if result.of_structure:
             return cls._of_structure(result)
         one = {
             name: result.column("run", name).values.item()
@@ -657,7 +646,10 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return 3.0 if cycles is None else cycles, None
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-        """Start of each segment (6, n), and the side on which the free mass rests in it."""
+        """Start of each segment (6, n), and the side on which the free mass rests in it; of a structure as the
+        core takes them."""
+        if self.of_structure:
+            return segments_of_events(self.start, self.initial_state, self.events, self.states)
         state = self.initial_state
         first = np.array([[state[name] for name in ("t", "phase", "x", "x_dot", "z", "z_dot")]]).T
         starts, resting = segments(self.events, self.clearance)

@@ -415,12 +415,15 @@ class Noun(Savable):
 
     def _columns(self) -> str:
         """The columns that results of its system have, by the names of their attributes."""
-        known = declared(self._result.study)
-        return ", ".join(
-            name
-            for kind in type(self).__mro__
-            for name, item in vars(kind).items()
-            if isinstance(item, column) and name[0] != "_" and item.place(self) in known
+        known = declared(self._result.study, self.of_structure)
+        return (
+            ", ".join(
+                name
+                for kind in type(self).__mro__
+                for name, item in vars(kind).items()
+                if isinstance(item, column) and name[0] != "_" and item.place(self) in known
+            )
+            or "what its parts have"
         )
 
     def to_namelist(self) -> str:
