@@ -11,6 +11,7 @@ program test_studies
    use studies_boundaries, only: test_boundaries
    use studies_branches, only: test_branches
    use studies_conditions, only: test_conditions
+   use studies_families, only: test_families
    use studies_found, only: test_found
    use studies_joints, only: test_condition_names, test_corners_at_joints, test_joints, &
       test_short_curves
@@ -94,6 +95,7 @@ program test_studies
    call test_structure_pair()
    call test_structure_runs()
    call test_structure_slopes()
+   call test_families()
    call test_structure_conditions()
    call test_attractors()
    call finish()
