@@ -42,7 +42,8 @@ contains
          next = modulo(i, loop%n) + 1
          associate (y => loop%points(1, i), at => loop%points(2:, i), to => loop%points(2:, next))
             call check_close(y, 1.0_wp, 1e-12_wp, 'another family: the unknown on the boundary')
-            call check_close(at(1)**2 + 2*at(2)**2, 1.0_wp, 1e-12_wp, 'another family: the boundary')
+            call check_close(at(1)**2 + 2*at(2)**2, 1.0_wp, 1e-12_wp, &
+               'another family: the boundary')
             area = area + 0.5_wp*(at(1)*to(2) - at(2)*to(1))
          end associate
       end do
@@ -50,8 +51,8 @@ contains
       call new_bowl([1], line)
       do way = -1, 1, 2
          reported = 0
-         call follow_branch(line, stride_type(longest=0.05_wp, turn=0.3_wp), [0.0_wp, 0.0_wp], way, &
-            500, branch, 1000, reported)
+         call follow_branch(line, stride_type(longest=0.05_wp, turn=0.3_wp), [0.0_wp, 0.0_wp], &
+            way, 500, branch, 1000, reported)
          i = findloc(branch%special(:branch%n)%kind, flip, dim=1)
          call check(i > 0, 'another family: where a branch becomes unstable')
          if (i == 0) cycle

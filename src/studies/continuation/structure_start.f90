@@ -197,7 +197,7 @@ contains
          deallocate (repetitions)
          allocate (repetitions(size(others) + 1))
          repetitions(1) = repetition_type(half, -1.0_wp, acos(-1.0_wp)*family%cycles, s%even, &
-            .true.)
+            halves=.true.)
          repetitions(2:) = others
       end associate
    end subroutine add_symmetry
