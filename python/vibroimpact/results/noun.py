@@ -414,17 +414,15 @@ class Noun(Savable):
         return self._result.column(table, name).decoded()
 
     def _columns(self) -> str:
-        """The columns that results of its system have, by the names of their attributes."""
+        """The columns that results of its system have, by the names of their attributes if they are such."""
         known = declared(self._result.study, self.of_structure)
-        return (
-            ", ".join(
-                name
-                for kind in type(self).__mro__
-                for name, item in vars(kind).items()
-                if isinstance(item, column) and name[0] != "_" and item.place(self) in known
-            )
-            or "what its parts have"
-        )
+        own = [
+            name
+            for kind in type(self).__mro__
+            for name, item in vars(kind).items()
+            if isinstance(item, column) and name[0] != "_" and item.place(self) in known
+        ]
+        return ", ".join(own or dict.fromkeys(name for _, name in known))
 
     def to_namelist(self) -> str:
         """The case as a namelist; the program, the command and Python compute the same digits from it."""
