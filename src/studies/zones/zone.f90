@@ -19,9 +19,8 @@ module vi_zone
    use vi_outline, only: ring_of, zone_side
    use vi_rings, only: winding
    use vi_pattern, only: pattern_type
-   use vi_releases, only: most_simulations, release_type, simulate_releases
+   use vi_releases, only: most_simulations, release_type, simulate_releases, simulate_return
    use vi_repetition_vertices, only: leave_repetition, move_to_repetition
-   use vi_seeds, only: simulate_return
    use vi_zone_request, only: is_neutral, make_surface, zone_request_type
    use vi_status, only: stat
    use vi_progress, only: is_stopped, report_share
