@@ -11,8 +11,8 @@ module vi_atlas_study
    use vi_study, only: a_whole, case_type, column_type, key_type, of_oscillator, result_type, &
       study_type, truths, wholes, words
    use vi_text, only: counted, exact, line_type, whole, whole_width
-   use vi_zone_pieces, only: add_pieces, family_columns, not_closed, piece_columns, pieces_type, &
-      put_pieces, vertex_columns
+   use vi_zone_pieces, only: add_pieces, corner_column, family_columns, not_closed, piece_columns, &
+      pieces_type, place_columns, put_pieces, vertex_columns
    use vi_zone_study, only: lines_key, vertices_key
    implicit none (type, external)
    private
@@ -38,7 +38,7 @@ module vi_atlas_study
       column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
       column_type('families', 'symmetric', truths, &
       meaning='whether the motions are their own mirror images'), &
-      piece_columns, vertex_columns, family_columns, &
+      piece_columns, place_columns, corner_column, vertex_columns, family_columns, &
       column_type('pieces', 'symmetric', truths, listed=.false., &
       meaning='whether the motions are their own mirror images'), &
       column_type('points', 'r', listed=.false., &

@@ -84,12 +84,14 @@ module vi_basins_study
    type(key_type), parameter :: max_cycles_key = key_type('max_cycles', a_whole, default='16', &
       low=1.0_wp, high=100.0_wp, meaning='longest period considered, in load cycles')
 
-   type(column_type), parameter :: basins_columns(*) = [ &
+   type(column_type), parameter :: state_columns(*) = [ &
       column_type('states', 't', unit='1/omega', meaning='time of the initial state'), &
       column_type('states', 'x', unit='F0/K', meaning='displacement of the primary mass'), &
       column_type('states', 'x_dot', unit='omega F0/K', meaning='velocity of the primary mass'), &
       column_type('states', 'z', unit='F0/K', meaning='displacement of the free mass'), &
-      column_type('states', 'z_dot', unit='omega F0/K', meaning='velocity of the free mass'), &
+      column_type('states', 'z_dot', unit='omega F0/K', meaning='velocity of the free mass')]
+
+   type(column_type), parameter :: attractor_columns(*) = [ &
       column_type('first', 'place', label='=', unit='mixed', listed=.false., &
       meaning='along the first axis'), &
       column_type('second', 'place', label='=', unit='mixed', listed=.false., &
@@ -161,10 +163,12 @@ module vi_basins_study
    character(14), parameter :: other_names(0:3) = [character(14) :: 'no impacts', 'chaotic', &
       'quasi-periodic', 'permanent rest']
 
-   type(column_type), parameter :: structure_columns(*) = [ &
+   type(column_type), parameter :: structure_state_columns(*) = [ &
       column_type('states', 'q', each='coordinate', label='q_#', &
       meaning='coordinates of the initial state'), &
-      column_type('states', 'q_dot', each='coordinate', label='q_dot_#', meaning='velocities'), &
+      column_type('states', 'q_dot', each='coordinate', label='q_dot_#', meaning='velocities')]
+
+   type(column_type), parameter :: structure_attractor_columns(*) = [ &
       column_type('first', 'place', label='=', listed=.false., meaning='along the first axis'), &
       column_type('second', 'place', label='=', listed=.false., meaning='along the second axis'), &
       column_type('attractors', 'number', wholes, listed=.false., &
@@ -185,9 +189,10 @@ contains
          for_model(basins_keys, of_oscillator), for_model(structure_keys, of_structure), &
          max_cycles_key, for_model(load_key, of_oscillator), max_events_key]
       if (present(columns)) then
-         columns = [for_model(basins_columns(:5), of_oscillator), for_model(structure_columns(:2), &
-            of_structure), shared_columns, for_model(basins_columns(6:), of_oscillator), &
-            for_model([structure_columns(3:), found_columns], of_structure)]
+         columns = [for_model(state_columns, of_oscillator), &
+            for_model(structure_state_columns, of_structure), shared_columns, &
+            for_model(attractor_columns, of_oscillator), &
+            for_model([structure_attractor_columns, found_columns], of_structure)]
          ! the CSV has a row for each state, not for each impact
          columns(size(columns) - size(found_columns) + 1:)%listed = .false.
       end if

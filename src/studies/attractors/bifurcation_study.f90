@@ -25,7 +25,7 @@ module vi_bifurcation_study
 
    character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
       'sweep=states'
-   type(key_type), parameter :: bifurcation_keys(*) = [ &
+   type(key_type), parameter :: path_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each value'), &
@@ -49,7 +49,9 @@ module vi_bifurcation_study
       meaning='up, down, both: the state is carried from value to value; states: each value starts &
       &anew from many states'), &
       key_type('states', a_whole, default='12', low=1.0_wp, high=1.0e6_wp, only=states, &
-      meaning='initial states at each value, spread evenly'), &
+      meaning='initial states at each value, spread evenly')]
+
+   type(key_type), parameter :: impact_keys(*) = [ &
       key_type('points', a_whole, default='100', low=1.0_wp, high=4096.0_wp, &
       meaning='impacts kept of each run and value'), &
       key_type('t', may_miss=.true., low=-most_state, high=most_state, never=states, &
@@ -108,12 +110,14 @@ module vi_bifurcation_study
       column_type('windows', 'cut', truths, listed=.false., &
       meaning='whether it is next to a value that was not reached')]
 
-   type(key_type), parameter :: structure_keys(*) = [ &
+   type(key_type), parameter :: structure_path_keys(*) = [ &
       key_type('parameter', a_word, takes=structure_takes, meaning='parameter that changes'), &
       key_type('low', meaning='first value of the parameter', takes='a finite number', &
       option='values'), &
       key_type('high', over='low', meaning='last value of the parameter', &
-      takes='a finite number', option='values'), &
+      takes='a finite number', option='values')]
+
+   type(key_type), parameter :: structure_impact_keys(*) = [ &
       key_type('points', a_whole, default='100', low=0.0_wp, high=4096.0_wp, &
       meaning='impacts kept at each value')]
 
@@ -137,10 +141,10 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(bifurcation_keys(:10), of_oscillator), &
-         for_model([structure_keys(:3), sweep_keys], of_structure), settling_key, keep_key, &
-         for_model(bifurcation_keys(11:), of_oscillator), for_model(start_keys(:2), of_structure), &
-         max_events_key, for_model([structure_keys(4:), function_keys], of_structure)]
+      if (present(keys)) keys = [for_model(path_keys, of_oscillator), &
+         for_model([structure_path_keys, sweep_keys], of_structure), settling_key, keep_key, &
+         for_model(impact_keys, of_oscillator), for_model(start_keys(:2), of_structure), &
+         max_events_key, for_model([structure_impact_keys, function_keys], of_structure)]
       if (present(columns)) columns = [for_model(bifurcation_columns, of_oscillator), &
          for_model([cell_columns, structure_columns], of_structure)]
       if (.not. present(study)) return

@@ -40,9 +40,10 @@ module vi_response_study
       key_type('states', a_whole, default='24', low=1.0_wp, high=1.0e6_wp, &
       meaning='initial states at each frequency ratio, spread evenly'), &
       key_type('settling', a_whole, default='600', low=0.0_wp, high=1.0e7_wp, &
-      meaning='load cycles simulated before the motion is examined'), &
-      key_type('load', default='1', low=0.0_wp, above=.true., high=1.0e12_wp, &
-      meaning='load amplitude')]
+      meaning='load cycles simulated before the motion is examined')]
+
+   type(key_type), parameter :: load_key = key_type('load', default='1', low=0.0_wp, &
+      above=.true., high=1.0e12_wp, meaning='load amplitude')
 
    type(column_type), parameter :: response_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &
@@ -91,9 +92,9 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(response_keys(:8), of_oscillator), &
+      if (present(keys)) keys = [for_model(response_keys, of_oscillator), &
          for_model([structure_keys, sweep_keys, settling_key], of_structure), keep_key, &
-         for_model(response_keys(9:), of_oscillator), for_model(start_keys(:2), of_structure), &
+         for_model(load_key, of_oscillator), for_model(start_keys(:2), of_structure), &
          max_events_key]
       if (present(columns)) columns = [for_model(response_columns, of_oscillator), &
          for_model([cell_columns, structure_columns], of_structure)]

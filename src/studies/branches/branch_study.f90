@@ -39,7 +39,9 @@ module vi_branch_study
 
    type(key_type), parameter :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
-      meaning='parameter that changes'), &
+      meaning='parameter that changes', model=of_oscillator), &
+      key_type('parameter', a_word, takes=structure_takes, meaning='parameter that changes', &
+      model=of_structure), &
       key_type('low', takes='a number, at most the value that the motion has', &
       option='bounds', meaning='lower bound of the parameter'), &
       key_type('high', takes='a number above low, at least the value that the motion has', &
@@ -51,99 +53,90 @@ module vi_branch_study
       meaning='points in each direction after which the branch is cut short')]
 
    type(column_type), parameter :: branch_columns(*) = [ &
-      column_type('branches', 'branch', wholes, meaning='number of the branch'), &
+      column_type('branches', 'branch', wholes, meaning='number of the branch', &
+      model=of_oscillator), &
       column_type('branches', 'symmetric', truths, listed=.false., &
-      meaning='whether its motions are their own mirror images half a period later'), &
+      meaning='whether its motions are their own mirror images half a period later', &
+      model=of_oscillator), &
       column_type('branches', 'first_end', words, listed=.false., &
-      meaning='why it ends at its first point'), &
+      meaning='why it ends at its first point', model=of_oscillator), &
       column_type('branches', 'last_end', words, listed=.false., &
-      meaning='why it ends at its last point'), &
+      meaning='why it ends at its last point', model=of_oscillator), &
       column_type('branches', 'start_clearance', unit='F0/K', listed=.false., &
-      meaning='clearance of the starting motion'), &
+      meaning='clearance of the starting motion', model=of_oscillator), &
       column_type('branches', 'start_tau', unit='rad', listed=.false., &
-      meaning='tau of the starting motion'), &
+      meaning='tau of the starting motion', model=of_oscillator), &
       column_type('branches', 'start_phases', each='impact', unit='rad', listed=.false., &
-      meaning='load phases of the impacts of the starting motion'), &
+      meaning='load phases of the impacts of the starting motion', model=of_oscillator), &
       column_type('branches', 'start_X', each='impact', unit='F0/K', listed=.false., &
-      meaning='displacements of the primary mass at its impacts'), &
-      column_type('points', 'point', wholes, meaning='number of the point along it'), &
-      column_type('points', 'r', meaning='frequency ratio'), &
-      column_type('points', 'clearance', unit='F0/K', &
-      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
-      column_type('points', 'xi', meaning='damping ratio'), &
-      column_type('points', 'mu', meaning='mass ratio'), &
-      column_type('points', 'R1', meaning='coefficient of restitution of the right wall'), &
-      column_type('points', 'R2', meaning='coefficient of restitution of the left wall'), &
-      column_type('points', 'consistent', verdicts, meaning='whether it solves all equations'), &
-      column_type('points', 'admissible', verdicts, meaning='whether it stays between the walls'), &
-      column_type('points', 'stable', verdicts, meaning='whether disturbances decay'), &
-      column_type('points', 'multipliers', complexes, each='multiplier', &
-      label='multiplier_#_modulus', meaning='eigenvalues of [P], in order of decreasing modulus'), &
-      column_type('points', 'A', unit='F0/K', meaning='amplitude of the motion without impacts'), &
-      column_type('points', 'tau', unit='rad', meaning='load phase of the first impact'), &
-      column_type('points', 'residual', meaning='relative residual of (26), (30)'), &
-      column_type('points', 'x_min', unit='F0/K', &
-      meaning='least displacement of the primary mass'), &
-      column_type('points', 'x_max', unit='F0/K', &
-      meaning='greatest displacement of the primary mass'), &
-      column_type('points', 'attenuation', meaning='max|X|/A'), &
-      column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &
-      meaning='load phases of the impacts, from the first one'), &
-      column_type('points', 'X', each='impact', label='X_#', unit='F0/K', &
-      meaning='displacements of the primary mass at the impacts'), &
-      column_type('points', 'Z', each='impact', unit='F0/K', listed=.false., &
-      meaning='displacements of the free mass at the impacts'), &
-      column_type('points', 'X_dot_before', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the primary mass before the impacts'), &
-      column_type('points', 'X_dot_after', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the primary mass after the impacts'), &
-      column_type('points', 'Z_dot_before', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the free mass before the impacts'), &
-      column_type('points', 'Z_dot_after', each='impact', unit='omega F0/K', listed=.false., &
-      meaning='velocities of the free mass after the impacts'), &
-      column_type('points', 'special', words, meaning='type of a special point'), &
-      column_type('points', 'detail', words, meaning='the impact, flight or bound concerned'), &
-      column_type('points', 'special_impact', wholes, listed=.false., &
-      meaning='number of the impact without approach speed, or before the touching flight; 0: &
-      &none'), &
-      column_type('points', 'special_side', words, words='R,L', listed=.false., &
-      meaning='wall at which the motion grazes')]
-
-   type(key_type), parameter :: parameter_key = key_type('parameter', a_word, &
-      takes=structure_takes, meaning='parameter that changes')
-
-   type(column_type), parameter :: own_structure_columns(*) = [ &
+      meaning='displacements of the primary mass at its impacts', model=of_oscillator), &
       column_type('points', 'point', wholes, meaning='number of the point along the branch'), &
-      column_type('points', 'value', meaning='the parameter'), &
+      column_type('points', 'r', meaning='frequency ratio', model=of_oscillator), &
+      column_type('points', 'clearance', unit='F0/K', &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls', &
+      model=of_oscillator), &
+      column_type('points', 'xi', meaning='damping ratio', model=of_oscillator), &
+      column_type('points', 'mu', meaning='mass ratio', model=of_oscillator), &
+      column_type('points', 'R1', meaning='coefficient of restitution of the right wall', &
+      model=of_oscillator), &
+      column_type('points', 'R2', meaning='coefficient of restitution of the left wall', &
+      model=of_oscillator), &
+      column_type('points', 'value', meaning='the parameter', model=of_structure), &
       column_type('points', 'consistent', verdicts, meaning='whether it solves all equations'), &
       column_type('points', 'admissible', verdicts, &
       meaning='whether all gaps stay open between the impacts'), &
       column_type('points', 'stable', verdicts, meaning='whether disturbances decay'), &
       column_type('points', 'multipliers', complexes, each='multiplier', &
       label='multiplier_#_modulus', meaning='eigenvalues of [P], in order of decreasing modulus'), &
-      column_type('points', 'residual', &
-      meaning='largest relative residual of the equations'), &
+      column_type('points', 'A', unit='F0/K', meaning='amplitude of the motion without impacts', &
+      model=of_oscillator), &
+      column_type('points', 'tau', unit='rad', meaning='load phase of the first impact', &
+      model=of_oscillator), &
+      column_type('points', 'residual', meaning='largest relative residual of the equations'), &
+      column_type('points', 'x_min', unit='F0/K', &
+      meaning='least displacement of the primary mass', model=of_oscillator), &
+      column_type('points', 'x_max', unit='F0/K', &
+      meaning='greatest displacement of the primary mass', model=of_oscillator), &
+      column_type('points', 'attenuation', meaning='max|X|/A', model=of_oscillator), &
       column_type('points', 'q_min', each='coordinate', label='q_min_#', &
-      meaning='least value of each coordinate'), &
+      meaning='least value of each coordinate', model=of_structure), &
       column_type('points', 'q_max', each='coordinate', label='q_max_#', &
-      meaning='greatest value of each coordinate'), &
+      meaning='greatest value of each coordinate', model=of_structure), &
       column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &
-      meaning='load phases of the impacts'), &
+      meaning='load phases of the impacts, of an oscillator from the first one'), &
+      column_type('points', 'X', each='impact', label='X_#', unit='F0/K', &
+      meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
+      column_type('points', 'Z', each='impact', unit='F0/K', listed=.false., &
+      meaning='displacements of the free mass at the impacts', model=of_oscillator), &
+      column_type('points', 'X_dot_before', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the primary mass before the impacts', model=of_oscillator), &
+      column_type('points', 'X_dot_after', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the primary mass after the impacts', model=of_oscillator), &
+      column_type('points', 'Z_dot_before', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the free mass before the impacts', model=of_oscillator), &
+      column_type('points', 'Z_dot_after', each='impact', unit='omega F0/K', listed=.false., &
+      meaning='velocities of the free mass after the impacts', model=of_oscillator), &
       column_type('points', 'speeds', each='impact', label='speed_#', &
-      meaning='approach speeds of the impacts'), &
+      meaning='approach speeds of the impacts', model=of_structure), &
       column_type('points', 'impulses', each='impact', listed=.false., &
-      meaning='impulses of the impacts'), &
+      meaning='impulses of the impacts', model=of_structure), &
       column_type('points', 'special', words, meaning='type of a special point'), &
       column_type('points', 'detail', words, meaning='the impact, flight or bound concerned'), &
+      column_type('points', 'special_impact', wholes, listed=.false., &
+      meaning='number of the impact without approach speed, or before the touching flight; 0: &
+      &none', model=of_oscillator), &
+      column_type('points', 'special_side', words, words='R,L', listed=.false., &
+      meaning='wall at which the motion grazes', model=of_oscillator), &
       column_type('branch', 'gaps', wholes, each='impact', listed=.false., &
-      meaning='gaps of the impacts, from 0'), &
-      column_type('branch', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
+      meaning='gaps of the impacts, from 0', model=of_structure), &
+      column_type('branch', 'cycles', wholes, listed=.false., meaning='load cycles in a period', &
+      model=of_structure), &
       column_type('branch', 'frequency', listed=.false., &
-      meaning='circular frequency of the load at the start'), &
+      meaning='circular frequency of the load at the start', model=of_structure), &
       column_type('branch', 'first_end', words, listed=.false., &
-      meaning='why it ends at its first point'), &
+      meaning='why it ends at its first point', model=of_structure), &
       column_type('branch', 'last_end', words, listed=.false., &
-      meaning='why it ends at its last point'), path_columns, structure_columns]
+      meaning='why it ends at its last point', model=of_structure)]
 
 contains
 
@@ -156,11 +149,9 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(branch_keys(1), of_oscillator), &
-         for_model(parameter_key, of_structure), branch_keys(2:), for_model(function_keys, &
-         of_structure)]
-      if (present(columns)) columns = [for_model(branch_columns, of_oscillator), &
-         for_model(own_structure_columns, of_structure)]
+      if (present(keys)) keys = [branch_keys, for_model(function_keys, of_structure)]
+      if (present(columns)) columns = [branch_columns, for_model([path_columns, &
+         structure_columns], of_structure)]
       if (.not. present(study)) return
       study%name = 'branch'
       study%meaning = 'follow motions along a parameter'

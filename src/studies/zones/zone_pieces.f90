@@ -30,11 +30,13 @@ module vi_zone_pieces
       column_type('pieces', 'piece', wholes, meaning='number of the piece of the boundary'), &
       column_type('pieces', 'type', words, meaning='condition that is zero along it'), &
       column_type('pieces', 'detail', words, meaning='the impact, flight or bound concerned')], &
-      vertex_columns(*) = [ &
+      place_columns(*) = [ &
       column_type('vertices', 'r', meaning='frequency ratio'), &
       column_type('vertices', 'clearance', unit='F0/K', &
-      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
-      column_type('vertices', 'corner', truths, meaning='whether pieces meet there'), &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls')], &
+      corner_column = column_type('vertices', 'corner', truths, &
+      meaning='whether pieces meet there'), &
+      vertex_columns(*) = [ &
       column_type('vertices', 'x', each='impact', listed=.false., &
       meaning='x/D of the motion at its impacts; with rest, velocity over D at the last release'), &
       column_type('vertices', 'theta', each='impact', unit='rad', listed=.false., &

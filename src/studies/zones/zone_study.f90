@@ -24,8 +24,8 @@ module vi_zone_study
       of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: counted, exact, whole
    use vi_zone, only: zone_around, zone_type, zone_work
-   use vi_zone_pieces, only: add_pieces, family_columns, not_closed, piece_columns, pieces_type, &
-      put_pieces, vertex_columns, zone_pieces
+   use vi_zone_pieces, only: add_pieces, corner_column, family_columns, not_closed, piece_columns, &
+      pieces_type, place_columns, put_pieces, vertex_columns, zone_pieces
    use vi_zone_request, only: zone_request_type
    implicit none (type, external)
    private
@@ -53,9 +53,9 @@ module vi_zone_study
       &load phase and velocity over D of the last release, then zeros', &
       meaning='motions that are known to exist and that the search could miss')
 
-   type(column_type), parameter :: zone_columns(*) = [ &
-      column_type('pieces', 'symmetric', truths, &
-      meaning='whether the motions are their own mirror images'), &
+   type(column_type), parameter :: symmetric_column = column_type('pieces', 'symmetric', truths, &
+      meaning='whether the motions are their own mirror images')
+   type(column_type), parameter :: seed_columns(*) = [ &
       column_type('open_seeds', 'r', listed=.false., &
       meaning='frequency ratio of a seed around which no boundary could be closed'), &
       column_type('open_seeds', 'clearance', unit='F0/K', listed=.false., &
@@ -73,11 +73,13 @@ module vi_zone_study
       key_type('y_high', takes='a number above y_low, at least the value that the motion has', &
       option='y', meaning='upper bound of y')]
 
-   type(column_type), parameter :: own_columns(*) = [ &
+   type(column_type), parameter :: structure_place_columns(*) = [ &
       column_type('pieces', 'symmetric', truths, listed=.false., &
       meaning='whether the motions are their own images half a period later'), &
       column_type('vertices', 'x', meaning='parameter of the abscissa'), &
-      column_type('vertices', 'y', meaning='parameter of the ordinate'), &
+      column_type('vertices', 'y', meaning='parameter of the ordinate')]
+
+   type(column_type), parameter :: structure_vertex_columns(*) = [ &
       column_type('vertices', 'speeds', each='impact', label='speed_#', &
       meaning='approach speeds of the impacts'), &
       column_type('vertices', 'phases', each='impact', label='phase_#', unit='rad', &
@@ -106,10 +108,11 @@ contains
          of_structure), lines_key, for_model(guesses_key, of_oscillator), vertices_key, &
          for_model(seeds_key, of_oscillator), for_model([x_function_keys, y_function_keys], &
          of_structure)]
-      if (present(columns)) columns = [piece_columns, for_model([zone_columns(1), &
-         vertex_columns(:2)], of_oscillator), for_model(own_columns(:3), of_structure), &
-         vertex_columns(3), for_model([vertex_columns(4:), zone_columns(2:)], of_oscillator), &
-         for_model(own_columns(4:), of_structure), family_columns]
+      if (present(columns)) columns = [piece_columns, &
+         for_model([symmetric_column, place_columns], of_oscillator), &
+         for_model(structure_place_columns, of_structure), corner_column, &
+         for_model([vertex_columns, seed_columns], of_oscillator), &
+         for_model(structure_vertex_columns, of_structure), family_columns]
       if (.not. present(study)) return
       study%name = 'zone'
       study%meaning = 'find where the motions of a pattern are stable'
