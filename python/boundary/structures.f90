@@ -98,6 +98,46 @@ subroutine structure_quantities(n, gaps, width, harmonics, samples, m, matrices,
       energies, share, status)
 end subroutine structure_quantities
 
+!> Derivatives of a simulated motion of a structure by its start and by parameters, as of
+!! `gradient_arrays`; number 1 of the parameters changes nothing.
+!!
+!! `starts` and `labels` are as of `sample_structure`, `speeds` approach speeds. `first` is the gap
+!! of the impact just before a period, of which the clock shows the load phase, and 0 of other
+!! motions; `touched` is the event after the first flight that touches a wall, 0 for none.
+subroutine structure_gradient(n, gaps, width, harmonics, samples, e, p, m, matrices, directions, &
+   gap_values, frequency, loads, constant, step, record, entries, by_entries, by_record, by_start, &
+   starts, labels, speeds, last, first, touched, sizes, values, finals, products, slopes, rates, &
+   opens, good, code, status)
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use vi_structure, only: new_load, new_structure
+   use vi_structure_gradient, only: events_type, gradient_arrays
+   implicit none (type, external)
+   !f2py threadsafe
+   integer(c_int), intent(in) :: n, gaps, width, harmonics, samples, e, p, m, entries(3, e), &
+      labels(2, m), first, touched
+   real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
+      frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), &
+      by_entries(e, p), by_record(p), by_start(2*n, p), starts(2*n + 1, m), speeds(m), last, &
+      sizes(2*n)
+   real(c_double), intent(out) :: values(2*n + 3, m, p), finals(2*n, p), products(2*n, 2*n, p), &
+      slopes(2*n + 3, 2*n, m), rates(2*n, 2)
+   integer(c_int), intent(out) :: opens(p), good, code, status
+   type(events_type) :: events
+   logical :: open(p)
+
+   allocate (events%starts, source=starts)
+   allocate (events%labels, source=labels)
+   allocate (events%speeds, source=speeds)
+   allocate (events%sizes, source=sizes)
+   events%end = last
+   events%first = first
+   events%touched = touched
+   call gradient_arrays(new_structure(matrices, directions, gap_values), new_load(frequency, &
+      loads, constant, step, record), entries, by_entries, by_record, by_start, events, values, &
+      finals, products, slopes, rates, open, good, code, status)
+   opens = merge(1, 0, open)
+end subroutine structure_gradient
+
 !> Fills in the states (time, coordinates and velocities) of a motion where rests begin and end.
 subroutine complete_rests(n, gaps, width, harmonics, m, matrices, directions, gap_values, &
    frequency, loads, constant, labels, starts, status)

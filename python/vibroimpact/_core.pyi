@@ -729,6 +729,40 @@ class _StatusText(Protocol):
     ) -> tuple[_Bytes, int]: ...
 
 @type_check_only
+class _StructureGradient(Protocol):
+    # values, finals, products, slopes, rates, opens, good, code, status
+    def __call__(
+        self,
+        matrices: ArrayLike,
+        directions: ArrayLike,
+        gap_values: ArrayLike,
+        frequency: float,
+        loads: ArrayLike,
+        constant: ArrayLike,
+        step: float,
+        record: ArrayLike,
+        entries: ArrayLike,
+        by_entries: ArrayLike,
+        by_record: ArrayLike,
+        by_start: ArrayLike,
+        starts: ArrayLike,
+        labels: ArrayLike,
+        speeds: ArrayLike,
+        last: float,
+        first: int,
+        touched: int,
+        sizes: ArrayLike,
+        n: int = ...,
+        gaps: int = ...,
+        width: int = ...,
+        harmonics: int = ...,
+        samples: int = ...,
+        e: int = ...,
+        p: int = ...,
+        m: int = ...,
+    ) -> tuple[_Real, _Real, _Real, _Real, _Real, _Integer, int, int, int]: ...
+
+@type_check_only
 class _StructureQuantities(Protocol):
     # numbers, parts, energies, share, status
     def __call__(
@@ -876,6 +910,7 @@ spaced: _Spaced
 stability_flags: _StabilityFlags
 start_state: _StartState
 status_text: _StatusText
+structure_gradient: _StructureGradient
 structure_quantities: _StructureQuantities
 switch_branch: _SwitchBranch
 trajectory_gradient: _TrajectoryGradient

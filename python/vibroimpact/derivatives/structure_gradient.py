@@ -1,4 +1,4 @@
-"""Derivatives of motions and trajectories of structures by their parameters, through impacts and rests."""
+"""Derivatives of motions and trajectories of structures by their parameters, which the core carries along."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.status import raise_status, status_text
+from ..motions.structure_trajectory import core_arrays
 from ..results.gradient import Gradient, frozen
 from ..results.parameters import (
     CONSTANT,
@@ -30,7 +32,6 @@ from ..systems.record import Record
 from ..systems.restitution import TabulatedRestitution
 from ..systems.structure import Load, Structure
 from .gradient import FOLD, NOT_SMOOTH
-from .structure_variation import STEP, System, carried, plain_load
 
 if TYPE_CHECKING:
     from ..motions.motion import Motion
@@ -41,6 +42,9 @@ __all__: list[str] = []
 _Array = NDArray[Any]
 #: Condition number at a fold; cosine between the eigenvectors of a double multiplier.
 SINGULAR, DEFECT = 1e10, 1e-5
+#: Approach speed, over the largest velocity, at a graze, as in the core; distance from a wall, over the largest
+#: coordinate, at a touch; instants of a flight between which it is sought.
+TOUCHING, TOUCH, NODES = 1e-9, 1e-12, 32
 #: Codes of the core's vi_status.
 COINCIDENT = 28
 #: The kinds of entries by the words of names.
@@ -49,20 +53,47 @@ WORDS = {name: kind for kind, name in MATRICES.items()} | {
 }  # fmt: skip
 
 
-def systems_of(
-    structure: Structure, load: Load | Record | None, parameters: Sequence[Wanted], by_phase: bool
-) -> tuple[System, list[System], list[float]]:
-    """The system, one with an imaginary step of each parameter, and the derivatives of the frequency."""
-    plain = plain_load(structure, load)
-    places, values = entries_of(structure, plain)
-    moved, paces = [], []
-    for parameter in parameters:
-        of_record = parameter == "load" and isinstance(load, Record)
-        rate = 0 * values if of_record else rates_of(structure, plain, parameter)
-        moved.append(System(structure, load, values + 1j * STEP * rate, by_phase))
-        moved[-1].scale = 1 + 1j * STEP * of_record
-        paces.append(float(rate[places[:, 0] == FREQUENCY][0]))
-    return System(structure, load, values + 0j, by_phase), moved, paces
+def plain_load(structure: Structure, load: Load | Record | None) -> Load:
+    """The part of a load that has entries."""
+    if isinstance(load, Load):
+        return load
+    zero = np.zeros(structure.coordinates)
+    return Load(constant=zero if load is None else load.constant)
+
+
+class Along:
+    """A trajectory along which the core carries changes of its start and of parameters."""
+
+    def __init__(self, run: Trajectory, parameters: Sequence[Wanted], first: int = -1) -> None:
+        """`first`: the gap of the impact just before a period, the clock of which shows the load phase."""
+        self.run, count, plain = run, len(parameters) + 1, plain_load(run.structure, run.load)
+        places = entries_of(run.structure, plain)[0]
+        rates, of_record = np.zeros((len(places), count)), np.zeros(count)
+        for i, parameter in enumerate(parameters, 1):
+            of_record[i] = parameter == "load" and isinstance(run.load, Record)
+            if not of_record[i]:
+                rates[:, i] = rates_of(run.structure, plain, parameter)
+        self.by_frequency = rates[places[:, 0] == FREQUENCY][0]
+        touched, sizes = touch_of(run)
+        self.sizes = np.repeat(sizes, run.structure.coordinates)
+        self.before: list[Any] = [*core_arrays(run.structure, run.load), places.T, rates, of_record]
+        speeds = np.append(0, run.events["speed"])
+        self.after: list[Any] = [
+            *run._segments(),
+            speeds,
+            run.end,
+            first + 1,
+            touched + 1,
+            self.sizes,
+        ]
+
+    def carried(self, changes: _Array) -> tuple[_Array, _Array, _Array, _Array, _Array]:
+        """The core's arrays for derivatives of the start (2n, 1 + parameters), of which the first are 0."""
+        given, count = [*self.before, changes, *self.after], len(self.run.events)
+        found = _core.structure_gradient(*given)
+        values, finals, products, slopes, rates, self.opens, self.good, self.code, status = found
+        raise_status(status)
+        return values[:, :count], finals, products, slopes[..., :count], rates
 
 
 def checked(structure: Structure, load: Load | Record | None, parameters: Any) -> list[Wanted]:
@@ -100,35 +131,27 @@ def structure_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> G
     wanted = checked(structure, load, parameters)
     if not wanted:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
-    system, changed, _ = systems_of(structure, load, wanted, by_phase=True)
     names = names_of(wanted)
     run = motion._run()
-    start = np.concatenate(run.initial_state)
-    base = carried(system, run, start, int(motion.gaps[0]))
-    if base.code:
-        raise_status(base.code)
-    scale = base.sizes
-    matrix = (base.matrix * scale / scale[:, None]).real
-    inverse = inverse_of(system, motion, matrix, scale)
+    along = Along(run, wanted, int(motion.gaps[0]))
+    still = np.zeros((2 * n, 1 + len(names)))
+    _, finals, products, *_ = along.carried(still)
+    raise_status(along.code)
+    scale = along.sizes
+    matrix = products[..., 0] * scale / scale[:, None]
+    inverse = inverse_of(structure, motion, matrix, scale)
+    values, _, products, *_ = along.carried(scale[:, None] * (inverse @ (finals / scale[:, None])))
+    by_matrix = (products * (scale / scale[:, None])[..., None])[..., 1:].transpose(2, 0, 1)
     # the impact at the end of the period is the first one
     hits = np.roll(np.flatnonzero(run.events["kind"] == "impact"), 1)
-    tables, by_matrix = [], []
-    for other in changed:
-        last = carried(other, run, start).state.imag / STEP
-        change = scale * (inverse @ (last / scale))
-        moved = carried(other, run, start + 1j * STEP * change)
-        by_matrix.append((moved.matrix * scale / scale[:, None]).imag / STEP)
-        tables.append(moved.values[hits].imag / STEP)
+    tables = values[:, hits, 1:].transpose(1, 0, 2)
     found: dict[str, _Array] = {
         "phases": motion.phases, "speeds": motion.speeds, "impulses": motion.impulses,
         "q": motion.states[:, 0], "q_dot": motion.states[:, 1], "multipliers": motion.multipliers,
         "stability_margin": np.asarray(1 - np.abs(motion.multipliers).max(initial=0.0)),
     }  # fmt: skip
-    columns = np.reshape(np.stack(tables, axis=-1), (count, 2 * n + 3, len(names)))
-    slopes = by_name(columns, n, ("phases", "speeds", "impulses", "q", "q_dot"))
-    slopes["multipliers"], status = multiplier_slopes(
-        matrix, np.array(by_matrix), motion.multipliers
-    )
+    slopes = by_name(tables, n, ("phases", "speeds", "impulses", "q", "q_dot"))
+    slopes["multipliers"], status = multiplier_slopes(matrix, by_matrix, motion.multipliers)
     slopes["stability_margin"] = margin_slopes(motion.multipliers, slopes["multipliers"], status)
     dimensions: dict[str, tuple[str, ...]] = {
         "phases": ("impact",), "speeds": ("impact",), "impulses": ("impact",), "q": ("impact", "coordinate"),
@@ -165,38 +188,35 @@ def structure_trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     wanted = checked(structure, load, parameters)
     if not wanted and not initial:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
-    system, changed, paces = systems_of(structure, load, wanted, by_phase=False)
     names = names_of(wanted)
-    start = np.concatenate(run.initial_state)
-    base = carried(system, run, start)
-    assert base.first_rate is not None
-    # of events, of the state at the end, and of the time there: a number of cycles of the load, or a duration
-    tables, ends, times = [], [], []
-    for name in initial:
-        change = -base.first_rate.real if name == "start" else np.eye(2 * n)[own.index(name) - 1]
-        tables.append(base.slopes.real @ change)
-        ends.append(base.matrix.real @ change)
-        times.append(float(name == "start"))
-    by_cycles = "cycles" in (run.request or {})
-    for other, pace in zip(changed, paces, strict=True):
-        moved = carried(other, run, start)
-        tables.append(moved.values.imag / STEP)
-        ends.append(moved.state.imag / STEP)
-        times.append(-pace * (run.end - run.start) / system.frequency.real if by_cycles else 0.0)
-    columns = np.stack(tables, axis=-1)
-    final = np.stack(ends, axis=-1) + np.outer(base.rate.real, times)
+    along = Along(run, wanted)
+    values_by, finals, products, by_start, rates = along.carried(np.zeros((2 * n, 1 + len(names))))
+    # of the start, by the initial quantities; of the time at the end, a number of cycles or a duration
+    changes = np.zeros((2 * n, len(initial)))
+    for i, name in enumerate(initial):
+        changes[:, i] = -rates[:, 0] if name == "start" else np.eye(2 * n)[own.index(name) - 1]
+    times = np.array([float(name == "start") for name in initial] + [0.0] * len(names))
+    if "cycles" in (run.request or {}):
+        times[len(initial) :] -= (
+            along.by_frequency[1:] * (run.end - run.start) / plain_load(structure, load).frequency
+        )
+    columns = np.concatenate(
+        [np.einsum("ijk,jl->kil", by_start, changes), values_by[..., 1:].transpose(1, 0, 2)],
+        axis=-1,
+    )
+    final = np.hstack([products[..., 0] @ changes, finals[:, 1:]]) + np.outer(rates[:, 1], times)
     status = {}
-    if base.code:
-        where = f"events[{base.good}:]" if base.good < count else "final_q"
-        status[where] = status_text(base.code)
-        columns[base.good :] = final[:] = np.nan
-    opening = opening_at_start(run, system, changed, initial)
+    if along.code:
+        where = f"events[{along.good}:]" if along.good < count else "final_q"
+        status[where] = status_text(along.code)
+        columns[along.good :] = final[:] = np.nan
+    opening = opening_at_start(along, initial)
     if opening.any():
         parting = ", ".join(np.array([*initial, *names])[opening])
         status[parting] = "a gap rests at the start, and would open or be less than closed"
         columns[..., opening] = final[:, opening] = np.nan
     slopes = by_name(columns, n, ("time", "speed", "impulse", "q", "q_dot"))
-    slopes |= {"final_time": np.array(times), "final_q": final[:n], "final_q_dot": final[n:]}
+    slopes |= {"final_time": times, "final_q": final[:n], "final_q_dot": final[n:]}
     values = {name: run.events[name].copy() for name in ("time", "speed", "impulse")}
     values |= {"q": run.states[:, 0].copy(), "q_dot": run.states[:, 1].copy()}
     values["final_time"] = np.asarray(run.end)
@@ -204,7 +224,7 @@ def structure_trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     dimensions: dict[str, tuple[str, ...]] = dict.fromkeys(("time", "speed", "impulse"), ("event",))
     dimensions |= dict.fromkeys(("q", "q_dot"), ("event", "coordinate")) | {"final_time": ()}
     dimensions |= dict.fromkeys(("final_q", "final_q_dot"), ("coordinate",))
-    if base.code:
+    if along.code:
         slopes["final_time"][:] = np.nan
     of = f"a trajectory of a structure with {count} events"
     values, slopes = (
@@ -213,26 +233,69 @@ def structure_trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     return Gradient(of, (*initial, *names), values, slopes, dimensions, status)
 
 
-def opening_at_start(
-    run: Trajectory, system: System, changed: list[System], initial: Sequence[str]
-) -> _Array:
+def opening_at_start(along: Along, initial: Sequence[str]) -> _Array:
     """Whether a gap that rests at the start would not stay closed if a quantity of it or a parameter changed."""
-    rests = list(run._resting())
-    rows = system.directions[rests].real
-    moved = [
-        [
-            *(one.directions[rests] @ run.initial_state[0] - one.openings[rests]),
-            *(one.directions[rests] @ run.initial_state[1]),
-        ]
-        for one in changed
-    ]
-    by_state = [
-        name != "start" and bool(rows[:, int(name.split("_")[-1])].any()) for name in initial
-    ]
-    return np.array([*by_state, *(bool(np.imag(one).any()) for one in moved)], bool)
+    structure = along.run.structure
+    rows = [structure.gaps[j].direction for j in along.run._resting()]
+    used = np.any(np.reshape(rows, (-1, structure.coordinates)), axis=0)
+    by_state = [name != "start" and used[int(name.split("_")[-1])] for name in initial]
+    return np.append(by_state, along.opens[1:]).astype(bool)
 
 
-def inverse_of(system: System, motion: Motion, matrix: _Array, scale: _Array) -> _Array:
+def touch_of(run: Trajectory) -> tuple[int, _Array]:
+    """Number of the event after the first flight in which a gap closes without an impact, -1 if none does; and the
+    largest coordinate and velocity at the events and between them: at impacts all coordinates may be 0."""
+    gaps, times = run.structure.gaps, run.events["time"]
+    directions = np.array([gap.direction for gap in gaps]).reshape(len(gaps), -1)
+    openings = np.array([gap.opening for gap in gaps])[:, None]
+    edges = np.concatenate([[run.start], times, [run.end]])
+    shares = np.concatenate([[1e-6], (np.arange(NODES) + 0.5) / NODES, [1 - 1e-6]])
+    nodes = np.clip(edges[:-1, None] + np.diff(edges)[:, None] * shares, run.start, run.end)
+    q, q_dot = run.sample(nodes.ravel())
+    pairs = zip((q, q_dot), run.states.transpose(1, 0, 2), strict=True)
+    sizes = np.array([
+        max(np.abs(part).max(initial=1e-300), np.abs(own).max(initial=0.0)) for part, own in pairs
+    ])  # fmt: skip
+    closing = (directions @ q_dot).reshape(len(gaps), *nodes.shape)
+    distance = (openings - directions @ q).reshape(closing.shape)
+    # from approach to departure, so near that the gap may close between
+    reach = np.diff(nodes) * np.maximum(closing[..., :-1], -closing[..., 1:])
+    # impacts at one instant have flights of the size of rounding between them
+    long = (np.diff(edges) > TOUCHING * np.abs(edges).max())[:, None]
+    turns = long & (closing[..., :-1] > 0) & (closing[..., 1:] <= 0) & (distance[..., :-1] < reach)
+    gap, flight, node = np.nonzero(turns)
+    low, high = nodes[flight, node], nodes[flight, node + 1]
+    for _ in range(60 if gap.size else 0):
+        middle = 0.5 * (low + high)
+        nearing = np.einsum("ij,ji->i", directions[gap], run.sample(middle)[1]) > 0
+        low, high = np.where(nearing, middle, low), np.where(nearing, high, middle)
+    if not gap.size:
+        return -1, sizes
+    left = openings[gap, 0] - np.einsum("ij,ji->i", directions[gap], run.sample(low)[0])
+    size = np.abs(directions[gap]) @ np.abs(q).max(axis=1)
+    rests = resting_in(run)
+    found = [
+        i
+        for i, j, close in zip(flight, gap, np.abs(left) < TOUCH * size, strict=True)
+        if close and j not in rests[i]
+    ]
+    return int(min(found, default=-1)), sizes
+
+
+def resting_in(run: Trajectory) -> list[set[int]]:
+    """The gaps that rest in each flight, or come to rest at its end, or were released at its beginning."""
+    resting = set(run._resting())
+    found = [resting]
+    for kind, gap in run.events[["kind", "gap"]].tolist():
+        if kind == "stick":
+            resting = resting | {gap}
+            found[-1] = found[-1] | {gap}
+        found.append(resting)
+        resting = resting - {gap} if kind == "release" else resting
+    return found
+
+
+def inverse_of(structure: Structure, motion: Motion, matrix: _Array, scale: _Array) -> _Array:
     """The inverse of 1 - matrix, of the derivative of a period in units `scale`.
 
     A body that hits nothing may rest anywhere: a shift of it, which changes no gap that closes, is left out.
@@ -240,8 +303,8 @@ def inverse_of(system: System, motion: Motion, matrix: _Array, scale: _Array) ->
     left, sizes, right = np.linalg.svd(np.eye(len(matrix)) - matrix)
     shifts = sizes < sizes[0] / SINGULAR
     changes = scale * right[shifts]
-    used = system.directions[np.unique(motion.gaps)].real
-    closing = changes[:, : system.n] @ used.T / (scale[0] * np.abs(used).max())
+    used = np.array([structure.gaps[j].direction for j in np.unique(motion.gaps)])
+    closing = changes[:, : structure.coordinates] @ used.T / (scale[0] * np.abs(used).max())
     if (np.abs(closing) > 1e-6).any():
         raise_status(FOLD)
     kept = ~shifts

@@ -11,7 +11,7 @@ module vi_structure_path
    private
 
    public :: changed, changed_whole, is_odd, new_change, new_function, rates_of, reduce, same_law, &
-      value_at
+      set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
    !! load.
@@ -112,8 +112,8 @@ contains
       end if
       do k = 1, size(path%changes)
          do i = 1, size(path%changes(k)%entries, 2)
-            call set(structure, load, path%changes(k)%entries(:, i), entry_at(path%changes(k), &
-               path%changes(k)%series(:, i), shares(k)))
+            call set_entry(structure, load, path%changes(k)%entries(:, i), &
+               entry_at(path%changes(k), path%changes(k)%series(:, i), shares(k)))
          end do
       end do
    end subroutine changed_whole
@@ -271,7 +271,7 @@ contains
    end subroutine rates_of
 
    !> Sets an entry.
-   pure subroutine set(structure, load, entry, value)
+   pure subroutine set_entry(structure, load, entry, value)
       !> In and out: the structure and the load.
       type(structure_type), intent(inout) :: structure
       !> As in `structure`.
@@ -309,7 +309,7 @@ contains
             load%constant(i) = value
          end select
       end associate
-   end subroutine set
+   end subroutine set_entry
 
    !> The value of an entry.
    pure real(wp) function get(structure, load, entry) result(value)
