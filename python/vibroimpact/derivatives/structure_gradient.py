@@ -14,7 +14,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.status import raise_status, status_text
-from ..motions.structure_trajectory import core_arrays
+from ..motions.trajectory import core_arrays
 from ..results.gradient import Gradient, frozen
 from ..results.parameters import (
     CONSTANT,
