@@ -35,13 +35,13 @@ ACTIONS: dict[str, Callable[..., Any]] = {}
 class column:  # noqa: N801 (a descriptor, written as property is)
     """A column of a table as an attribute, read-only; its own dimension comes last, or `first`.
 
-    of_structure: the table and the column of results of structures, where they differ. A column that the study of
-    a system does not have is an AttributeError.
+    of_structure: the table in results of structures, and the column, where they differ: "table" or "table.column".
+    A column that results of a system do not have is an AttributeError.
     """
 
     def __init__(
-        self, table: str, name: str = "", first: bool = False, of_structure: tuple[str, str] | None = None
-    ) -> None:  # fmt: skip
+        self, table: str, name: str = "", first: bool = False, of_structure: str = ""
+    ) -> None:
         self.table = table
         self.name = name
         self.first = first
@@ -63,13 +63,14 @@ class column:  # noqa: N801 (a descriptor, written as property is)
 
     def place(self, noun: Noun) -> tuple[str, str]:
         """The table and the column."""
-        own = noun.of_structure and self.of_structure
-        return own or (self.table, self.name)
+        if not (noun.of_structure and self.of_structure):
+            return self.table, self.name
+        table, _, name = self.of_structure.partition(".")
+        return table, name or self.name
 
     def shaped(self, noun: Noun, values: NDArray[Any]) -> NDArray[Any]:
         """The values of the table in the order of the attribute."""
-        own = self.first and not (noun.of_structure and self.of_structure)
-        return np.moveaxis(values, -1, 0) if own else values
+        return np.moveaxis(values, -1, 0) if self.first else values
 
 
 def key(*names: str) -> Any:
