@@ -12,8 +12,11 @@ from .shared import ROOT
 
 #: Functions of other modules for the same study.
 FUNCTIONS = {"simulate": ("simulate_bundle",)}
-#: Functions for structures that are not called as their group.
-OF_STRUCTURES = {"motion": ("periodic", "exact"), "bifurcation": ("bifurcation_diagram",)}
+#: What a &motion of a structure does, and its functions.
+OF_STRUCTURE = (
+    "compute a periodic motion of a structure from its phases, or simulate until it repeats",
+    ("periodic", "exact"),
+)
 #: What has no group.
 IN_PYTHON = {
     "give the probability that motions are stable where parameters are uncertain": ("uncertainty",),
@@ -55,16 +58,13 @@ def pages():
         f"| {does} | `{kind}` | `&motion kind = '{kind}'` | `run` |"
         for kind, (does, _) in MOTIONS.items()
     ]
+    does, words = OF_STRUCTURE
+    lines.append(f"| {does} | {code(words)} | `&motion` of a `&structure` | `run` |")
     for study, does in STUDIES.items():
         words = code([*functions(study), *FUNCTIONS.get(study, ())])
-        lines.append(f"| {does.replace('|', chr(92) + '|')} | {words} | `&{study}` | `{study}` |")
-    for group, about in language()["results"].items():
-        if MODELS[True] in about["rows"]:
-            words = code(OF_STRUCTURES.get(group, (group,)))
-            command = "run" if group == "motion" else group
-            lines.append(
-                f"| {about['meaning']} | {words} | `&{group}` of a `&structure` | `{command}` |"
-            )
+        both = len(language()["results"][study]["rows"]) == len(MODELS)
+        group = f"`&{study}`" + " of a `&system` or a `&structure`" * both
+        lines.append(f"| {does.replace('|', chr(92) + '|')} | {words} | {group} | `{study}` |")
     lines += [f"| {does} | {code(words)} | – | – |" for does, words in IN_PYTHON.items()]
     readme = (ROOT / "inputs" / "README.md").read_text(encoding="utf-8")
     rows = "| result of " + readme.partition("\n| result of ")[2].partition("\n\n")[0] + "\n"

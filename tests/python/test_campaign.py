@@ -387,3 +387,22 @@ def test_progress_and_an_exception_of_it(tmp_path):
     assert not vi.Campaign(tmp_path / "store").finished.all()
     vi.campaign(small_sweep(), tmp_path / "store", chunk=2)
     assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
+
+
+def test_cases_of_a_structure(tmp_path):
+    """A store of an earlier version, which told the model by the name of the study, is read; none mixes models."""
+    wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    text = vi.lyapunov(wall, vi.Load(1.0, cosine=[1]), cycles=40, batches=4).to_namelist()
+    found = vi.campaign([text, text], tmp_path / "store")
+    leading = found.values("exponents", "per_cycle", "first")
+    assert leading[0] == leading[1] == found[0].per_cycle[0]
+    plan = tmp_path / "store" / "campaign.json"
+    record = json.loads(plan.read_text(encoding="utf-8"))
+    assert (record["study"], record.pop("of_structure")) == ("lyapunov", True)
+    plan.write_text(json.dumps(record | {"study": "lyapunov_structure"}), encoding="utf-8")
+    again = vi.Campaign(tmp_path / "store")
+    assert again.study == "lyapunov"
+    assert (again.values("exponents", "per_cycle", "first") == leading).all()
+    other = vi.equispaced(vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), 0.94, 37)[0]
+    with pytest.raises(vi.ParameterError, match=r"^cases\[1\]: must be of the same model"):
+        vi.campaign([text, other.to_namelist()], tmp_path / "mixed")

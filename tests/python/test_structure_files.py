@@ -295,6 +295,12 @@ def test_one_file_with_both_kinds_of_systems(tmp_path):
     cases = vi.read_namelist(path)
     assert [case.study for case in cases] == ["simulate", "simulate", "simulate"]
     assert cases[0].text.replace("both_1", "") == cases[2].text.replace("both_3", "")
+    # a zone of a structure starts from a motion, one of an oscillator does not
+    path.write_text(
+        "&system xi = 0.1, mu = 0.1, restitution = 0.7, r = 0.9 /\n&motion kind = 'equispaced', clearance = 5 /\n"
+        "&zone sides = 'RL', r_min = 0.8, r_max = 1, clearance_min = 2, clearance_max = 9 /\n", encoding="utf-8",
+    )  # fmt: skip
+    assert [case.study for case in vi.read_namelist(path)] == ["motion", "zone"]
 
 
 def test_structures_are_compared_by_value():

@@ -129,14 +129,18 @@ def test_permanent_rest_is_settled():
 
 
 def test_both_systems_have_one_class(tmp_path):
-    """Files of earlier versions, which had three classes, are read; what a system lacks is named."""
+    """Files of earlier versions, with three classes and two studies, are read; what a system lacks is named."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     of_osc = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1, guesses=12, states=2)
     at_point = vi.find(osc.at(0.94, 37.0), max_impacts=2, max_cycles=1, guesses=12, states=2)
     assert at_point.to_json() == of_osc.to_json()
-    for found, name in ((search(), "StructureMotions"), (of_osc, "Findings")):
-        record = found.to_dict() | {"type": name}
-        del record["study"]
+    for found, name, study in (
+        (search(), "StructureMotions", "find_structure"), (search(), "FoundMotions", "find_structure"),
+        (search(), "StructureMotions", ""), (of_osc, "Findings", ""),
+    ):  # fmt: skip
+        record = found.to_dict() | {"type": name, "study": study}
+        if not study:
+            del record["study"]
         (tmp_path / "old.json").write_text(json.dumps(record))
         read = vi.load(tmp_path / "old.json")
         assert read.to_json() == found.to_json()
