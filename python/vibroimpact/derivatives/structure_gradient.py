@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
+from ..base.interrupt import interruptible
 from ..base.status import raise_status, status_text
 from ..motions.trajectory import core_arrays
 from ..results.gradient import Gradient, frozen
@@ -76,21 +77,15 @@ class Along:
         self.by_frequency = rates[places[:, 0] == FREQUENCY][0]
         touched, sizes = touch_of(run)
         self.sizes = np.repeat(sizes, run.structure.coordinates)
-        self.before: list[Any] = [*core_arrays(run.structure, run.load), places.T, rates, of_record]
-        speeds = np.append(0, run.events["speed"])
-        self.after: list[Any] = [
-            *run._segments(),
-            speeds,
-            run.end,
-            first + 1,
-            touched + 1,
-            self.sizes,
-        ]
+        self.before = [*core_arrays(run.structure, run.load), places.T, rates, of_record]
+        self.after = [
+            *run._segments(), np.append(0, run.events["speed"]), run.end, first + 1, touched + 1, self.sizes
+        ]  # fmt: skip
 
     def carried(self, changes: _Array) -> tuple[_Array, _Array, _Array, _Array, _Array]:
         """The core's arrays for derivatives of the start (2n, 1 + parameters), of which the first are 0."""
-        given, count = [*self.before, changes, *self.after], len(self.run.events)
-        found = _core.structure_gradient(*given)
+        count = len(self.run.events)
+        found = interruptible(_core.structure_gradient, *self.before, changes, *self.after)
         values, finals, products, slopes, rates, self.opens, self.good, self.code, status = found
         raise_status(status)
         return values[:, :count], finals, products, slopes[..., :count], rates

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError
+from ..base.interrupt import interruptible
 from ..base.status import raise_status
 from ..systems.structure import Load
 
@@ -170,8 +171,9 @@ def integrated(
     harmonics = checks.integer(harmonics, "harmonics", 1, 10_000)
     frequency, whole = arguments[3], window[1] - window[0]
     orders = harmonics if frequency else 0
-    given = [*arguments, *segments, window, max(1, orders)]
-    numbers, parts, energies, share, status = _core.structure_quantities(*given)
+    numbers, parts, energies, share, status = interruptible(
+        _core.structure_quantities, *arguments, *segments, window, max(1, orders)
+    )
     raise_status(status)
     if share < 1:
         raise ParameterError(f"window of {whole:.6g}: must be at most {share * whole:.6g} here")
