@@ -147,7 +147,7 @@ def test_both_systems_have_one_class(tmp_path):
         assert isinstance(read, vi.FoundMotions)
     assert of_osc.without_impacts == of_osc.search.without_impacts
     for found, name, there in (
-        (of_osc, "settled", "sides"), (of_osc, "failures", "sides"), (of_osc, "structure", "osc"),
+        (of_osc, "settled", "search"), (of_osc, "failures", "search"), (of_osc, "structure", "osc"),
         (search(), "search", "unsettled"), (search(), "r", "unsettled"), (search(), "osc", "structure"),
     ):  # fmt: skip
         with pytest.raises(AttributeError, match=f"^{name}: a FoundMotions of an? .*{there}"):

@@ -38,5 +38,5 @@ PICTURES: dict[str, Callable[..., Any]] = {
 def draw_result(result: Any, *options: Any) -> Any:
     """Draw a result, with the options of its function in order."""
     name = type(result).__name__
-    own = f"{name} of structures" if result.of_structure else name
+    own = f"{name} of structures" if getattr(result, "of_structure", False) else name
     return PICTURES[own if own in PICTURES else name](result, *options)

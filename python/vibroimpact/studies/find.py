@@ -181,6 +181,11 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         counts = self._values("failures", "count").tolist()
         return {sentence(code): count for code, count in zip(codes, counts, strict=True)}
 
+    def _columns(self) -> str:
+        if self.of_structure:
+            return "motions, without_impacts, settled, chaotic, quasi_periodic, unsettled, failures"
+        return "motions, without_impacts, search"
+
     def __len__(self) -> int:
         return len(self.motions)
 
