@@ -11,12 +11,17 @@ from shared_identify import BENCH, KNOWN
 #: A power law on both walls, which is one above 0.02 m/s, and load amplitudes of three records.
 LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
 LOADS = (6.0, 6.4, 6.8)
+#: Of the records, dB: flights alone, without the shapes of the pulses, tell a law from constants where noise is
+#: low.
+SNR = 60.0
 
 
 def records_at_loads(walls, seed):
     """Records of the bench rig at three load amplitudes."""
     return [
-        vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}).record(2.0, seed=seed + i)
+        vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}, snr=SNR).record(
+            2.0, seed=seed + i
+        )
         for i, F0 in enumerate(LOADS)
     ]
 
@@ -56,7 +61,7 @@ def test_a_power_law_holds_where_constants_fail():
     """Impacts of different speeds in one period tell the exponent too; constants do not fit them."""
     record = records_at_loads(LAW, 1)[1]
     constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
-    assert constant.misfit > 100
+    assert constant.misfit > 5
     assert found.misfit < 2
     for name, value in true_of_law(LAW, found.values["v0"]).items():
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
@@ -131,7 +136,7 @@ def test_a_power_law_of_each_wall_is_found():
     )
     records = records_at_loads(walls, 1)
     one, each = (vi.identify(records, known=KNOWN, law=law) for law in ("power", "powers"))
-    assert one.misfit > 10
+    assert one.misfit > 2
     assert each.misfit < 1.5
     v0 = each.values["v0"]
     true = {"exponent1": 0.1, "exponent2": 0.12, "R1": walls[0](v0), "R2": walls[1](v0), "d": 0.006}
@@ -149,7 +154,7 @@ KNEE_LOADS = (5.5, 6.1, 6.7)
 
 def records_of(walls, loads=KNEE_LOADS, seed=1):
     """Records of the bench rig at some load amplitudes."""
-    rigs = (vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}) for F0 in loads)
+    rigs = (vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}, snr=SNR) for F0 in loads)
     return [rig.record(2.0, seed=seed + i) for i, rig in enumerate(rigs)]
 
 

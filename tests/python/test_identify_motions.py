@@ -25,7 +25,7 @@ def fitted_laws():
 @pytest.mark.parametrize("shaped", [False, True])
 def test_motions_of_a_fit_are_those_of_the_core(kind, shaped):
     """Impacts agree with the core's; derivatives with its own, or with differences of its motions."""
-    from vibroimpact.identification.harmonics import Measured
+    from vibroimpact.identification.flights import Measured
     from vibroimpact.identification.motions import PARAMETERS, System, verified
 
     rig = vi.VirtualRig(**BENCH)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..motions.motion import Motion
 from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
@@ -22,8 +22,8 @@ from .known import known_values
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
 from .measured import SensorRecord
 from .motions import oscillator_of, verified
-from .stages import fitted
-from .steps import of_record, of_times
+from .stages import fitted, with_other_loads
+from .steps import flown, of_record, of_times
 from .tables import said, tables_of
 
 __all__ = ["Identification", "identify"]
@@ -437,11 +437,12 @@ def identify(
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
-    The load gives frequency, phase and amplitude. Impacts are picked as spikes in a band above load, motion and
-    ringing, and refined below the sample by the harmonics of the motion, with a mode that rings after them. Their
-    phases repeat as a pattern of N impacts in k load cycles, or do not. The linear equations of 1983 with these
-    phases give a first motion. From it, exact motions are fitted to all harmonics, weighted by errors that are
-    estimated from the noise beside each harmonic.
+    The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles that
+    its scatter from period to period does not reject. An impact is what the past of this motion does not predict.
+    Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of the velocity at
+    instants that are fitted, and modes that ring after the impacts, are fitted outside of the pulses, whose lengths the
+    data tell. So the shape of a contact does not matter, nor a delay of the sensor of the motion. Exact motions are then
+    fitted to the same data, weighted by the scatter of the samples.
 
     Parameters
     ----------
@@ -609,6 +610,13 @@ def identified(
             of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
         ]
     found = None
-    if all(step.rhythm.status == "periodic" for step in steps):
-        found, own = fitted(steps, scale, shared, guess, own, law_speed)
+    try:
+        for step in steps:
+            if step.data is not None and step.record is not None:
+                flown(step, scale, shared, guess)
+        if all(step.rhythm.status == "periodic" for step in steps):
+            found, own = fitted(steps, scale, shared, guess, own, law_speed)
+    except SingularError:
+        with_other_loads(steps, scale, shared, guess)
+        raise
     return Identification(tables_of(steps, found, scale, shared, own, case))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -15,14 +16,15 @@ MOST_ITERATIONS = 60
 
 def levenberg(
     function: Callable[[_Array], tuple[_Array, _Array]], start: _Array, scales: _Array, weak: float = 0.0,
-    accepted: Callable[[], None] = lambda: None,
+    accepted: Callable[[], None] = lambda: None, low: float | _Array = -math.inf, high: float | _Array = math.inf,
 ) -> tuple[_Array, _Array, _Array, bool]:  # fmt: skip
     """The method of Levenberg and Marquardt: the point, its residuals and their derivatives, and whether it
     converged.
 
     `function` gives residuals and derivatives, or raises an error of the package where there are none. Directions
     along which the residuals change by less than `weak` over a step of `scales` are left as they are. `accepted`
-    is called where the function was evaluated last, if the method goes there.
+    is called where the function was evaluated last, if the method goes there. No point is below `low` or above
+    `high`.
     """
     x = start.copy()
     f, J = function(x)
@@ -30,6 +32,8 @@ def levenberg(
     damping = 1e-3
     for _ in range(MOST_ITERATIONS):
         A = J * scales
+        outward = A.T @ f
+        A[:, ((x <= low) & (outward > 0)) | ((x >= high) & (outward < 0))] = 0
         squares, V = np.linalg.eigh(A.T @ A)
         slope = V.T @ (A.T @ f)
         kept = squares > max(weak**2, 1e-13 * squares[-1])
@@ -39,7 +43,7 @@ def levenberg(
         while True:
             step = -V @ np.where(kept, slope / (squares + damping * (1 + squares)), 0.0)
             try:
-                trial = x + scales * step
+                trial = np.clip(x + scales * step, low, high)
                 new_f, new_J = function(trial)
                 better = bool(new_f @ new_f <= f @ f)
             except VibroimpactError:

@@ -212,6 +212,11 @@ def butterworth_poles() -> NDArray[np.complex128]:
     return poles
 
 
+def delay_of(bandwidth: float) -> float:
+    """By how much a sensor is late (s), far below its bandwidth."""
+    return float(np.sum(1 / -butterworth_poles()).real / (2 * math.pi * bandwidth))
+
+
 @dataclass(frozen=True, kw_only=True)
 class VirtualRig:
     """A rig on a shaker whose records are made as sensors would make them, from its simulated motion.
@@ -506,7 +511,7 @@ class VirtualRig:
         offset = np.linspace(values[0], values[-1], values.size)  # no step where the ends meet
         frequency = np.fft.rfftfreq(values.size, 1 / self.rate)
         passed = np.fft.rfft(values - offset) * sensor_response(frequency, self.bandwidth)
-        delay = np.sum(1 / -butterworth_poles()).real / (2 * math.pi * self.bandwidth)
+        delay = delay_of(self.bandwidth)
         slope = (values[-1] - values[0]) / max(values.size - 1, 1) * self.rate
         output: _Array = np.fft.irfft(passed, values.size) + offset - delay * slope
         return output

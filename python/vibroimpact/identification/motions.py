@@ -22,7 +22,7 @@ from ..motions.motion import Motion
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.restitution import Restitution
 from ..systems.structure import Load
-from .harmonics import Measured
+from .flights import Measured
 from .laws import Law, law_of
 
 _Array = NDArray[np.float64]
@@ -56,10 +56,7 @@ class System:
         self.Omega, self.k = data.Omega, data.k
         self.signs = data.pattern.signs.astype(float)
         self.law = law
-        # without a record of the motion the load is a sine
-        loaded = data.shape != 0
-        self.orders = data.orders[loaded] / data.k if loaded.any() else np.ones(1)
-        self.shape = data.shape[loaded] if loaded.any() else np.array([-1j])
+        self.orders, self.shape = data.orders, data.shape
         N = self.signs.size
         self.later = 2 * math.pi * self.k * np.triu(np.ones((N, N)), 1)
         self.last = 2 * math.pi * self.k * np.eye(N)[-1]

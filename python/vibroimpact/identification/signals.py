@@ -27,9 +27,17 @@ SHRINKING = 0.9
 RESTING = 0.3
 #: Share of the impacts that repeat in a periodic record.
 REPEATED = 0.9
-#: Harmonics of the load whose band tells a period, places over which a window spreads a line, and the largest
-#: share of the power that is beside the harmonics of a periodic record.
-BAND, SPREAD, UNREPEATED = 40, 2, 0.05
+#: Least number of periods in a record; parts of a load cycle whose means are compared; standard deviations by
+#: which the
+#: scatter of a part without impacts may be larger; scatter beyond which a sample is left out; ratio of scatters
+#: that are alike; largest scatter of a periodic record over its power; blocks of a
+#: record that are compared.
+BLOCKS = 8
+#: Parts of a load cycle over which noise is summed.
+WIDE = 16
+#: Load cycles at the start of a record in which its filters settle.
+SETTLED = 2
+LEAST_PERIODS, PARTS, QUIET, ODD, ALIKE, UNREPEATED = 10, 64, 5.0, 4.0, 1.1, 0.05
 #: Least number of picked impacts in a load cycle of a record with impacts.
 LEAST_PICKS = 0.1
 #: Places of the spectrum on either side of a harmonic that tell its error.
@@ -188,28 +196,118 @@ def no_rhythm(status: str) -> Rhythm:
     return Rhythm(status, 0, np.empty(0), np.empty(0))
 
 
-def period_of(values: _Array, rate: float, omega: float) -> int:
-    """Load cycles after which a signal repeats, by the part of its power that is not at the harmonics of the
-    period;
-    0 if it does not repeat."""
-    total = whole_periods(values.size, rate, omega, values.size).size - 1
-    shares = []
-    for k in range(1, max(1, min(MOST_CYCLES, total // 12)) + 1):
-        edges = whole_periods(values.size, rate, omega / k, values.size)
-        used = values[edges[0] : edges[-1]]
-        power = abs(np.fft.rfft((used - used.mean()) * np.hanning(used.size))) ** 2
-        periods = edges.size - 1
-        last = min(power.size, BAND * periods * k)
-        place = np.arange(last)
-        # the window spreads a line over its neighbours
-        off = abs((place + periods / 2) % periods - periods / 2)
-        beside = (off > SPREAD) & (place > SPREAD)
-        width = max(0.05, 1 - (2 * SPREAD + 1) / periods)
-        shares.append(float(power[:last][beside].sum() / power[1:last].sum()) / width)
-    least = min(shares)
-    if least > UNREPEATED:
-        return 0
-    return 1 + next(i for i, share in enumerate(shares) if share <= 3 * least + 1e-5)
+class Repetition(NamedTuple):
+    """What a signal repeats: after how many load cycles (0: never), the scatter of a sample about it, by how much
+    the
+    noise is stronger at low frequencies, and how much more than by it the parts of the record differ, both as
+    ratios of
+    variances."""
+
+    cycles: int
+    noise: float
+    colour: float
+    drift: float
+
+
+def period_of(values: _Array, rate: float, omega: float) -> Repetition:
+    """After how many load cycles a signal repeats, and its scatter.
+
+    It is the least k that no other number of cycles rejects, at a confidence of seven standard deviations: what
+    the mean
+    over periods of k cycles leaves has no mean over periods of others that its scatter does not explain. Where all
+    are
+    rejected, as by noise that is not white, it is the least k whose scatter is about the least of all.
+    """
+    turns = omega / (2 * math.pi) * centred(values.size, rate)
+    most = max(1, min(MOST_CYCLES, int(turns[-1] - turns[0]) // LEAST_PERIODS))
+    part = np.minimum((turns % 1 * PARTS).astype(np.int64), PARTS - 1)
+    cycle = np.floor(turns).astype(np.int64)
+    scatters: list[float] = []
+    found = 0
+    for k in range(1, most + 1):
+        off = unrepeated(values, turns % k, k)
+        # without the parts in which impacts are
+        squares = np.bincount(part, off**2, PARTS) / np.maximum(
+            np.bincount(part, minlength=PARTS), 1
+        )
+        quiet = (squares <= (1 + QUIET * math.sqrt(2 * PARTS / values.size)) * np.median(squares))[
+            part
+        ]
+        # and without the samples at the start of a filter
+        usual = float(np.median(abs(off[quiet]))) / 0.6745
+        quiet &= (abs(off) <= ODD * usual) & (cycle >= cycle[0] + SETTLED)
+        scatters.append(float(np.mean(off[quiet] ** 2)))
+        colour = colour_of(off[quiet], ((cycle - cycle[0]) * WIDE + part * WIDE // PARTS)[quiet])
+        if not any(
+            excess(off[quiet], part[quiet], cycle[quiet] % other, other, colour) > 1
+            for other in range(2, most + 1) if k % other
+        ):  # fmt: skip
+            found = k
+            break
+    else:
+        found = 1 + next(i for i, own in enumerate(scatters) if own <= ALIKE * min(scatters))
+        off = unrepeated(values, turns % found, found)
+    noise = math.sqrt(scatters[found - 1])
+    block = np.minimum((np.arange(values.size) * BLOCKS) // values.size, BLOCKS - 1)
+    drift = excess(off[quiet], part[quiet], block[quiet], BLOCKS, colour)
+    periodic = noise**2 <= UNREPEATED * float(np.var(values))
+    return Repetition(found if periodic else 0, noise, colour, drift)
+
+
+def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:
+    """What a cubic through the samples of each part of a period leaves of a signal; phases in load cycles from 0
+    to k."""
+    count = 512 * k
+    while True:
+        place = np.minimum((phases / k * count).astype(np.int64), count - 1)
+        if np.bincount(place, minlength=count).min() >= 12 or count <= 64 * k:
+            break
+        count //= 2
+    # powers of the place within a part, from -1 to 1
+    within = 2 * (phases / k * count - place) - 1
+    powers = [np.ones(values.size)]
+    for _ in range(6):
+        powers.append(powers[-1] * within)
+    sums = [np.bincount(place, power, count) for power in powers]
+    right = np.stack([np.bincount(place, power * values, count) for power in powers[:4]], axis=-1)
+    matrix = np.stack(
+        [np.stack([sums[i + j] for j in range(4)], axis=-1) for i in range(4)], axis=-2
+    )
+    # samples that are all at one place tell no slope
+    matrix += np.diag([1e-9, 1e-6, 1e-6, 1e-6]) * (1 + sums[0][:, None, None])
+    found = np.linalg.solve(matrix, right[..., None])[..., 0]
+    off = values - sum(found[place, j] * powers[j] for j in range(4))
+    used = np.minimum(4, np.maximum(sums[0], 1))
+    share: _Array = np.sqrt(sums[0] / np.maximum(sums[0] - used, 1))[place]
+    scaled: _Array = off * share
+    return scaled
+
+
+def colour_of(off: _Array, group: NDArray[np.int64]) -> float:
+    """Variance of sums of neighbouring samples over that of as many independent ones; 1 of white noise."""
+    numbers = np.bincount(group)
+    sums = np.bincount(group, off)
+    used = numbers > 0
+    return max(1.0, float(np.mean(sums[used] ** 2 / numbers[used]) / np.mean(off**2)))
+
+
+def excess(
+    off: _Array, part: NDArray[np.int64], turn: NDArray[np.int64], count: int, colour: float
+) -> float:
+    """Variance of the means of parts in so many groups of cycles, over that of their scatter.
+
+    It is 1 if it is not above it at a confidence of seven standard deviations.
+    """
+    group = part + PARTS * turn
+    numbers = np.bincount(group, minlength=PARTS * count)
+    sums = np.bincount(group, off, PARTS * count)
+    used = numbers > 1
+    of_means = float(np.sum(sums[used] ** 2 / numbers[used]))
+    groups = int(used.sum())
+    freedom = max(PARTS / 2, groups * (count - 1) / count)
+    rest = (float(off @ off) - of_means) / max(1, off.size - groups)
+    ratio = of_means / max(freedom * rest * colour, 1e-300)
+    return ratio if ratio > 1 + 7 * math.sqrt(2 / freedom) else 1.0
 
 
 def rhythm(cycles: _Array, signs: _Array, span: float, k: int) -> Rhythm:

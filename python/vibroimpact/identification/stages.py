@@ -4,18 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import ParameterError, SingularError
 from .fit import Fit, fit
-from .harmonics import Measured
+from .flights import Measured
+from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
-from .start import start_of, start_of_times, units_agree
-from .steps import Step, refined
+from .start import start_of, start_of_times
+from .steps import Step, flown
 
 _Array = NDArray[np.float64]
+#: Misfit above which a fit is doubtful.
+DOUBTFUL = 2.0
+#: Largest ratio of two load amplitudes that should be the same.
+LARGEST_RATIO = 1.5
+#: What a wrong unit changes a record by, for the message.
+FACTORS = {
+    9.80665: "g for m/s^2",
+    1000.0: "a milli- or kilo-unit",
+    4.448: "lbf for N",
+    25.4: "inches for mm",
+    39.37: "inches for m",
+}
 
 
 def fitted(
@@ -34,10 +49,8 @@ def fitted(
     for step in steps:
         data = step.data
         assert data is not None
-        if data.orders.size:
-            data = refined(step, constant.get("omega", data.Omega))
-            values, static, phase = start_of(data, constant, guess)
-            units_agree(step, data, values, static, scale)
+        if step.free is not None:
+            values, static, phase = start_of(step, constant, guess)
         else:
             data, values, static, phase = start_of_times(data, scale, constant, guess)
         step.data = data
@@ -51,7 +64,6 @@ def fitted(
                 values,
                 [static],
                 [phase],
-                step.ring,
                 M,
                 K,
                 law if law.kind == "constant" else Law("impacts", data.angles.size),
@@ -70,7 +82,6 @@ def fitted(
         weights = np.array([1 / max(size, 1e-300) for size in sizes])
         weights = weights if weights.any() else np.ones(len(single))
         middle[name] = float(np.average([one.values[name] for one in single], weights=weights))
-    ring = next((one.ring for one in single if one.ring is not None), None)
     lengths, phases = [one.lengths[0] for one in single], [one.phases[0] for one in single]
     near = [one.motions[0] for one in single]
     if law.kind != "constant":
@@ -81,13 +92,59 @@ def fitted(
         alike = replace(law, kind="knee")
         begin = middle | {name: middle[name + "1"] for name in ("exponent", "knee")}
         known = {name: value for name, value in shared.items() if name not in KNOWN_OF_LAW}
-        one = fit(found, known, begin, lengths, phases, ring, M, K, alike, near, rough=True)
+        one = fit(found, known, begin, lengths, phases, M, K, alike, near, rough=True)
         lengths, phases, near = one.lengths, one.phases, one.motions
         middle |= {
             name: shared.get(name, one.values[name.rstrip("12") if name[0] != "R" else name])
             for name in law.shared
         }
-    return fit(found, shared, middle, lengths, phases, ring, M, K, law, near), law
+    return fit(found, shared, middle, lengths, phases, M, K, law, near), law
+
+
+def with_other_loads(
+    steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float]
+) -> None:
+    """An error if records that are not fitted would be with a load of another sign or size."""
+    for turned in (True, False):
+        others = [copy(step) for step in steps]
+        try:
+            for step in others:
+                if step.data is None or step.data.phase is None or step.data.F0 is None:
+                    return
+                if turned:
+                    step.data = replace(step.data, phase=step.data.phase + math.pi)
+                else:
+                    step.data = replace(step.data, F0=None)
+                flown(step, scale, shared, guess)
+            found = fitted(others, scale, shared, guess, Law(), None)[0]
+        except SingularError:
+            continue
+        if max(found.misfits) > DOUBTFUL:
+            continue
+        if turned:
+            raise ParameterError(
+                "load and motion: must have the same positive direction; the motion answers to the load as if "
+                f"its sign were changed: {HINT}"
+            )
+        stiffness = scale.get("K", scale.get("M", math.nan) * found.values["omega"] ** 2)
+        units_agree(steps[0], stiffness * found.lengths[0])
+
+
+def units_agree(step: Step, force: float) -> None:
+    """An error if the load by its channel is not about the load by the motion."""
+    assert step.data is not None
+    assert step.data.F0 is not None
+    ratio = step.data.F0 / force
+    if 1 / LARGEST_RATIO < ratio < LARGEST_RATIO:
+        return
+    near = [
+        text for factor, text in FACTORS.items() if abs(abs(math.log(ratio)) - math.log(factor)) < 0.3
+    ]  # fmt: skip
+    hint = f"; is it {near[0]}?" if near else ""
+    raise ParameterError(
+        f"load of {step.data.F0:.4g} N and {step.quantity}, which tells {force:.4g} N: must agree; the units of a "
+        f"channel, or known M and K, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
+    )
 
 
 def start_of_law(

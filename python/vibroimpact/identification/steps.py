@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
-from .harmonics import Measured
-from .impacts import refine
-from .measured import MOTIONS, SensorRecord, sensor_response
+from .flights import MOST_MODES, PLACES, Flights, Folded, FreeFit, Measured, beside, folded, onsets
+from .known import HINT
+from .measured import MOTIONS, SensorRecord, delay_of, sensor_response
 from .signals import (
     Rhythm,
     Tones,
@@ -38,8 +38,12 @@ LOAD_TONES, MOTION_TONES = 12, 90
 STUCK, STUCK_CYCLES = 16, 0.05
 #: Error of the load phase of a part of a record, over its standard error and in samples, that is none of noise.
 UNSTEADY, SHIFT = 8.0, 0.2
-#: Time from an impact to its spike, over the inverse of the bandwidth, and errors above which a harmonic is clear.
-RISE, CLEAR = 0.2, 6.0
+#: Time from an impact to its spike, over the inverse of the bandwidth.
+RISE = 0.2
+#: Delay (s) that an unknown filter may have.
+UNKNOWN_DELAY = 2e-3
+#: Misfit of free flights above which they explain nothing.
+HOPELESS = 25.0
 
 
 class Step:
@@ -50,13 +54,16 @@ class Step:
         self.quantity = quantity
         self.Omega = math.nan
         self.load: Tones | None = None
-        self.motion: Tones | None = None
         #: All picked impacts: times from the start, and signs.
         self.times: _Array = np.empty(0)
         self.signs: _Array = np.empty(0)
         self.rhythm = no_rhythm("no impacts")
         self.data: Measured | None = None
-        self.ring: _Array | None = None
+        #: Flights with impacts of any times and jumps, and the folded record that they describe; scatter of a
+        #: sample.
+        self.free: FreeFit | None = None
+        self.fold: Folded | None = None
+        self.noise = math.nan
         #: Amplitude of the load by its channel, and its error (N).
         self.F0: float | None = None
         self.F0_error = math.nan
@@ -120,7 +127,7 @@ def of_record(
     for name in ("load", quantity):
         if (channel := getattr(record, name)) is not None:
             changing(channel, rate, Omega, f"{where}{name}")
-    k = period_of(values, rate, Omega)
+    k, noise, colour, drift = period_of(values, rate, Omega)
     if order == 2:
         times, step.signs = spikes(values, rate, Omega, record.bandwidth)
         times -= 0.0 if record.bandwidth is None else RISE / record.bandwidth
@@ -128,50 +135,108 @@ def of_record(
         step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
     else:
         step.rhythm = no_rhythm("not periodic")
-    if k and not step.times.size:
-        # of a velocity, of a displacement, or below the band of ringing: impacts are no spikes, and are found by
-        # their harmonics
-        step.rhythm = Rhythm("periodic", k, np.empty(0), np.empty(0))
-    if step.rhythm.status != "periodic":
+    if not k or step.rhythm.status in ("accumulation", "rest"):
         return step
-    base = Omega / k
-    top = min(0.4 * rate, math.inf if record.bandwidth is None else 0.8 * record.bandwidth)
-    most = int(min(top * 2 * math.pi / base, MOTION_TONES * k))
-    # the high harmonics tell the frequency better than the load
-    base += tones(values, rate, base, most).off
-    step.Omega = Omega = base * k
-    step.motion = tones(values, rate, base, most)
-    if force is not None:
-        step.load = tones(force, rate, Omega, LOAD_TONES)
-    orders = np.arange(1, most + 1)
-    w = orders * base
-    passed = sensor_response(w / (2 * math.pi), record.bandwidth) / (1j * w) ** (2 - order)
-    shape = np.zeros(most, dtype=np.complex128)
-    shape[k - 1] = -1j
-    data = Measured(
-        Omega, k, 2 * math.pi * step.rhythm.phases, orders=orders.astype(float),
-        values=step.motion.values[1:] / passed, errors=step.motion.errors[1:] / abs(passed), shape=shape,
-    )  # fmt: skip
+    if force is None:
+        # the high harmonics tell the frequency better than the first one
+        most = int(min(0.4 * rate * 2 * math.pi / Omega, MOTION_TONES)) * k
+        Omega += k * tones(values, rate, Omega / k, most).off
+        step.Omega = Omega
+    data = Measured(Omega, k, order=order, colour=colour, drift=drift)
     if step.load is not None:
-        response = sensor_response(
+        # both channels have the same delay, which only shifts the times of the impacts
+        size = float(abs(step.load.values[1]))
+        data.phase, data.phase_error = (
+            float(np.angle(1j * step.load.values[1])), float(step.load.errors[1]) / size,
+        )  # fmt: skip
+        if record.bandwidth is None:
+            # the sensor of the motion may have a filter that that of the load has not
+            data.phase_error = math.hypot(data.phase_error, UNKNOWN_DELAY * Omega)
+        passed = sensor_response(
             np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi), record.bandwidth
         )
-        tone = step.load.values / response
-        phase = float(np.angle(1j * tone[1]))
-        data.phase, data.phase_error = phase, float(step.load.errors[1] / abs(step.load.values[1]))
-        data.F0, data.F0_error = float(abs(tone[1])), float(step.load.errors[1])
-        for j in range(2, LOAD_TONES + 1):
-            if j * k <= most and abs(step.load.values[j]) > 4 * step.load.errors[j]:
-                data.shape[j * k - 1] = tone[j] / abs(tone[1]) * np.exp(-1j * j * phase)
+        data.F0, data.F0_error = step.F0, step.F0_error
+        clear = [
+            j
+            for j in range(2, LOAD_TONES + 1)
+            if abs(step.load.values[j]) > 4 * step.load.errors[j]
+        ]
+        tone = step.load.values[clear] / abs(passed[clear]) / (size / abs(passed[1]))
+        data.orders = np.array([1.0, *clear])
+        data.shape = np.append(-1j, tone * np.exp(-1j * np.array(clear) * data.phase))
     if "F0" in scale:
         data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
-    # those that the load does not have
-    high = (data.orders >= 3 * k) & (data.shape == 0)
-    if np.count_nonzero(abs(data.values[high]) > CLEAR * data.errors[high]) < 2:
-        step.rhythm = no_rhythm("no impacts")
-        return step
     step.data = data
+    step.noise = noise
     return step
+
+
+def flown(
+    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float]
+) -> None:
+    """The free flights of a record, from which its impacts are known below the sample."""
+    data, record = step.data, step.record
+    assert data is not None
+    assert record is not None
+    values: _Array = getattr(record, step.quantity)
+    starts = onsets(values, record.rate, data.Omega, data.k)
+    omega = known.get("omega")
+    priors: dict[str, tuple[float, float]] = {}
+    stiffness = scale.get("K", scale.get("M", math.nan) * (omega or math.nan) ** 2)
+    if data.F0 is not None and math.isfinite(stiffness):
+        static = data.F0 / stiffness
+        priors["static"] = static, max(data.F0_error / stiffness, 1e-6 * static)
+    if data.phase is not None:
+        priors["phase"] = data.phase, max(data.phase_error, 1e-6)
+    if "xi" in known:
+        priors["xi"] = known["xi"], 1e-9
+    fold = folded(values, record.rate, data.Omega, data.k, PLACES)
+    force = None
+    if omega is None and data.F0 is not None and "M" in scale:
+        force = scale["M"], data.F0, max(data.F0_error, 1e-6 * data.F0)
+    flights = Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
+    free = flights.best(starts)
+    if free.misfit > HOPELESS:
+        raise SingularError(
+            f"flights between {free.data.angles.size} impacts in {data.k} load cycles, after which up to "
+            f"{MOST_MODES} modes ring, leave {free.misfit:.3g} times the scatter from period to period: they do "
+            f"not explain the record; the bandwidth or the sampling rate may be too small; {HINT}"
+        )
+    if not free.data.angles.size:
+        step.rhythm, step.data = no_rhythm("no impacts"), None
+        return
+    step.free, step.fold = free, flights.fold
+    data = free.data
+    whole = 2 * math.pi * data.k
+    order = np.argsort(data.angles % whole)
+    sides = letters_of(np.sign(data.jumps[order]))
+    if len(set(sides)) < 2:
+        raise SingularError(
+            f"impacts {sides} in {data.k} load cycles: must be on both walls; with impacts on one wall no "
+            "motion is periodic"
+        )
+    # all impacts of the record, without the delay of its sensors
+    turns = np.arange(math.ceil(record.duration * data.Omega / whole) + 2)[:, None]
+    half = (len(record) - 1) / 2 / record.rate
+    lag = 0.0 if record.bandwidth is None else delay_of(record.bandwidth)
+    times = (
+        (data.angles[order] % whole + whole * (turns - turns.size // 2 - 1)) / data.Omega
+        + half
+        - lag
+    ).ravel()
+    inside = (times >= 0) & (times <= 2 * half)
+    step.times = times[inside] + record.start
+    step.signs = np.tile(np.sign(data.jumps[order]), turns.size)[inside]
+    # begun where R comes before L, as in `Pattern.standard`
+    first = max(range(len(sides)), key=lambda i: sides[i:] + sides[:i])
+    order = np.roll(order, -first)
+    angles = np.unwrap(data.angles[order] % whole, period=whole)
+    angles[1:] += whole * (angles[1:] < angles[0])
+    step.data = replace(
+        data, sides=sides[first:] + sides[:first], angles=angles, angle_errors=data.angle_errors[order],
+        jumps=data.jumps[order], beside=beside(free),
+    )  # fmt: skip
+    step.rhythm = Rhythm("periodic", data.k, np.empty(0), np.empty(0))
 
 
 def letters_of(signs: _Array) -> str:
@@ -326,39 +391,3 @@ def of_times(
         )
     step.data = data
     return step
-
-
-def refined(step: Step, omega: float) -> Measured:
-    """The impacts of a record refined below the sample."""
-    data = step.data
-    assert data is not None
-    better = refine(data, omega)
-    step.ring = better.ring
-    whole = 2 * math.pi * data.k
-    order = np.argsort(better.angles % whole)
-    sides = letters_of(np.sign(better.jumps[order]))
-    if len(set(sides)) < 2:
-        raise SingularError(
-            f"impacts {sides} in {data.k} load cycles: must be on both walls; with impacts on one wall no "
-            "motion is "
-            "periodic"
-        )
-    if not step.times.size and step.record is not None:
-        turns = np.arange(math.ceil(step.record.duration * data.Omega / whole) + 2)[:, None]
-        half = (len(step.record) - 1) / 2 / step.record.rate
-        times = (
-            (better.angles[order] % whole + whole * (turns - turns.size // 2 - 1)) / data.Omega
-            + half
-        ).ravel()
-        inside = (times >= 0) & (times <= 2 * half)
-        step.times = times[inside] + step.record.start
-        step.signs = np.tile(np.sign(better.jumps[order]), turns.size)[inside]
-    # begun where R comes before L, as in `Pattern.standard`
-    first = max(range(len(sides)), key=lambda i: sides[i:] + sides[:i])
-    order = np.roll(order, -first)
-    angles = np.unwrap(better.angles[order] % whole, period=whole)
-    angles[1:] += whole * (angles[1:] < angles[0])
-    return replace(
-        data, sides=sides[first:] + sides[:first], angles=angles, angle_errors=better.errors[order],
-        jumps=better.jumps[order],
-    )  # fmt: skip

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..results.tables import made
-from .fit import Fit, predicted
-from .harmonics import Measured
+from .fit import Fit
+from .flights import Measured, predicted, rung
 from .known import KNOWN
 from .laws import Law
-from .measured import MOTIONS, SensorRecord, sensor_response
+from .measured import SensorRecord
 from .motions import oscillator_of, verified
-from .signals import Tones, centred
+from .signals import centred
+from .stages import DOUBTFUL
 from .steps import LOAD_TONES, Step
 
-#: Misfit from which a result says that it is doubtful.
-DOUBTFUL = 2.0
 #: What records that are not periodic tell and leave open.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
@@ -92,9 +90,8 @@ def tables_of(
             motion, static = found.motions[i], found.lengths[i]
             r, clearance = step.Omega / found.values["omega"], found.values["d"] / static
             fit_of |= {"r": r, "clearance": clearance}
-            if data.shape.size:
-                multiples = data.shape[data.k - 1 :: data.k][1:LOAD_TONES]
-                harmonics[: multiples.size] = multiples
+            for order, tone in zip(data.orders[1:].tolist(), data.shape[1:], strict=True):
+                harmonics[int(order) - 2] = tone
             values = found.values | law.fixed
             fitted_angles = motion.angles + phase
             multipliers = verified(
@@ -177,8 +174,8 @@ def add_samples(
     load_fit = step.load.at(t) if step.load is not None else none
     values = getattr(record, step.quantity)[here]
     motion_fit = none
-    if found is not None and step.data is not None and step.motion is not None:
-        motion_fit = modelled(step.data, i, step, record, found).at(t)
+    if found is not None and step.data is not None and step.free is not None:
+        motion_fit = modelled(step.data, i, step, found, step.Omega * t)
     samples["number"] += [i + 1] * t.size
     samples["time"] += record.times[here].tolist()
     for name, column_values in (
@@ -190,21 +187,23 @@ def add_samples(
         samples[name] += column_values.tolist()
 
 
-def modelled(data: Measured, i: int, step: Step, record: SensorRecord, found: Fit) -> Tones:
-    """The harmonics of the fitted motion as the sensor gives them."""
-    # up to half the sampling rate, which is more than was fitted
-    k, n = data.k, int(0.5 * record.rate * 2 * math.pi / data.Omega * data.k)
-    shape = np.concatenate([data.shape, np.zeros(max(0, n - data.shape.size))])
-    data = replace(data, orders=np.arange(1.0, shape.size + 1), shape=shape)
-    values = predicted(data, found, i)
-    w = data.frequencies
-    passed = sensor_response(w / (2 * math.pi), record.bandwidth) / (1j * w) ** (
-        2 - MOTIONS[step.quantity]
-    )
-    all_values = np.concatenate(
-        [[step.motion.values[0] if step.motion is not None else 0.0], values * passed]
-    )
-    return Tones(data.Omega / k, all_values, np.zeros(all_values.size), 0.0)
+def modelled(data: Measured, i: int, step: Step, found: Fit, angles: Any) -> Any:
+    """The fitted motion with the ringing and the offset of the free flights, and within pulses the folded
+    record."""
+    free, fold, motion = step.free, step.fold, found.motions[i]
+    assert free is not None
+    assert fold is not None
+
+    def at(angles: Any) -> Any:
+        value = free.offset + predicted(
+            data, angles, data.order, found.values["omega"], found.values["xi"], found.lengths[i],
+            found.phases[i], motion.angles, motion.jumps,
+        ).value  # fmt: skip
+        return value + sum(rung(data, angles, free.data.angles, mode)[0] for mode in free.modes)
+
+    whole = 2 * math.pi * data.k
+    pulse = np.where(free.pulse, fold.values - at(fold.angles), 0.0)
+    return at(angles) + np.interp(angles % whole, fold.angles, pulse, period=whole)
 
 
 def parameters_of(

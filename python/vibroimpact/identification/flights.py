@@ -1,0 +1,684 @@
+"""The flights of the primary mass between impacts, from the motion that a record repeats.
+
+Between impacts the primary mass is a damped oscillator under the load, whatever the pulses of the contacts look
+like. So
+the record, folded over its period, is compared with exact flights outside of the pulses; the lengths of these are
+what the
+data say. Modes that ring after the impacts, and an offset of the sensor, are fitted and projected out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import SingularError
+from ..systems.oscillator import Pattern
+from .known import HINT
+from .least_squares import levenberg
+from .signals import centred
+
+_Array = NDArray[np.float64]
+_Complex = NDArray[np.complex128]
+#: Places in a load cycle into which samples are sorted, and least number of samples in each.
+PLACES, LEAST_SAMPLES = 1024, 6
+#: Scatter of a place beyond which a sample is left out.
+ODD = 6.0
+#: Places in a load cycle, and their number, from which the next one is predicted where no impact is.
+COARSE = ((512, 14), (256, 14), (128, 10), (64, 8))
+#: What is not predicted, over its scatter and over the largest such value, is an impact.
+UNPREDICTED, SHARE = 8.0, 0.02
+#: Seconds after an impact that are left out at first, and at most; the rest of a flight that must remain.
+FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
+#: Residual over its error at which a pulse has ended, and by how much of its length the left out part is longer.
+ENDED, MARGIN = 3.0, 0.6
+#: Modes that ring at most; misfit above which one more, or one more impact, is tried, what it has to take from the
+#: sum
+#: of squares and which share of it; and rates of decay from which a mode starts (1/s).
+MOST_MODES, GOOD = 3, 1.3
+LEAST_GAIN, LEAST_SHARE = 40.0, 0.2
+DECAYS = (30.0, 100.0, 300.0, 900.0)
+#: Least and largest rate of decay of a mode that rings, over its frequency; the lowest such frequency, over that
+#: of the
+#: load, and the highest one, over that of the places.
+LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
+#: Jumps of the velocity below so many errors, or below this share of the largest one, are no impacts.
+CLEAR, WEAK = 5.0, 0.01
+#: Largest number of impacts in a load cycle.
+MOST_IMPACTS = 12
+
+
+@dataclass
+class Measured:
+    """What one record says: its motion outside of the pulses, and the load.
+
+    Angles are Omega t with t = 0 in the middle of the record.
+    """
+
+    #: Load frequency, radians a second.
+    Omega: float
+    #: Load cycles in a period.
+    k: int
+    #: (N) Angles Omega t of the impacts from 0 to below 2 pi k, and their errors; changes of velocity.
+    angles: _Array = field(default_factory=lambda: np.empty(0))
+    angle_errors: _Array = field(default_factory=lambda: np.empty(0))
+    jumps: _Array = field(default_factory=lambda: np.empty(0))
+    #: (n) Angles outside of the pulses, the motion there, and its errors. Without a record there are none.
+    places: _Array = field(default_factory=lambda: np.empty(0))
+    values: _Array = field(default_factory=lambda: np.empty(0))
+    errors: _Array = field(default_factory=lambda: np.empty(0))
+    #: By how much its noise is stronger at low frequencies, and how much more than by it its parts differ, as
+    #: ratios of
+    #: variances.
+    colour: float = 1.0
+    drift: float = 1.0
+    #: Which derivative of the displacement the motion is.
+    order: int = 2
+    #: (n, q) Orthonormal directions, over the errors, of what is projected out: offset and ringing.
+    beside: _Array = field(default_factory=lambda: np.empty((0, 0)))
+    #: Load phase at t = 0 and its error (None: not known), and amplitude and its error (N).
+    phase: float | None = None
+    phase_error: float = 0.0
+    F0: float | None = None
+    F0_error: float = 0.0
+    #: (n) Harmonics of the load (multiples of Omega), and the load over F0 sin(Omega t + phase) there.
+    orders: _Array = field(default_factory=lambda: np.ones(1))
+    shape: _Complex = field(default_factory=lambda: np.array([-1j]))
+    #: Walls of the impacts of a period, in the order of the angles.
+    sides: str = ""
+
+    @property
+    def pattern(self) -> Pattern:
+        """The pattern of the impacts."""
+        return Pattern(self.sides, self.k)
+
+
+class Predicted(NamedTuple):
+    """The motion of the primary mass at some places, and its derivatives."""
+
+    value: _Array
+    omega: _Array
+    xi: _Array
+    static: _Array
+    phase: _Array
+    angles: _Array
+    jumps: _Array
+
+
+def since(places: _Array, angles: _Array, data: Measured) -> _Array:
+    """Times from the latest impacts at some angles to some places (n, N), s."""
+    passed: _Array = ((places[:, None] - angles) % (2 * math.pi * data.k)) / data.Omega
+    return passed
+
+
+def predicted(
+    data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float, angles:
+    _Array,
+    jumps: _Array,
+) -> Predicted:  # fmt: skip
+    """A derivative of the displacement of a damped oscillator under the load and periodic impulses."""
+    # under the load
+    w = data.orders * data.Omega
+    below = omega**2 - w**2 + 2j * xi * omega * w
+    each = data.shape * np.exp(1j * data.orders * phase) * omega**2 * (1j * w) ** order / below
+    turn = np.exp(1j * np.outer(places, data.orders))
+    load = turn @ each
+    by_omega = static * (2 / omega * load - turn @ (each * (2 * omega + 2j * xi * w) / below))
+    by_xi = -static * (turn @ (each * 2j * omega * w / below))
+    by_phase = static * (turn @ (1j * data.orders * each))
+    # after impulses of one in each period
+    rate = math.sqrt(1 - xi**2)
+    pole = omega * complex(-xi, rate)
+    tau, whole = since(places, angles, data), 2 * math.pi * data.k / data.Omega
+    q = np.exp(pole * whole)
+    wave = pole**order * np.exp(pole * tau) / (1 - q)
+    size = 1 / (omega * rate)
+    by_pole = wave * (order / pole + tau + whole * q / (1 - q)) * size
+    response = wave.imag * size
+    by_omega = by_omega.real + ((by_pole * pole / omega).imag - response / omega) @ jumps
+    by_xi = (
+        by_xi.real
+        + ((by_pole * omega * complex(-1, -xi / rate)).imag + response * xi / rate**2) @ jumps
+    )
+    slope = (wave * pole).imag * size
+    return Predicted(
+        static * load.real + response @ jumps, by_omega, by_xi, load.real, by_phase.real,
+        -slope * jumps / data.Omega, response,
+    )  # fmt: skip
+
+
+@dataclass
+class Ringing:
+    """A mode that rings after the impacts: its pole, and amplitudes at the impacts (N, complex)."""
+
+    pole: complex
+    size: _Complex
+
+
+def rung(data: Measured, places: _Array, angles: _Array, mode: Ringing) -> tuple[_Array, _Array]:
+    """The ringing at some places, and its derivatives by real and imaginary parts of the amplitudes and of the
+    pole."""
+    tau, whole = since(places, angles, data), 2 * math.pi * data.k / data.Omega
+    q = np.exp(mode.pole * whole)
+    wave = np.exp(mode.pole * tau) / (1 - q)
+    by_pole = (wave * (tau + whole * q / (1 - q))) @ mode.size
+    columns = [wave.real, -wave.imag, by_pole.real[:, None], -by_pole.imag[:, None]]
+    return (wave @ mode.size).real, np.hstack(columns)
+
+
+class Folded(NamedTuple):
+    """Samples sorted into places of a period: mean angles, values there, their means and numbers."""
+
+    angles: _Array
+    values: _Array
+    means: _Array
+    counts: _Array
+    #: (n) Place of each sample, -1 if it is left out, and the angles of the samples.
+    place: NDArray[np.int64]
+    each: _Array
+
+
+def folded(values: _Array, rate: float, Omega: float, k: int, most: int) -> Folded:
+    """Samples sorted into at most so many places in each load cycle, without cycles that are unlike the others."""
+    each = (Omega * centred(values.size, rate)) % (2 * math.pi * k)
+    count = most * k
+    while True:
+        place = np.minimum((each / (2 * math.pi * k) * count).astype(np.int64), count - 1)
+        numbers = np.bincount(place, minlength=count)
+        if numbers.min() >= LEAST_SAMPLES or count <= 64 * k:
+            break
+        count //= 2
+    # samples unlike the others of their place, as at the start of a filter, and periods unlike the others
+    order = np.argsort(place, kind="stable")
+    ends = np.cumsum(numbers)
+    middles, spreads = np.full((2, count), math.nan)
+    for i, (end, n) in enumerate(zip(ends.tolist(), numbers.tolist(), strict=True)):
+        if n:
+            own = values[order[end - n : end]]
+            middles[i] = np.median(own)
+            spreads[i] = np.median(abs(own - middles[i]))
+    spreads = np.maximum(spreads, np.nanmedian(spreads)) / 0.6745
+    period = np.floor((np.arange(values.size)) / (2 * math.pi * k / Omega * rate)).astype(np.int64)
+    off = (values - middles[place]) ** 2
+    size = np.minimum(off, 100 * np.median(off))
+    scatter = np.bincount(period, size) / np.bincount(period)
+    usual = np.median(scatter)
+    spread = 1.5 * np.median(abs(scatter - usual))
+    odd = scatter > usual + max(8 * spread, 0.3 * usual)
+    unlike = off > (ODD * spreads[place]) ** 2
+    if odd.mean() < 0.2:
+        unlike |= odd[period]
+    place = np.where(unlike, -1, place)
+    used = place >= 0
+    numbers = np.bincount(place[used], minlength=count)
+    good = np.flatnonzero(numbers > 0)
+    sums = np.bincount(place[used], values[used], count)[good] / numbers[good]
+    middle = np.bincount(place[used], each[used], count)[good] / numbers[good]
+    renumber = np.full(count + 1, -1)
+    renumber[good] = np.arange(good.size)
+    return Folded(middle, sums, sums, numbers[good].astype(float), renumber[place], each)
+
+
+def unpredicted(values: _Array, past: int) -> _Array:
+    """What a periodic sequence has that its past does not tell, over its scatter.
+
+    Flights and ringing are damped waves, each value of which is a sum of multiples of the ones before: only an
+    impact
+    is news.
+    """
+    before = np.column_stack([np.roll(values, j) for j in range(1, past + 1)])
+    weights = np.ones(values.size)
+    rest, scatter = values, 1.0
+    for _ in range(10):
+        root = np.sqrt(weights)
+        found = np.linalg.lstsq(before * root[:, None], values * root, rcond=1e-10)[0]
+        rest = values - before @ found
+        scatter = max(float(np.median(abs(rest))) / 0.6745, 1e-300)
+        weights = 1 / (1 + (rest / (2 * scatter)) ** 2) ** 2
+    return rest / scatter
+
+
+def onsets(values: _Array, rate: float, Omega: float, k: int) -> list[_Array]:
+    """Angles at which impacts seem to begin in a folded record, by finer and coarser places, and none."""
+    whole, found = 2 * math.pi * k, []
+    for most, past in COARSE:
+        coarse = folded(values, rate, Omega, k, most)
+        grid = (np.arange(most * k) + 0.5) * 2 * math.pi / most
+        even = np.interp(grid, coarse.angles, coarse.means, period=whole)
+        news = abs(unpredicted(even - even.mean(), past))
+        strong = news > max(UNPREDICTED, SHARE * news.max())
+        # an impact is news for as long as it is in the past of what follows
+        recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
+        begins = grid[strong & (recent == 0)]
+        if begins.size:
+            found.append(begins)
+    return [*found, np.empty(0)]
+
+
+class FreeFit(NamedTuple):
+    """The primary mass under impulses of any times and sizes, fitted to a folded record."""
+
+    data: Measured
+    omega: float
+    xi: float
+    static: float
+    phase: float
+    offset: float
+    modes: list[Ringing]
+    #: Which places are within a pulse, and what the motion leaves at all of them over its errors.
+    pulse: NDArray[np.bool_]
+    left: _Array
+    square: float
+    freedom: int
+    jump_errors: _Array
+
+    @property
+    def misfit(self) -> float:
+        """Sum of squares over the degrees of freedom."""
+        return self.square / max(1, self.freedom)
+
+
+class Flights:
+    """A folded record, to which flights are fitted."""
+
+    def __init__(
+        self,
+        data: Measured,
+        fold: Folded,
+        omega: float | None,
+        xi: float,
+        noise: float,
+        priors: dict[str, tuple[float, float]],
+        force: tuple[float, float, float] | None = None,
+    ) -> None:
+        self.priors = priors
+        #: A known mass, the load, and its error, where the natural frequency is to be found.
+        self.force = force
+        self.data, self.fold = data, fold
+        self.known_omega = omega
+        self.xi = xi
+        self.whole = 2 * math.pi * data.k
+        self.errors = noise / np.sqrt(fold.counts)
+
+    def rings(self, pole: complex) -> bool:
+        """Whether a mode rings for more than half a period, and fades, within the band of the folded record."""
+        highest = HIGHEST * self.fold.angles.size / self.data.k
+        within = LOWEST < pole.imag / self.data.Omega < highest
+        return within and LEAST_DAMPED * pole.imag < -pole.real < MOST_DAMPED * pole.imag
+
+    def packed(self, point: tuple[list[float], _Array, _Array, float, list[Ringing]]) -> _Array:
+        """A point of the parameters in one array."""
+        four, angles, jumps, offset, modes = point
+        parts = [np.array(four), angles, jumps, np.array([offset])]
+        for mode in modes:
+            pole = np.array([mode.pole.real, mode.pole.imag])
+            parts += [mode.size.real, mode.size.imag, pole]
+        return np.concatenate(parts)
+
+    def split(self, x: _Array, N: int) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
+        """The parameters of a point."""
+        four, angles, jumps, rest = (
+            x[:4].tolist(),
+            x[4 : 4 + N],
+            x[4 + N : 4 + 2 * N],
+            x[4 + 2 * N :],
+        )
+        modes = []
+        for own in rest[1:].reshape(-1, 2 * N + 2):
+            modes.append(Ringing(complex(own[-2], own[-1]), own[:N] + 1j * own[N : 2 * N]))
+        return four, angles, jumps, float(rest[0]), modes
+
+    def model(self, x: _Array, N: int, places: _Array, begins: _Array) -> tuple[_Array, _Array]:
+        """The motion and its derivatives by all parameters; amplitudes of modes are those at some angles."""
+        (omega, xi, static, phase), angles, jumps, offset, modes = self.split(x, N)
+        if not (0 <= xi < 0.9 and omega > 0 and all(self.rings(mode.pole) for mode in modes)):
+            raise SingularError("no damped oscillator")
+        one = predicted(self.data, places, self.data.order, omega, xi, static, phase, angles, jumps)
+        value = one.value + offset
+        columns = [
+            np.column_stack([one.omega, one.xi, one.static, one.phase]), one.angles, one.jumps,
+            np.ones((places.size, 1)),
+        ]  # fmt: skip
+        for mode in modes:
+            own, by = rung(self.data, places, begins, mode)
+            value = value + own
+            columns.append(by)
+        return value, np.hstack(columns)
+
+    def fit(
+        self,
+        begin: tuple[list[float], _Array, _Array, float, list[Ringing]],
+        pulse: NDArray[np.bool_],
+        held: bool = False,
+    ) -> FreeFit:
+        """The free fit from a point, outside of the pulses."""
+        four, angles, jumps, offset, modes = begin
+        N = angles.size
+        own = ~pulse
+        places, values, errors = self.fold.angles[own], self.fold.values[own], self.errors[own]
+        if np.count_nonzero(own) < 4 * N + 40:
+            raise SingularError(
+                "pulses of the impacts leave too little of the motion: the bandwidth or the sampling rate may "
+                f"be too small; {HINT}"
+            )
+        x = self.packed(begin)
+        # all that is linear first
+        fixed = np.ones(x.size, dtype=bool)
+        fixed[4 + N : 4 + 2 * N + 1] = False
+        for j in range(len(modes)):
+            first = 4 + 2 * N + 1 + j * (2 * N + 2)
+            fixed[first : first + 2 * N] = False
+        fixed[2] = "static" in self.priors or self.force is not None
+        value, J = self.model(x, N, places, begin[1])
+        target = (values - value + J[:, ~fixed] @ x[~fixed]) / errors
+        x[~fixed] = np.linalg.lstsq(J[:, ~fixed] / errors[:, None], target, rcond=1e-9)[0]
+        rms = max(float(np.std(values)), 1e-300)
+        speed = max(float(abs(x[4 + N : 4 + 2 * N]).max(initial=0.0)), 1e-300)
+        scales = [
+            0.0 if self.known_omega is not None else 0.1 * x[0], 0.01, max(abs(x[2]), 1e-300), 0.2,
+            *[0.0 if held else 0.01] * N,
+            *[speed] * N, rms,
+        ]  # fmt: skip
+        for mode in modes:
+            scales += [rms] * (2 * N) + [0.2 * abs(mode.pole.real), 0.02 * mode.pole.imag]
+
+        priors = [
+            (place, *prior) for place, name in enumerate(("omega", "xi", "static", "phase"))
+            if (prior := self.priors.get(name)) is not None
+        ]  # fmt: skip
+
+        def force(x: _Array) -> tuple[float, _Array]:
+            """The load by the motion of a known mass, against that of its channel."""
+            mass, load, error = self.force or (0.0, 0.0, 1.0)
+            by = np.zeros(x.size)
+            by[[0, 2]] = 2 * mass * x[0] * x[2] / error, mass * x[0] ** 2 / error
+            return (mass * x[0] ** 2 * x[2] - load) / error, by
+
+        def residuals(x: _Array) -> tuple[_Array, _Array]:
+            value, J = self.model(x, N, places, begin[1])
+            f, J = (value - values) / errors, J / errors[:, None]
+            more = np.zeros((len(priors), x.size))
+            for row, (place, _, error) in zip(more, priors, strict=True):
+                row[place] = 1 / error
+            off = [(x[place] - value) / error for place, value, error in priors]
+            last, by = force(x)
+            return np.concatenate([f, off, [last]]), np.vstack([J, more, by])
+
+        x, f, J, _ = levenberg(residuals, x, np.array(scales))
+        four, angles, jumps, offset, modes = self.split(x, N)
+        square, freedom = float(f @ f), f.size - x.size
+        free = np.array(scales) > 0
+        spread = np.zeros(x.size)
+        covariance = np.linalg.pinv(J[:, free].T @ J[:, free], rcond=1e-14)
+        spread[free] = np.sqrt(
+            np.maximum(np.diag(covariance), 0) * max(1.0, square / max(1, freedom))
+        )
+        left = (self.fold.values - self.model(x, N, self.fold.angles, begin[1])[0]) / self.errors
+        for mode in modes:
+            mode.size = mode.size * np.exp(mode.pole * (angles - begin[1]) / self.data.Omega)
+        data = replace(
+            self.data, angles=angles, jumps=jumps, angle_errors=spread[4 : 4 + N], places=places, values=values,
+            errors=errors,
+        )  # fmt: skip
+        return FreeFit(
+            data,
+            four[0],
+            four[1],
+            four[2],
+            four[3],
+            offset,
+            modes,
+            pulse,
+            left,
+            square,
+            freedom,
+            spread[4 + N : 4 + 2 * N],
+        )
+
+    def pulses(self, angles: _Array, before: _Array, after: _Array) -> NDArray[np.bool_]:
+        """The places within some time before and after impacts (s)."""
+        tau = since(self.fold.angles, angles, self.data)
+        left_over = self.whole / self.data.Omega - tau
+        inside: NDArray[np.bool_] = np.any((tau <= after) | (left_over <= before), axis=1)
+        return inside
+
+    def lengths(self, found: FreeFit) -> tuple[_Array, _Array]:
+        """Times before and after the impacts (s) within which the flights do not describe the record."""
+        angles = found.data.angles
+        step = self.whole / self.data.Omega / self.fold.angles.size
+        tau = since(self.fold.angles, angles, self.data)
+        back = self.whole / self.data.Omega - tau
+        bad = abs(found.left) > ENDED * max(1.0, math.sqrt(min(found.misfit, 25.0)))
+        order = np.argsort(angles)
+        gaps = np.empty(angles.size)
+        gaps[order] = (
+            np.diff(np.append(angles[order], angles[order[:1]] + self.whole)) / self.data.Omega
+        )
+        gaps_before = np.empty(angles.size)
+        gaps_before[order] = np.roll(gaps[order], 1)
+        before, after = np.empty(angles.size), np.empty(angles.size)
+        for i in range(angles.size):
+            room = min(LONGEST_PULSE, (1 - LEAST_FLIGHT) * gaps[i])
+            own = np.sort(tau[bad & (tau[:, i] <= min(2 * FIRST_PULSE, room)), i])
+            # the pulse ends before the first long part without such residuals
+            ends = np.flatnonzero(np.diff(own) > max(0.6e-3, 6 * step))
+            last = own[ends[0]] if ends.size else own[-1] if own.size else 0.0
+            after[i] = min(room, last * (1 + MARGIN) + 2 * step)
+            ahead = np.sort(
+                back[bad & (back[:, i] <= min(FIRST_PULSE / 2, 0.3 * gaps_before[i])), i]
+            )
+            ends = np.flatnonzero(np.diff(ahead) > max(0.3e-3, 4 * step))
+            first = ahead[ends[0]] if ends.size else ahead[-1] if ahead.size else 0.0
+            before[i] = first * (1 + MARGIN) + 2 * step
+        return before, after
+
+    def point(self, found: FreeFit) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
+        """Where a fit starts from another one."""
+        four = [found.omega, found.xi, found.static, found.phase]
+        return four, found.data.angles, found.data.jumps, found.offset, found.modes
+
+    def more_ringing(self, found: FreeFit, held: bool = False) -> FreeFit:
+        """The fit with one more mode, if it explains much of what is left."""
+        left = np.where(found.pulse, 0.0, found.left * self.errors)
+        spectrum = abs(np.fft.rfft(left))
+        spectrum[: LOWEST * self.data.k + 1] = 0
+        best, least = found, math.inf
+        w = int(np.argmax(spectrum)) * self.data.Omega / self.data.k
+        if w == 0:
+            return found
+        own = ~found.pulse
+        for shift in (0.0, -0.4, 0.4):
+            for decay in DECAYS:
+                mode = Ringing(
+                    complex(-decay, w + shift * self.data.Omega),
+                    np.zeros(found.data.angles.size, dtype=np.complex128),
+                )
+                if not self.rings(mode.pole):
+                    continue
+                _, by = rung(self.data, self.fold.angles[own], found.data.angles, mode)
+                A = by[:, :-2] / self.errors[own][:, None]
+                rest = found.left[own] - A @ np.linalg.lstsq(A, found.left[own], rcond=1e-9)[0]
+                square = float(rest @ rest)
+                if square < least:
+                    least, best = square, found._replace(modes=[*found.modes, mode])
+        if least > found.square - max(LEAST_GAIN, 0.5 * LEAST_SHARE * found.square):
+            return found
+        try:
+            more = self.fit(self.point(best), found.pulse, held)
+        except SingularError:
+            return found
+        gain = found.square - more.square
+        return more if gain > max(LEAST_GAIN, LEAST_SHARE * found.square) else found
+
+    def settled(self, found: FreeFit, ringing: bool = True, rounds: int = 4) -> FreeFit:
+        """With pulses as long as the data say, and the modes that ring."""
+        for _ in range(rounds):
+            while ringing and len(found.modes) < MOST_MODES and found.misfit > GOOD:
+                more = self.more_ringing(found)
+                if more is found:
+                    break
+                found = more
+            pulse = self.pulses(found.data.angles, *self.lengths(found))
+            if (pulse == found.pulse).all():
+                break
+            found = self.fit(self.point(found), pulse)
+        return found
+
+    def begun(self, angles: _Array) -> FreeFit:
+        """The first fit, with pulses that are surely long enough."""
+        angles = np.sort(angles)
+        gaps = np.diff(np.append(angles, angles[:1] + self.whole)) / self.data.Omega
+        after = np.minimum(FIRST_PULSE, 0.5 * gaps)
+        pulse = self.pulses(angles, np.full(angles.size, 0.3e-3), after)
+        four = self.linear(angles, pulse)
+        for place, name in ((2, "static"), (3, "phase")):
+            if name in self.priors:
+                four[place] = self.priors[name][0]
+        # impacts are held until the ringing is known, since each would take the place of the other
+        found = self.fit((four, angles, np.zeros(angles.size), 0.0, []), pulse, held=True)
+        if found.misfit > GOOD and angles.size:
+            found = self.more_ringing(found, held=True)
+        return self.fit(self.point(found), pulse)
+
+    def linear(self, angles: _Array, pulse: NDArray[np.bool_]) -> list[float]:
+        """Natural frequency, damping ratio, static displacement and load phase by linear least squares alone."""
+        own, N = ~pulse, angles.size
+        places, target = self.fold.angles[own], self.fold.values[own] / self.errors[own]
+        xi = self.xi
+        best: tuple[float, list[float]] = math.inf, []
+        known = (
+            [self.known_omega] if self.known_omega else self.data.Omega / np.geomspace(0.5, 2, 41)
+        )
+        for omega in known:
+            both = [
+                predicted(self.data, places, self.data.order, omega, xi, 1.0, phase, angles, np.zeros(N))
+                for phase in (0.0, math.pi / 2)
+            ]  # fmt: skip
+            A = np.column_stack([both[0].value, both[1].value, both[0].jumps, np.ones(places.size)])
+            A /= self.errors[own][:, None]
+            given = np.zeros(2)
+            if self.force is not None and "phase" in self.priors:
+                turn = self.priors["phase"][0]
+                static = self.force[1] / self.force[0] / omega**2
+                given = static * np.array([math.cos(turn), math.sin(turn)])
+            free = slice(2, None) if given.any() else slice(0, None)
+            x = np.zeros(A.shape[1])
+            x[:2] = given
+            x[free] = np.linalg.lstsq(A[:, free], target - A @ x, rcond=1e-9)[0]
+            rest = target - A @ x
+            square = float(rest @ rest)
+            if square < best[0]:
+                best = square, [float(omega), xi, math.hypot(x[0], x[1]), math.atan2(x[1], x[0])]
+        return best[1]
+
+    def pruned(self, found: FreeFit) -> FreeFit:
+        """Without jumps that are none."""
+        while found.data.angles.size > 1:
+            sizes = abs(found.data.jumps)
+            score = np.minimum(sizes / found.jump_errors / CLEAR, sizes / sizes.max() / WEAK)
+            i = int(np.argmin(score))
+            if score[i] >= 1:
+                break
+            four, angles, jumps, offset, modes = self.point(found)
+            modes = [Ringing(mode.pole, np.delete(mode.size, i)) for mode in modes]
+            before, after = self.lengths(found)
+            angles = np.delete(angles, i)
+            pulse = self.pulses(angles, np.delete(before, i), np.delete(after, i))
+            found = self.fit((four, angles, np.delete(jumps, i), offset, modes), pulse)
+        return found
+
+    def curved(self, found: FreeFit) -> FreeFit:
+        """The fit to values at the mean angles of places, which the means over places of a curved motion are
+        not."""
+        N = found.data.angles.size
+        fold, used = self.fold, self.fold.place >= 0
+        x = self.packed(self.point(found))
+        each = np.bincount(
+            fold.place[used], self.model(x, N, fold.each[used], found.data.angles)[0]
+        )
+        middle = self.model(x, N, fold.angles, found.data.angles)[0]
+        self.fold = fold._replace(values=fold.means + middle - each / fold.counts)
+        return self.fit(self.point(found), found.pulse)
+
+    def best(self, starts: list[_Array]) -> FreeFit:
+        """The flights between impacts that begin at some angles, and those that are missing; of several starts the
+        first
+        good one, or the best."""
+        best: FreeFit | None = None
+        for angles in starts:
+            try:
+                found = self.completed(angles)
+            except SingularError:
+                if best is None and angles is starts[-1]:
+                    raise
+                continue
+            if best is None or found.square < best.square:
+                best = found
+            if best.misfit < GOOD:
+                break
+        assert best is not None
+        return self.curved(best)
+
+    def completed(self, angles: _Array) -> FreeFit:
+        """The flights between impacts that begin at some angles, and those that are missing."""
+        # from none, impacts are added before the ringing, of which a mode would take their place
+        ringing = angles.size > 0
+        found = self.begun(angles)
+        if ringing:
+            found = self.pruned(self.settled(self.curved(found)))
+        while found.misfit > GOOD and found.data.angles.size < MOST_IMPACTS * self.data.k:
+            more = self.one_more(found, ringing)
+            if more is None:
+                break
+            found = more
+        if not ringing and found.data.angles.size:
+            found = self.pruned(self.settled(self.curved(found)))
+        return found
+
+    def one_more(self, found: FreeFit, ringing: bool) -> FreeFit | None:
+        """With an impact more where it explains most, if it explains much."""
+        own = ~found.pulse
+        grid = self.fold.angles[own][:: max(1, np.count_nonzero(own) // 200)]
+        responses = predicted(
+            self.data, self.fold.angles[own], self.data.order, found.omega, found.xi, found.static, found.phase,
+            grid,
+            np.zeros(grid.size),
+        ).jumps / self.errors[own][:, None]  # fmt: skip
+        weight = (responses**2).sum(axis=0)
+        gain = (responses.T @ found.left[own]) ** 2 / np.maximum(weight, 1e-300)
+        angle = float(grid[int(np.argmax(gain))])
+        four, angles, jumps, offset, modes = self.point(found)
+        modes = [Ringing(mode.pole, np.append(mode.size, 0.0)) for mode in modes]
+        before, after = self.lengths(found)
+        angles = np.append(angles, angle)
+        pulse = self.pulses(angles, np.append(before, 0.3e-3), np.append(after, 1e-3))
+        try:
+            more = self.settled(
+                self.fit((four, angles, np.append(jumps, 0.0), offset, modes), pulse), ringing
+            )
+            more = self.pruned(more)
+        except SingularError:
+            return None
+        if more.data.angles.size <= found.data.angles.size:
+            return None
+        gain = found.misfit - more.misfit
+        if gain < LEAST_SHARE * (found.misfit - 1) or gain * more.freedom < LEAST_GAIN:
+            return None
+        return more
+
+
+def beside(found: FreeFit) -> _Array:
+    """Orthonormal directions of what is projected out: offset and ringing."""
+    data = found.data
+    columns = [np.ones((data.places.size, 1))]
+    for mode in found.modes:
+        columns.append(rung(data, data.places, data.angles, mode)[1])
+    together = np.hstack(columns) / data.errors[:, None]
+    together /= np.maximum(np.linalg.norm(together, axis=0), 1e-300)
+    U, s, _ = np.linalg.svd(together, full_matrices=False)
+    basis: _Array = U[:, s > 1e-9 * s[0]]
+    return basis

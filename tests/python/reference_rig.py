@@ -1,0 +1,197 @@
+"""Records of a rig that the package did not make, for tests of identification.
+
+Flights of both masses are exact, by matrix exponentials of SciPy. An impact is a pulse of finite duration whose
+area is
+the jump of the velocity of the primary mass, and a second mode rings after it. The sensor of the motion may have a
+low-pass, of which the load knows nothing, and an offset.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
+from scipy.signal import butter, sosfilt
+
+#: Mass and spring of the rig, which are known, and steps of a load cycle in which impacts are looked for.
+M, K, STEPS = 0.7303, 11383.00093642085, 256
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A rig of which all is known: numbers in SI units; `D` is d K/F0."""
+
+    xi: float
+    mu: float
+    restitution: tuple
+    r: float
+    F0: float
+    D: float
+    rate: float = 5000.0
+    duration: float = 6.0
+    contact: float = 4e-4
+    #: Part of the contact time before the instant of the impact; 0.5 puts it at the centroid of the pulse.
+    before: float = 0.0
+    #: 1 is a half sine, larger ones rise sooner than they fall.
+    skew: float = 1.0
+    ringing: float = 430.0
+    ring_decay: float = 180.0
+    ring_share: float = 0.15
+    noise: float = 0.01
+    lowpass: float | None = None
+    offset: float = 0.0
+
+    @property
+    def d(self):
+        """The whole travel."""
+        return self.D * self.F0 / K
+
+    @property
+    def frequency(self):
+        """Of the load, Hz."""
+        return self.r * math.sqrt(K / M) / (2 * math.pi)
+
+
+def flights(rig, first, last, phase=0.0):
+    """Impacts (times, walls, jumps of the velocity of the primary mass), and states just after them."""
+    w, omega = 2 * math.pi * rig.frequency, math.sqrt(K / M)
+    # x, its rate, the load and its quadrature, z and its rate
+    A = np.zeros((6, 6))
+    A[0, 1] = A[4, 5] = 1
+    A[1, :3] = -(omega**2), -2 * rig.xi * omega, 1 / M
+    A[2, 3], A[3, 2] = w, -w
+    step = 2 * math.pi / w / STEPS
+    powers = [expm(A * step * (i + 1)) for i in range(STEPS)]
+    several = np.stack(powers)
+    y = np.array([0, 0, rig.F0 * math.sin(phase), rig.F0 * math.cos(phase), 0, 0.3])
+    t, impacts, states = 0.0, [], [(0.0, y)]
+
+    def gap(y):
+        """Distance to the nearer wall."""
+        return rig.d / 2 - abs(y[..., 4] - y[..., 0])
+
+    while t < last:
+        path = several @ y
+        gaps = gap(path)
+        hit = np.flatnonzero(gaps < 0)
+        if not hit.size:
+            t, y = t + step * STEPS, path[-1]
+            continue
+        i = int(hit[0])
+        begin = path[i - 1] if i else y
+        low = 0.0
+        if gap(begin) <= 0:  # just after an impact
+            low = 1e-9
+        if gap(expm(A * low) @ begin) <= 0:
+            return None
+        if gap(expm(A * step) @ begin) >= 0:
+            return None
+        tau = brentq(lambda s, begin=begin: gap(expm(A * s) @ begin), low, step, xtol=1e-14)
+        t += i * step + tau
+        y = expm(A * tau) @ begin
+        side = 1 if y[4] > y[0] else -1
+        R = rig.restitution[0 if side > 0 else 1]
+        closing = y[5] - y[1]
+        jump = rig.mu * (1 + R) * closing / (1 + rig.mu)
+        if abs(closing) < 1e-3:
+            return None
+        y = y.copy()
+        y[1] += jump
+        y[5] -= jump / rig.mu
+        y[4] = y[0] + side * rig.d / 2 * (1 - 1e-12)
+        if t >= first:
+            impacts.append((t, side, jump))
+        states.append((t, y))
+    return A, np.array(impacts), states
+
+
+def record(rig, seed=0, settle=400):
+    """Times, load and acceleration as sampled, and the impacts in the record."""
+    random = np.random.default_rng(seed)
+    first = (settle + random.uniform()) / rig.frequency
+    found = flights(rig, first - 0.1, first + rig.duration)
+    if found is None:
+        return None
+    A, impacts, states = found
+    t = np.arange(round(rig.duration * rig.rate)) / rig.rate
+    begins = np.array([begin for begin, _ in states]) - first
+    a = np.zeros(t.size)
+    place = np.searchsorted(begins, t, side="right") - 1
+    values, vectors = np.linalg.eig(A[:4, :4])
+    for i in np.unique(place):
+        own = place == i
+        parts = np.linalg.solve(vectors, states[i][1][:4].astype(complex))
+        a[own] = (np.exp(np.outer(t[own] - begins[i], values)) @ (vectors[1] * values * parts)).real
+    for time, _, jump in impacts:
+        since = t - (time - first)
+        part = (since + rig.before * rig.contact) / rig.contact
+        inside = (part >= 0) & (part <= 1)
+        # a half sine over a warped time
+        shape = np.sin(math.pi * part[inside] ** (1 / rig.skew))
+        grid = (np.arange(2000) + 0.5) / 2000
+        a[inside] += jump * shape / (rig.contact * np.sin(math.pi * grid ** (1 / rig.skew)).mean())
+        after = (since >= 0) & (since < 12 / rig.ring_decay)
+        w = 2 * math.pi * rig.ringing
+        own = since[after]
+        a[after] += rig.ring_share * jump * w * np.exp(-rig.ring_decay * own) * np.sin(w * own)
+    if rig.lowpass is not None:
+        a = sosfilt(butter(2, rig.lowpass, fs=rig.rate, output="sos"), a)
+    load = rig.F0 * np.sin(2 * math.pi * rig.frequency * (t + first))
+    a = a + rig.offset + rig.noise * a.std() * random.standard_normal(t.size)
+    load = load + 0.01 * load.std() * 2**0.5 * random.standard_normal(t.size)
+    inside = (impacts[:, 0] >= first) & (impacts[:, 0] < first + rig.duration)
+    shown = impacts[inside] - [first, 0, 0]
+    return t, load, a, shown
+
+
+def period_of(rig, impacts):
+    """Load cycles after which impacts repeat, up to 4, and their walls in one period; 0 if they do not."""
+    times, sides = impacts[:, 0] * rig.frequency, impacts[:, 1]
+    for k in range(1, 5):
+        count = np.searchsorted(times, times[0] + k - 1e-3)
+        n = times.size - count
+        if not 0 < count < 7 * k or n < count:
+            continue
+        if abs(times[count:] - times[:n] - k).max() < 2e-4 and (sides[count:] == sides[:n]).all():
+            return k, "".join("R" if side > 0 else "L" for side in sides[:count])
+    return 0, ""
+
+
+def random_rig(seed, kind="abc"):
+    """A rig with a periodic motion, and a record of it: of kind "abc" at 5 kHz with contacts of 0.4 ms, of kind
+    "defg"
+    at other rates, with other contacts and perhaps without ringing, of kind "hi" with an unknown low-pass, of kind
+    "other" with centred or skewed pulses, an offset and two walls."""
+    draw = np.random.default_rng([seed, *kind.encode()])
+    while True:
+        rig = {
+            "xi": draw.uniform(0.007, 0.016), "mu": draw.uniform(0.025, 0.05), "F0": draw.uniform(4, 8),
+            "restitution": (draw.uniform(0.6, 0.8),) * 2, "r": draw.choice([0.9, 0.94, 1.04, 1.06, 1.1]),
+            "D": draw.uniform(15, 40), "noise": draw.choice([0.004, 0.0075, 0.01]),
+        }  # fmt: skip
+        if kind != "abc":
+            rig["rate"] = float(draw.choice([10000, 20000]))
+            rig["duration"] = 2.0 if rig["rate"] > 15000 else 3.0
+            rig["contact"] = float(draw.choice([2e-4, 4e-4, 6e-4, 1e-3]))
+        if kind == "defg" and draw.uniform() < 0.25:
+            rig["ring_share"] = 0.0
+        if kind == "hi":
+            rig["lowpass"] = float(draw.choice([600, 1000, 2000]))
+        if kind == "other":
+            rig["restitution"] = tuple(draw.uniform(0.55, 0.85, 2))
+            rig["before"], rig["skew"] = (
+                float(draw.choice([0.0, 0.4])),
+                float(draw.choice([1, 1.5])),
+            )
+            rig["ringing"], rig["ring_decay"] = draw.uniform(250, 900), draw.uniform(60, 300)
+            rig["offset"] = draw.uniform(-1, 1)
+        rig = Rig(**rig)
+        made = record(rig, seed)
+        if made is None or made[3].shape[0] < 8:
+            continue
+        k, sides = period_of(rig, made[3])
+        if k and len(set(sides)) == 2:
+            jumps = abs(made[3][:, 2])
+            if jumps.min() > 0.05 * jumps.max() and np.diff(made[3][:, 0]).min() > 4e-3:
+                return rig, made, k, sides

@@ -1,0 +1,65 @@
+"""Identification of records that the package did not make: contacts of finite duration, ringing, unknown
+filters."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+from reference_rig import K, M, random_rig
+
+
+def score(seed, kind):
+    """What is found of a rig: the pattern right or not, and errors of the parameters over their stated ones."""
+    rig, (_, load, acceleration, _), k, sides = random_rig(seed, kind)
+    known = {"M": M, "K": K, "m": M * rig.mu}
+    found = vi.identify(rate=rig.rate, load=load, acceleration=acceleration, known=known)
+    pattern = found.pattern
+    right = (
+        pattern is not None and pattern.cycles == k and pattern == vi.Pattern(sides, k).standard()
+    )
+    if not right:
+        return found, False, []
+    true = {"xi": rig.xi, "R1": rig.restitution[0], "R2": rig.restitution[1], "d": rig.d}
+    return found, True, [(found.values[name] - true[name]) / found.errors[name] for name in true]
+
+
+@pytest.mark.parametrize("kind", ["abc", "defg", "hi", "other"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rig_is_found(kind, seed):
+    """The shortest period, its pattern, and all parameters within four stated errors, with no misfit."""
+    found, right, off = score(seed, kind)
+    assert right
+    assert found.misfit < 1.5
+    assert max(map(abs, off)) < 4
+
+
+def test_what_two_impacts_leave_open_is_named():
+    """Without the free mass two impacts a period do not tell it; what they tell is right."""
+    rig, (_, load, acceleration, _), k, sides = random_rig(0, "abc")
+    assert (k, len(sides)) == (1, 2)
+    found = vi.identify(rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K})
+    assert set(found.undetermined) >= {"mu", "d"}
+    assert abs(found.values["xi"] - rig.xi) < 4 * found.errors["xi"]
+
+
+@pytest.mark.slow
+def test_three_hundred_records(share):
+    """Of 300 rigs 95 % are right, and none is wrong and said to be good; intervals cover what they say."""
+    count = share(300)
+    kinds = ("abc", "defg", "hi", "other")
+    good, off = 0, []
+    for seed in range(count):
+        try:
+            found, right, errors = score(1000 + seed, kinds[seed % 4])
+        except vi.SingularError:
+            continue
+        assert right or found.misfit > 2, seed
+        good += right
+        off += errors
+    assert good >= 0.95 * count - 1
+    inside = np.abs(off)
+    # parameters of a record are not independent: about two numbers each
+    deviation = (0.95 * 0.05 / (2 * count)) ** 0.5
+    assert abs(np.mean(inside < 1.96) - 0.95) < 4 * deviation
+    assert np.mean(inside > 5) < 0.01
