@@ -437,12 +437,12 @@ def identify(
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
-    The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles that
-    its scatter from period to period does not reject. An impact is what the past of this motion does not predict.
-    Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of the velocity at
-    instants that are fitted, and modes that ring after the impacts, are fitted outside of the pulses, whose lengths the
-    data tell. So the shape of a contact does not matter, nor a delay of the sensor of the motion. Exact motions are then
-    fitted to the same data, weighted by the scatter of the samples.
+    The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles
+    that its scatter from period to period does not reject. An impact is what the past of this motion does not
+    predict. Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of
+    the velocity at instants that are fitted, and modes that ring after the impacts, are fitted outside of the
+    pulses, whose lengths the data tell. So the shape of a contact does not matter, nor a delay of the sensor of
+    the motion. Exact motions are then fitted to the same data, weighted by the scatter of the samples.
 
     Parameters
     ----------
