@@ -132,10 +132,10 @@ contains
       real(wp), intent(out) :: squares(:, :)
       !> (b, orders) Those of b e^(-i k Omega t).
       complex(wp), intent(out) :: parts(:, :)
-      real(wp), allocatable, dimension(:, :) :: b, next, term
+      real(wp), allocatable, dimension(:, :) :: b, next, rate, term
       type(interval_type) :: interval
-      real(wp) :: length, left, ratio, turn(size(parts, 2))
-      integer :: i, k, levels
+      real(wp) :: before(size(start)), c, length, left, ratio, s, turn(size(parts, 2))
+      integer :: i, j, k, levels
 
       k = size(parts, 2)
       turn = [(i*regime%frequency, i=1, k)]
@@ -145,8 +145,8 @@ contains
       ratio = scale(ratio, -levels)
       term = length*spread(start, 2, size(start))*spread(start, 1, size(start))
       squares = term
-      next = length*spread(start, 2, 2*k)
-      next(:, k + 1:) = 0
+      allocate (next(size(start), 2*k), source=0.0_wp)
+      next(:, :k) = length*spread(start, 2, k)
       b = next
       left = 1
       i = 1
@@ -156,8 +156,12 @@ contains
          term = rate_of(regime, term)
          term = (length/i)*(term + transpose(term))
          squares = squares + term
-         next = (length/i)*(rate_of(regime, next) + reshape([spread(turn, 1, size(start)) &
-            *next(:, k + 1:), -spread(turn, 1, size(start))*next(:, :k)], shape(next)))
+         rate = rate_of(regime, next)
+         do j = 1, k
+            before = next(:, j)
+            next(:, j) = (length/i)*(rate(:, j) + turn(j)*next(:, k + j))
+            next(:, k + j) = (length/i)*(rate(:, k + j) - turn(j)*before)
+         end do
          b = b + next
          if (i > 7) left = left*ratio/i
          if (left < 0.1_wp*epsilon(left)) left = 0
@@ -171,10 +175,12 @@ contains
          squares = squares + term
          next = b
          call carry(regime, interval, length, next)
-         b = b + reshape([spread(cos(turn*length), 1, size(start))*next(:, :k) &
-            + spread(sin(turn*length), 1, size(start))*next(:, k + 1:), &
-            spread(cos(turn*length), 1, size(start))*next(:, k + 1:) &
-            - spread(sin(turn*length), 1, size(start))*next(:, :k)], shape(next))
+         do j = 1, k
+            c = cos(turn(j)*length)
+            s = sin(turn(j)*length)
+            b(:, j) = b(:, j) + c*next(:, j) + s*next(:, k + j)
+            b(:, k + j) = b(:, k + j) + c*next(:, k + j) - s*next(:, j)
+         end do
          length = 2*length
       end do
       parts = cmplx(b(:, :k), b(:, k + 1:), wp)
