@@ -1,6 +1,6 @@
 !> The motions of a case as a printout with the rows of Table 1 of the 1983 paper.
 module vi_printout
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_oscillator, only: lag
    use vi_result, only: filled_type, result_type
    use vi_status, only: stat, status_text
@@ -9,8 +9,6 @@ module vi_printout
    private
 
    public :: print_motions
-
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 

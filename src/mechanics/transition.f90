@@ -6,7 +6,7 @@
 !! a bound on the fourth derivative vi_march proves that a cell has no contact, or that y is
 !! monotone in it.
 module vi_transition
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_oscillator, only: eta
    implicit none (type, external)
    private
@@ -126,7 +126,6 @@ contains
       type(transition_type), intent(inout) :: m
       !> Size of the cells, 0 to `largest`: half a cell is 2**size nodes wide.
       integer, intent(in) :: size
-      real(wp), parameter :: pi = acos(-1.0_wp)
       real(wp), parameter :: place(4) = [-cos(pi/8), -cos(3*pi/8), cos(3*pi/8), cos(pi/8)]
       real(wp) :: x(4, 4), v(4, 4), q(4, 4), t, w
       integer :: i

@@ -5,7 +5,7 @@
 !! and hence A, these mean that (A cos(tau), A sin(tau)) lies on a line and on a circle: 0, 1 or 2
 !! motions.
 module vi_equispaced
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_motion, only: audited, complete_motion, motion_type, start_motion, worst_rounding
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: new_pattern, pattern_type
@@ -52,7 +52,7 @@ contains
       integer :: i, status(2)
 
       pattern = new_pattern('RL', cycles)
-      phases = [0.0_wp, cycles*acos(-1.0_wp)]
+      phases = [0.0_wp, cycles*pi]
       do i = 1, 2
          call start_motion(motions(i), osc, r, pattern, osc%restitution, phases)
       end do

@@ -7,7 +7,7 @@
 module vi_exact
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack, only: solve
    use vi_motion, only: motion_type, set_phases, start_motion
    use vi_oscillation, only: derivatives
@@ -18,8 +18,6 @@ module vi_exact
    private
 
    public :: deflation, member, newton_equations, solve_exact, step_share
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> Newton step (positions over the clearance, and phases) below which rounding may be reached, a
    !! step that is negligible, and relative residuals that are due to rounding.

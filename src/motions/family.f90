@@ -1,6 +1,6 @@
 !> Families of periodic motions: one pattern, or the mirror-symmetric motions of one pattern.
 module vi_family
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_orbit, only: family_type, most_impacts, span_of
    use vi_pattern, only: pattern_type
    implicit none (type, external)
@@ -21,8 +21,6 @@ module vi_family
       !! the shorter period.
       logical :: halves = .false.
    end type repetition_type
-
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 

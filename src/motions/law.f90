@@ -4,7 +4,7 @@
 !! on stability is given only if [P] obeys it, to the rounding of its entries and the errors of the
 !! motion.
 module vi_law
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_motion, only: motion_type
    implicit none (type, external)
    private
@@ -56,7 +56,6 @@ contains
    pure real(wp) function law_of_motion(motion) result(law)
       !> Oscillator, r, pattern and restitution are read.
       type(motion_type), intent(in) :: motion
-      real(wp), parameter :: pi = acos(-1.0_wp)
 
       law = exp(-4*pi*motion%osc%xi*motion%pattern%cycles/motion%r)*product(motion%restitution)**2
    end function law_of_motion

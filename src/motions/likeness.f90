@@ -3,7 +3,7 @@
 !! The same motion has several sets of unknowns: it can begin with any impact that leaves the
 !! pattern unchanged, and whole load cycles can be added to all theta_i.
 module vi_likeness
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_oscillator, only: gain, oscillator_type
    use vi_pattern, only: pattern_type
    implicit none (type, external)
@@ -13,7 +13,6 @@ module vi_likeness
 
    !> Motions closer than this distance are the same.
    real(wp), parameter, public :: same = 1.0e-6_wp
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 

@@ -4,7 +4,7 @@
 !! and R2 with D = dK/F0. A motion that is its own mirror image half a period later is described by
 !! its first half.
 module vi_member
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_oscillator, only: eta, gain
    implicit none (type, external)
    private
@@ -17,8 +17,6 @@ module vi_member
    integer, parameter, public :: by_r = 1, by_clearance = 2, by_xi = 3, by_mu = 4, by_right = 5, &
       by_left = 6
    integer, parameter, public :: n_parameters = 6
-
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
    !> The data that the members of a family of motions have in common.
    type, public :: family_type

@@ -2,7 +2,7 @@
 module vi_motion
    use vi_flight, only: flight_type, new_flight
    use vi_impact, only: primary_velocities
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: eta, gain, oscillator_type
    use vi_pattern, only: pattern_type
    use vi_status, only: stat
@@ -56,8 +56,6 @@ module vi_motion
 
    !> Safety factor on the estimate `rounding` of a motion.
    real(wp), parameter, public :: rounding_margin = 10
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 

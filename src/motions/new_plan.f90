@@ -1,7 +1,7 @@
 !> Plans (vi_plan) from an oscillator and a pattern.
 module vi_new_plan
    use vi_impact, only: impact, primary_velocities
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_motion, only: rounding_margin, worst_rounding
    use vi_oscillator, only: eta, oscillator_type
    use vi_pattern, only: pattern_type
@@ -22,7 +22,7 @@ contains
       !> Coefficient of restitution of each impact (N), and the largest relative residual that
       !! counts as consistent.
       real(wp), intent(in) :: restitution(:), acceptance
-      real(wp), parameter :: pi = acos(-1.0_wp), first(2) = [1, 0], second(2) = [0, 1]
+      real(wp), parameter :: first(2) = [1, 0], second(2) = [0, 1]
       integer :: i
 
       plan%n = size(restitution)

@@ -6,7 +6,7 @@
 module vi_precision
    use vi_chain_single, only: equispaced_chain_single => equispaced_chain, &
       periodic_chain_single => periodic_chain
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_kinds_single, only: sp => wp
    use vi_motion, only: motion_type, start_motion
    use vi_motion_single, only: motion_type_single => motion_type
@@ -70,7 +70,7 @@ contains
       call equispaced_chain_single(narrowed(osc), real(r, sp), real(clearance, sp), cycles, &
          real(acceptance, sp), flights, system, narrow)
       do i = 1, 2
-         call widen(narrow(i), osc, r, osc%restitution, [0.0_wp, cycles*acos(-1.0_wp)], motions(i))
+         call widen(narrow(i), osc, r, osc%restitution, [0.0_wp, cycles*pi], motions(i))
          if (narrow(i)%status == stat%ok) motions(i)%clearance = clearance
       end do
    end subroutine equispaced_in_single

@@ -1,7 +1,7 @@
 !> The time history of a periodic motion.
 module vi_sample
    use vi_flight, only: flight_position, flight_state, flight_type
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: flight_of, motion_type
    use vi_oscillator, only: lag
    implicit none (type, external)
@@ -21,7 +21,6 @@ contains
       real(wp), intent(in) :: times(:)
       !> (6, m) x, z, y in F0/K; velocities in omega F0/K; load between -1 and 1.
       real(wp), intent(out) :: values(:, :)
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
       type(flight_type) :: flights(size(motion%phases))
       real(wp) :: start(size(motion%phases)), period, t, x, x_dot, x_ddot, z, load_phase
       integer :: i, j

@@ -7,7 +7,7 @@
 !! how far the times are from those of a motion. `solve_in_full` keeps the state after the first
 !! impact as unknown instead, with the periodicity among the equations.
 module vi_structure_motion
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack, only: least_squares, least_squares_work
    use vi_modes, only: advance, departure, step_functions
    use vi_restitution, only: constant_law
@@ -209,7 +209,7 @@ contains
             + matmul(abs(equations%by_offset), abs(offsets)) + abs(forced(:, 0)) + abs(openings)
          value(n + 1:2*n) = speeds - matmul(response(:, :, 1), impulses) - forced(:, 1)
          ! where all speeds vanish, displacements over the time of a radian remain
-         usual = 2*acos(-1.0_wp)/equations%period*(abs(forced(:, 0)) + abs(openings))
+         usual = two_pi/equations%period*(abs(forced(:, 0)) + abs(openings))
          scale(n + 1:2*n) = abs(speeds) + matmul(abs(response(:, :, 1)), abs(impulses)) &
             + abs(forced(:, 1)) + usual
          value(2*n + 1:) = matmul(equations%balance, impulses) + equations%supplied
@@ -273,7 +273,7 @@ contains
       do pass = 1, merge(1, most, all(structure%laws(equations%gaps)%kind == constant_law))
          call residuals(structure, equations, speeds, offsets, value, scale, jacobian)
          unit(:n) = 1
-         unit(n + 1:2*n) = equations%period/(2*acos(-1.0_wp))
+         unit(n + 1:2*n) = equations%period/two_pi
          do i = 2*n + 1, size(unit)
             length = maxval(abs(jacobian(i, n + 1:)))
             unit(i) = unit(n + 1)
@@ -379,7 +379,7 @@ contains
       do i = 1, 2*m
          state(i, i) = 1
       end do
-      unit = equations%period/(2*acos(-1.0_wp))
+      unit = equations%period/two_pi
       do i = 1, n
          call row_of_gap(structure, regime, equations%gaps(i), of_x, of_v)
          call ripple_row(structure, regime, equations%gaps(i), regime%frequency* &

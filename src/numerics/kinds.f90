@@ -6,4 +6,5 @@ module vi_kinds
 
    !> Double precision; the second build of the core has real32.
    integer, parameter, public :: wp = real64
+   real(wp), parameter, public :: pi = acos(-1.0_wp), two_pi = 2*pi
 end module vi_kinds

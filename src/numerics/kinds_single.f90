@@ -8,4 +8,5 @@ module vi_kinds_single
    private
 
    integer, parameter, public :: wp = real32
+   real(wp), parameter, public :: pi = acos(-1.0_wp), two_pi = 2*pi
 end module vi_kinds_single

@@ -10,7 +10,7 @@ module vi_survey
    use vi_curve, only: correct, curve_type
    use vi_event_symbols, only: period_type, read_periods, symbol_sequence_type, total_phase
    use vi_forced_system, only: initial_state
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion_family, only: condition_type, edge, repetition
    use vi_symbols, only: standard_symbols
    use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters
@@ -42,7 +42,6 @@ module vi_survey
    !> Load cycles of each of ten batches for a Lyapunov exponent, in the first and in the last
    !! check.
    integer, parameter :: short_batch = 20, long_batch = 200
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> The motion on which a simulation settled. A stable periodic motion has its symbols in standard
    !! order; one within the limits also has its unknowns.

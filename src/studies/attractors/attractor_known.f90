@@ -5,9 +5,9 @@ module vi_attractor_known
    use vi_attractor_tangent, only: period_derivative
    use vi_attractor_target, only: difference, over_period, start_target, target_type
    use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
-      release_event, state_type, two_pi
+      release_event, state_type
    use vi_event_symbols, only: symbol_endings
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack, only: eigenvalues, solve
    use vi_oscillator, only: eta
    use vi_symbols, only: standard_symbols

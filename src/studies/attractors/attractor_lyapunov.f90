@@ -16,8 +16,8 @@ module vi_attractor_lyapunov
    use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, restitution_at
    use vi_exponents, only: bump, kaplan_yorke, orthonormalise, scatter
    use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
-      release_event, state_type, two_pi
-   use vi_kinds, only: wp
+      release_event, state_type
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate_on
    use vi_status, only: stat

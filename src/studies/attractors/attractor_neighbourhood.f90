@@ -7,8 +7,8 @@
 module vi_attractor_neighbourhood
    use vi_attractor_tangent, only: period_derivative
    use vi_attractor_target, only: difference, over_period, target_type
-   use vi_forced_system, only: forced_system_type, event_type, new_forced_system, two_pi
-   use vi_kinds, only: wp
+   use vi_forced_system, only: forced_system_type, event_type, new_forced_system
+   use vi_kinds, only: two_pi, wp
    use vi_lapack, only: eigenvalues
    use vi_oscillator, only: oscillator_type
    use vi_progress, only: is_stopped

@@ -12,8 +12,8 @@ module vi_attractor_performance
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_type, new_flight
    use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
-      new_forced_system, state_time, state_type, two_pi
-   use vi_kinds, only: wp
+      new_forced_system, state_time, state_type
+   use vi_kinds, only: two_pi, wp
    use vi_oscillation, only: combination, derivatives, square_integral
    use vi_oscillator, only: oscillator_type
    use vi_progress, only: add_done_work, add_expected_work, is_stopped

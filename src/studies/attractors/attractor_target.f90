@@ -2,8 +2,8 @@
 module vi_attractor_target
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_tangent, only: coordinates
-   use vi_forced_system, only: forced_system_type, event_type, release_event, state_type, two_pi
-   use vi_kinds, only: wp
+   use vi_forced_system, only: forced_system_type, event_type, release_event, state_type
+   use vi_kinds, only: two_pi, wp
    use vi_rest_motion, only: release_state
    use vi_simulate, only: simulate
    use vi_status, only: stat

@@ -5,8 +5,8 @@ module vi_attractor_wandering
    use vi_attractor_settled, only: advance
    use vi_attractor_known, only: chaotic, known_type, periodic, quasi_periodic, shortest_period
    use vi_exponents, only: positive, sign_by_error, zero
-   use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type, two_pi
-   use vi_kinds, only: wp
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type
+   use vi_kinds, only: two_pi, wp
    use vi_simulate, only: simulate_on
    use vi_status, only: stat
    implicit none (type, external)

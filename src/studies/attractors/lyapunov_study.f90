@@ -4,8 +4,8 @@ module vi_lyapunov_study
    use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, &
       max_events_key, parameter_of, parameter_values, resonance, spacing_key, state_keys, &
       state_of, window_keys
-   use vi_forced_system, only: initial_state, new_forced_system, two_pi
-   use vi_kinds, only: wp
+   use vi_forced_system, only: initial_state, new_forced_system
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: at_resonance
    use vi_progress, only: is_stopped
    use vi_status, only: stat, status_text

@@ -3,7 +3,7 @@
 module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_exponents, only: negative, positive, sign_by_error, zero
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: no
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
@@ -51,7 +51,6 @@ module vi_structure_find
 
    !> Tasks between which the list of motions is brought up to date.
    integer, parameter :: block = 512
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 

@@ -8,7 +8,7 @@ module vi_branch_study
       parameter_words, parameters, resonance
    use vi_condition_names, only: condition_detail, condition_name, name_length
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type
    use vi_motion_family, only: condition_type, edge, grazing, repetition, zero_approach
    use vi_motion_study, only: check_motion, check_structure_motion, find_motions, &
@@ -702,7 +702,6 @@ contains
          'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous']
       character(:), allocatable :: text
       real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions))
-      real(wp), parameter :: turn = 2*acos(-1.0_wp)
       integer :: i, k, n
 
       n = size(motions)
@@ -732,7 +731,7 @@ contains
       call result%put('points', 'q_min', [extremes(:, :, 1)])
       call result%put('points', 'q_max', [extremes(:, :, 2)])
       ! continuous along the branch, and none below 0
-      call result%put('points', 'phases', [phases - turn*min(0, floor(minval(phases)/turn))])
+      call result%put('points', 'phases', [phases - two_pi*min(0, floor(minval(phases)/two_pi))])
       call result%put('points', 'speeds', [(motions(i)%speeds, i=1, n)])
       call result%put('points', 'impulses', [(motions(i)%impulses, i=1, n)])
       call result%put_text('points', 'special', special)

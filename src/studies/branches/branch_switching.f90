@@ -10,7 +10,7 @@ module vi_branch_switching
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_state, flight_type
    use vi_impact_map, only: impact_maps
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_lapack, only: eigenvector
    use vi_motion, only: flight_of, motion_type, yes
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
@@ -34,7 +34,6 @@ module vi_branch_switching
       sizes(4) = [0.003_wp, 0.01_wp, 0.03_wp, 0.1_wp]
    !> Largest distance of a multiplier from 1 or -1 at which it still counts as the critical one.
    real(wp), parameter :: critical = 1.0e-2_wp
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 

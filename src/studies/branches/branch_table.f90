@@ -4,7 +4,7 @@ module vi_branch_table
    use vi_branch, only: branch_type, end_simultaneous, end_stopped, end_stuck, follow_branch
    use vi_curve, only: curve_type, parameters_of, unknowns_of
    use vi_exact, only: setting_type
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: no, unknown
    use vi_motion_family, only: condition_type, edge, zero_approach
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
@@ -215,7 +215,7 @@ contains
 
       allocate (whole, source=curve%family%whole_of(unknowns_of(curve, point)))
       n = size(whole)/2
-      theta = [whole(n + 1:), whole(n + 1) + 2*acos(-1.0_wp)*cycles]
+      theta = [whole(n + 1:), whole(n + 1) + two_pi*cycles]
       i = minloc(theta(2:) - theta(:n), dim=1)
       ! of a symmetric motion the impacts of the first half are counted
       if (theta(i + 1) - theta(i) < short) condition = condition_type(zero_approach, &

@@ -3,7 +3,7 @@ module vi_chart_grid
    use vi_chart, only: equispaced_chart, exact_chart
    use vi_exact, only: setting_type
    use vi_family, only: can_be_symmetric
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, pattern_type
    use vi_status, only: stat
@@ -12,7 +12,6 @@ module vi_chart_grid
 
    public :: compute_chart
 
-   real(wp), parameter :: pi = acos(-1.0_wp)
    !> Most points of a chart.
    integer, parameter, public :: most_points = 1000000
 

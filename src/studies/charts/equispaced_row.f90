@@ -12,7 +12,7 @@ module vi_equispaced_row
    use vi_equispaced, only: line_type, new_line, symmetric_pair
    use vi_impact, only: primary_velocities
    use vi_impact_map, only: impact_map
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_law, only: holds
    use vi_motion, only: complete_motion, motion_type, start_motion, unknown
    use vi_lane_half, only: lane_halves
@@ -30,8 +30,6 @@ module vi_equispaced_row
    private
 
    public :: new_row, row_pair, row_pairs
-
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
    !> What the motions of a row of a chart have in common.
    type, public :: row_type

@@ -2,7 +2,7 @@
 !! phase. A motion that is its own image half a period later is described by its first half.
 module vi_impact_family
    use vi_family, only: impacts_image => image_of, repetition_type, whole_unknowns
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion_family, only: condition_type, flip, fold, grazing, motion_family_type, &
       neimark_sacker, repetition, zero_approach
    use vi_orbit, only: family_type, span_of
@@ -29,7 +29,6 @@ contains
       class(impact_family_type), intent(in) :: family
       !> In and out: a difference of unknowns, or of points, which begin with them.
       real(wp), intent(inout) :: offset(:)
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
       integer :: n
 
       n = size(family%impacts%sides)

@@ -5,7 +5,7 @@ module vi_oscillator_families
    use vi_pair_family, only: pair_family_type
    use vi_pattern, only: pattern_type
    use vi_resting_family, only: new_resting_family
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    implicit none (type, external)
    private
 
@@ -35,7 +35,7 @@ contains
          if (.not. possible) return
          pair%symmetric = symmetric
          pair%images = images_of(pair%impacts, repetition_type(sign=merge(-1.0_wp, 1.0_wp, &
-            equal_walls), phase=acos(-1.0_wp)))
+            equal_walls), phase=pi))
          allocate (family, source=pair)
       end if
    end subroutine choose_family

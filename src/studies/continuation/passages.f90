@@ -7,7 +7,7 @@
 !! that touch is an additional impact.
 module vi_passages
    use vi_curve, only: correct, curve_type, tangent_at
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_motion_family, only: condition_type, edge, grazing
    use vi_symbols, only: standard_symbols
    use vi_likeness, only: distance, same
@@ -24,7 +24,6 @@ module vi_passages
 
    public :: begin_lines, follow_birth
 
-   real(wp), parameter :: pi = acos(-1.0_wp)
    !> Guesses between two looks at the progress counters.
    integer, parameter :: between = 256
    !> Units of length along r and log D, those of the 1983 charts, and how far a line is followed.

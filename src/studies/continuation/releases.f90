@@ -4,7 +4,7 @@ module vi_releases
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_event_symbols, only: last_of_period, period_type, read_periods, total_phase
    use vi_forced_system, only: impact_event, initial_state
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillator, only: left, oscillator_type, right
    use vi_pattern, only: pattern_type
@@ -17,8 +17,6 @@ module vi_releases
    private
 
    public :: simulate_releases, simulate_return
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> Load cycles simulated to find a release.
    integer, parameter :: settling = 60

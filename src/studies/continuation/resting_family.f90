@@ -1,7 +1,7 @@
 !> Families of motions of a pair with rest: unknowns, equations and conditions of vi_rest_family.
 module vi_resting_family
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_linear, only: most
    use vi_motion_family, only: at_fault, condition_type, coordinates_type, edge, flip, fold, &
       grazing, motion_family_type, neimark_sacker, parameters_at, rest_splits, rest_vanishes, &
@@ -57,7 +57,6 @@ contains
       class(resting_family_type), intent(in) :: family
       !> In and out: a difference of unknowns, or of points, which begin with them.
       real(wp), intent(inout) :: offset(:)
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
       integer :: n
 
       n = size(family%rest%symbols)

@@ -1,13 +1,11 @@
 !> Starting values of a search at a point: initial states and releases from rest, spread evenly.
 module vi_starts
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: gain, oscillator_type
    implicit none (type, external)
    private
 
    public :: release_start, state_start
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 

@@ -7,7 +7,7 @@
 !! the oscillator, so that both families have the same symmetries.
 module vi_structure_members
    use vi_family, only: whole_unknowns
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack_routines, only: geev
    use vi_modes, only: advance
    use vi_orbit, only: family_type
@@ -190,7 +190,7 @@ contains
       allocate (whole, source=whole_unknowns(family, unknowns))
       associate (frequency => member%regime%frequency)
          call new_equations(member%structure, member%regime, [(s%gap_of(sides(i)), i=1, n)], &
-            whole(n + 1:2*n)/frequency, 2*acos(-1.0_wp)*family%cycles/frequency, &
+            whole(n + 1:2*n)/frequency, two_pi*family%cycles/frequency, &
             member%equations, status)
       end associate
       if (status /= stat%ok) return

@@ -3,7 +3,7 @@ module vi_structure_start
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_family, only: images_of, new_family, repetition_distance, repetition_type
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_columns, only: solve_columns
    use vi_linear, only: most
    use vi_motion, only: no, unknown, yes
@@ -141,7 +141,7 @@ contains
       whole%slack = 0.1_wp
       whole%repetitions = repetitions
       whole%members = s
-      image = repetition_type(phase=acos(-1.0_wp))
+      image = repetition_type(phase=pi)
       if (allocated(s%symmetry)) image = repetition_type(0, -1.0_wp, family%cycles*image%phase, &
          s%even)
       if (odd .and. .not. allocated(s%symmetry)) image%sign = -1
@@ -196,7 +196,7 @@ contains
          allocate (others, source=repetitions)
          deallocate (repetitions)
          allocate (repetitions(size(others) + 1))
-         repetitions(1) = repetition_type(half, -1.0_wp, acos(-1.0_wp)*family%cycles, s%even, &
+         repetitions(1) = repetition_type(half, -1.0_wp, pi*family%cycles, s%even, &
             halves=.true.)
          repetitions(2:) = others
       end associate

@@ -11,7 +11,7 @@
 !! respect to M onto itself: the latter disturbances part the impacts.
 module vi_structure_together
    use vi_columns, only: solve_columns
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack_routines, only: geev
    use vi_orbit, only: family_type
    use vi_responses, only: offset_pairs
@@ -114,15 +114,14 @@ contains
    pure subroutine join_ends(found)
       !> In and out: the motion.
       type(settled_type), intent(inout) :: found
-      real(wp), parameter :: turn = 2*acos(-1.0_wp)
       integer :: i, n
 
       n = size(found%gaps)
       do i = 1, n - 1
          associate (motion => found%motion)
-            if (motion%phases(1) + turn*found%cycles - motion%phases(n) > instant) return
+            if (motion%phases(1) + two_pi*found%cycles - motion%phases(n) > instant) return
             found%gaps = cshift(found%gaps, -1)
-            motion%phases = [motion%phases(n) - turn*found%cycles, motion%phases(:n - 1)]
+            motion%phases = [motion%phases(n) - two_pi*found%cycles, motion%phases(:n - 1)]
             motion%speeds = cshift(motion%speeds, -1)
             motion%impulses = cshift(motion%impulses, -1)
             motion%states = cshift(motion%states, -1, dim=2)

@@ -9,10 +9,10 @@ module vi_settled_motion
    use vi_attractor_lyapunov, only: is_chaotic
    use vi_event_symbols, only: period_type, read_periods, total_phase
    use vi_forced_system, only: event_type, forced_system_type, initial_state, release_event, &
-      state_type, two_pi
+      state_type
    use vi_found_motion, only: describe_motion, described_type, found_type, in_standard_form, &
       new_found, new_resting, scale_of
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: yes
    use vi_pattern, only: pattern_type
    use vi_simulate, only: simulate_cycles

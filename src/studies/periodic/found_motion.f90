@@ -5,9 +5,9 @@
 !! as the mirror image of a known one.
 module vi_found_motion
    use vi_assess, only: assess_exact, assess_flights
-   use vi_forced_system, only: forced_system_type, event_type, release_event, two_pi
+   use vi_forced_system, only: forced_system_type, event_type, release_event
    use vi_exact, only: setting_type, solve_exact
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_symbols, only: standard_symbols
    use vi_likeness, only: distance, length_scale, same, shortest_repetition
    use vi_motion, only: motion_type, unknown, yes

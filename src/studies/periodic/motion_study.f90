@@ -3,7 +3,7 @@ module vi_motion_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_chain, only: equispaced_chain, exact_chain, periodic_chain, refine
    use vi_common_keys, only: cycles_key, most_state
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_motion, only: motion_type, start_motion, unknown, yes
    use vi_oscillator, only: oscillator_type
    use vi_pattern, only: default_restitution, new_pattern, pattern_type, side_symbols, &
@@ -31,7 +31,6 @@ module vi_motion_study
       find_structure_motion, motion_request, put_motions, put_origin
 
    integer, parameter :: most_impacts = 1000
-   real(wp), parameter :: pi = acos(-1.0_wp)
 
    character(*), parameter :: known = ', which knows it', equispaced = 'kind=equispaced'
    type(key_type), parameter :: motion_keys(*) = [ &

@@ -24,12 +24,11 @@
 !! Without restitution (R = 0) the first impact of an accumulation is also the last one.
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
-   use vi_forced_system, only: forced_system_type, event_type, new_forced_system, release_event, &
-      two_pi
+   use vi_forced_system, only: forced_system_type, event_type, new_forced_system, release_event
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_bounce, only: bounce, series
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: left, oscillator_type, right

@@ -12,9 +12,9 @@ module vi_rest_motion
    use vi_attractor_tangent, only: period_derivative
    use vi_doubt, only: caution, greater, worst_change
    use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
-      state_time, state_type, stick_event, two_pi
+      state_time, state_type, stick_event
    use vi_event_symbols, only: read_symbols, symbol_sequence_type, total_phase
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack, only: eigenvalues, solve
    use vi_motion, only: motion_type
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, most_impacts, &

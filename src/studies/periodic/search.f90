@@ -5,7 +5,7 @@
 !! found, so that each further success is another motion.
 module vi_search
    use vi_exact, only: deflation, exact_acceptance, step_share
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_linear, only: eliminate, most
    use vi_motion, only: motion_type
    use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
@@ -19,7 +19,6 @@ module vi_search
 
    public :: search_pattern
 
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
    integer, parameter :: most_iterations = 40
    !> Load phase of a flight so short that no iteration with a shorter one was seen to succeed.
    real(wp), parameter :: shortest_flight = 1.0e-4_wp

@@ -1,6 +1,6 @@
 !> Lists of different periodic motions of a structure, and their tables in a result.
 module vi_structure_found
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: yes
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
@@ -55,8 +55,6 @@ module vi_structure_found
       column_type('motions', 'admissible', verdicts, listed=.false., &
       meaning='whether all gaps stay open between the impacts'), &
       derivative_columns]
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 

@@ -1,6 +1,6 @@
 !> Periodic motions of structures, from and to arrays.
 module vi_structure_period
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: unknown
    use vi_responses, only: offset_pairs
    use vi_status, only: stat
@@ -28,8 +28,6 @@ module vi_structure_period
       real(wp) :: residual = 0
       type(structure_verdicts_type) :: verdicts
    end type structure_motion_type
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 

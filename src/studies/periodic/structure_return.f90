@@ -10,7 +10,7 @@ module vi_structure_return
    use vi_channels, only: first_event, leading_term, leaving_type, pace_type, reached_type, &
       row_derivatives, space_type
    use vi_exact, only: exact_acceptance
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_lapack, only: solve
    use vi_motion, only: unknown, yes
    use vi_progress, only: is_stopped
@@ -259,14 +259,14 @@ contains
       type(settled_type), intent(in) :: found
       !> How many times.
       integer, intent(in) :: parts
-      real(wp), parameter :: near = 1.0e-6_wp, turn = 2*acos(-1.0_wp)
+      real(wp), parameter :: near = 1.0e-6_wp
       integer :: m, n
 
       n = size(found%resting)
       m = n/parts
       rests_repeat = modulo(n, parts) == 0
       if (rests_repeat) rests_repeat = all(found%resting(m + 1:) == found%resting(:n - m)) .and. &
-         all(abs(found%rests(:, m + 1:) - found%rests(:, :n - m) - turn*found%cycles/parts) < near)
+         all(abs(found%rests(:, m + 1:) - found%rests(:, :n - m) - two_pi*found%cycles/parts) < near)
    end function rests_repeat
 
    !> A motion over its shortest period, if its impacts repeat within the period given.
@@ -291,7 +291,7 @@ contains
          m = n/parts
          if (any(found%gaps(m + 1:) /= found%gaps(:n - m))) cycle
          if (any(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - &
-            2*acos(-1.0_wp)*found%cycles/parts) > near)) cycle
+            two_pi*found%cycles/parts) > near)) cycle
          own = structure
          shorter%gaps = found%gaps(:m)
          shorter%cycles = found%cycles/parts
@@ -366,7 +366,6 @@ contains
       !> How far the motion may be from the simulated one: in phase (rad), and in speed relative to
       !! the largest one.
       real(wp), parameter :: near = 0.05_wp
-      real(wp), parameter :: turn = 2*acos(-1.0_wp)
       type(structure_type) :: own
       real(wp), allocatable :: apart(:)
       integer :: n
@@ -389,7 +388,7 @@ contains
          if (status /= stat%ok) return
          ! another motion is not the one on which the simulation settles
          apart = found%motion%phases - phases_of(run, events(:n))
-         if (any(abs(apart - turn*nint(apart(1)/turn)) > near) .or. &
+         if (any(abs(apart - two_pi*nint(apart(1)/two_pi)) > near) .or. &
             any(abs(found%motion%speeds - events(:n)%speed) > near*maxval(events(:n)%speed))) then
             status = stat%no_convergence
          end if
@@ -438,7 +437,7 @@ contains
 
       do i = 1, size(events)
          phases(i) = (real(events(i)%cycle - events(1)%cycle, wp)*run%period + events(i)%elapsed)* &
-            (2*acos(-1.0_wp)/run%period)
+            (two_pi/run%period)
       end do
    end function phases_of
 
@@ -727,7 +726,7 @@ contains
       integer :: i, j, n
 
       phases = phases_of(run, events)
-      whole = 2*acos(-1.0_wp)*found%cycles
+      whole = two_pi*found%cycles
       impacts = pack([(i, i=1, size(events))], events%kind == impact_event)
       sticks = pack([(i, i=1, size(events))], events%kind == stick_event)
       n = size(run%structure%mass, 1)

@@ -6,8 +6,8 @@
 !! and both masses have one velocity.
 module vi_attractor_tangent
    use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
-      stick_event, two_pi
-   use vi_kinds, only: wp
+      stick_event
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: left, right
    use vi_variation, only: columns, contact_derivative, identity, moment_type, release, &
       through_rest, through_stick, variation_type

@@ -3,8 +3,7 @@ module vi_decay_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_common_keys, only: check_product, clearance_key, half_gap, max_events_key, &
       most_numbers, most_state, state_keys
-   use vi_forced_system, only: two_pi
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_peaks, only: find_peaks, peak_type
    use vi_status, only: stat, status_text
    use vi_text, only: counted, shown, whole

@@ -3,8 +3,8 @@
 !! A single impact is one symbol. The impacts that accumulate on a wall form one symbol together
 !! with the rest in which they end; see vi_symbols for how symbols are written as numbers.
 module vi_event_symbols
-   use vi_forced_system, only: event_type, impact_event, release_event, stick_event, two_pi
-   use vi_kinds, only: wp
+   use vi_forced_system, only: event_type, impact_event, release_event, stick_event
+   use vi_kinds, only: two_pi, wp
    implicit none (type, external)
    private
 

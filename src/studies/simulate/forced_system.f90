@@ -3,7 +3,7 @@ module vi_forced_system
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: departure_type
    use vi_flight, only: flight_type, new_flight
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_oscillation, only: oscillation_type
    use vi_oscillator, only: gain, lag, oscillator_type
    use vi_parting, only: leading_order
@@ -17,8 +17,6 @@ module vi_forced_system
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
-
-   real(wp), parameter, public :: two_pi = 2*acos(-1.0_wp)
 
    !> The system in motion: oscillator, frequency ratio, load amplitude f, clearance (same unit).
    type, public :: forced_system_type

@@ -7,8 +7,8 @@
 module vi_peaks
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_forced_system, only: forced_system_type, event_type, flight_from, impact_event, &
-      initial_state, new_forced_system, rest_from, state_time, state_type, stick_event, two_pi
-   use vi_kinds, only: wp
+      initial_state, new_forced_system, rest_from, state_time, state_type, stick_event
+   use vi_kinds, only: pi, two_pi, wp
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: eta, oscillator_type
    use vi_simulate, only: simulate_on
@@ -41,7 +41,7 @@ module vi_peaks
 
    !> The clock of the simulation. With load 0 the frequency ratio has no other meaning; a value
    !! above 1 is at resonance with neither the flights nor the rests.
-   real(wp), parameter :: clock = 2, pi = two_pi/2
+   real(wp), parameter :: clock = 2
    !> Load cycles of the clock that are simulated at a time: 2 pi/omega.
    integer, parameter :: chunk = 2
    !> Units of work of a run in the progress counters.

@@ -5,9 +5,9 @@ module vi_simulate
    use vi_forced_system, only: departure_from, forced_system_type, event_type, flight_from, &
       impact_event, &
       new_forced_system, release_event, rest_from, state_time, state_type, stays_together, &
-      stick_event, two_pi
+      stick_event
    use vi_bounce, only: bounce
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_march, only: march, touch_type
    use vi_oscillation, only: derivatives
    use vi_oscillator, only: left, oscillator_type, right

@@ -2,7 +2,7 @@
 module vi_simulate_study
    use vi_common_keys, only: check_start, clearance_key, load_key, state_keys, state_of
    use vi_forced_system, only: least_clearance, new_forced_system, state_time, state_type
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_processor, only: has_memory
    use vi_simulate, only: event_type, impact_event, release_event, stick_event
    use vi_status, only: stat, status_text
@@ -308,7 +308,6 @@ contains
       type(case_type), intent(in) :: case
       !> The key: `cycles`, `duration` or `discard`.
       character(*), intent(in) :: key
-      real(wp), parameter :: pi = acos(-1.0_wp)
 
       span = case%study%number(key)
       if (case%study%has('cycles')) span = span*2*pi/load_frequency(case)

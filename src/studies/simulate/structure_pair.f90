@@ -3,8 +3,8 @@
 !! procedures of the oscillator, which give the same motion several times as fast.
 module vi_structure_pair
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_forced_system, only: event_type, forced_system_type, new_forced_system, state_type, two_pi
-   use vi_kinds, only: wp
+   use vi_forced_system, only: event_type, forced_system_type, new_forced_system, state_type
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: at_resonance, oscillator_type
    use vi_restitution, only: constant_law
    use vi_simulate, only: fly_on

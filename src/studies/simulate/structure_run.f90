@@ -4,7 +4,7 @@ module vi_structure_run
    use vi_channels, only: bound_second, first_event, leading_term, leaving_type, pace_type, &
       reached_type, row_derivatives, size_of_rate, space_type
    use vi_forced_system, only: state_type
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_modes, only: advance_in_place
    use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
@@ -20,8 +20,6 @@ module vi_structure_run
 
    !> Kinds of events.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
    !> A structure under a load, with the regimes met so far.
    type, public :: run_type

@@ -1,10 +1,10 @@
 !> Simulations as plain arrays: states, events, and the time history between them.
 module vi_trajectory
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_forced_system, only: initial_state, two_pi
+   use vi_forced_system, only: initial_state
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_type, new_flight
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_oscillation, only: derivatives, oscillation_type
    use vi_oscillator, only: left, right
    use vi_rest, only: new_rest

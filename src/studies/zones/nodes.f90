@@ -4,14 +4,13 @@
 !! the nodes; if the bound cannot decide, the caller has to use another method.
 module vi_nodes
    use vi_bernstein, only: sag, stays_within
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_oscillator, only: eta
    implicit none (type, external)
    private
 
    public :: find_largest, new_nodes
 
-   real(wp), parameter :: pi = acos(-1.0_wp)
    !> Nodes in half a load cycle or half a free oscillation; a flight that needs more than
    !! `most_nodes` has none.
    integer, parameter :: density = 8
