@@ -56,10 +56,9 @@ module vi_motion_family
 
    !> A family of motions. To follow another kind of motions, extend this type.
    type, abstract, public :: motion_family_type
-      type(repetition_type), allocatable :: repetitions(:)
-      !> Images of every motion, which are the same motion or its mirror image; not set along a
-      !! branch.
-      type(repetition_type), allocatable :: images(:)
+      !> Ways in which motions can repeat themselves, where the family ends; and images of every
+      !! motion, which are the same motion or its mirror image.
+      type(repetition_type), allocatable :: repetitions(:), images(:)
       !> Whether the motions are their own images half a period later.
       logical :: symmetric = .false.
       !> Distance in (u, theta) at which a motion counts as one that repeats itself. The parameters
