@@ -266,7 +266,8 @@ contains
       m = n/parts
       rests_repeat = modulo(n, parts) == 0
       if (rests_repeat) rests_repeat = all(found%resting(m + 1:) == found%resting(:n - m)) .and. &
-         all(abs(found%rests(:, m + 1:) - found%rests(:, :n - m) - two_pi*found%cycles/parts) < near)
+         all(abs(found%rests(:, m + 1:) - found%rests(:, :n - m) - two_pi*found%cycles/parts) &
+         < near)
    end function rests_repeat
 
    !> A motion over its shortest period, if its impacts repeat within the period given.
