@@ -36,20 +36,21 @@ UNPREDICTED, SHARE = 8.0, 0.02
 FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
 #: Residual over its error at which a pulse has ended, and by how much of its length the left out part is longer.
 ENDED, MARGIN = 3.0, 0.6
-#: Modes that ring at most; misfit above which one more, or one more impact, is tried, what it has to take from the
-#: sum
-#: of squares and which share of it; and rates of decay from which a mode starts (1/s).
+#: Modes that ring at most; misfit above which one more, or one more impact, is tried, and other starts; what one
+#: more has to take from the sum of squares and which share of it; rates of decay from which a mode starts (1/s);
+#: and most steps of a fit, after which another one follows.
+STEPS = 15
 MOST_MODES, GOOD = 3, 1.3
 LEAST_GAIN, LEAST_SHARE = 40.0, 0.2
 DECAYS = (30.0, 100.0, 300.0, 900.0)
 #: Least and largest rate of decay of a mode that rings, over its frequency; the lowest such frequency, over that
-#: of the
-#: load, and the highest one, over that of the places.
+#: of the load, and the highest one, over that of the places.
 LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
 #: Jumps of the velocity below so many errors, or below this share of the largest one, are no impacts.
 CLEAR, WEAK = 5.0, 0.01
-#: Largest number of impacts in a load cycle.
-MOST_IMPACTS = 12
+#: Largest number of impacts that are added to none, and in each load cycle to those that were predicted by
+#: nothing.
+MOST_IMPACTS, MISSING = 8, 2
 
 
 @dataclass
@@ -72,8 +73,7 @@ class Measured:
     values: _Array = field(default_factory=lambda: np.empty(0))
     errors: _Array = field(default_factory=lambda: np.empty(0))
     #: By how much its noise is stronger at low frequencies, and how much more than by it its parts differ, as
-    #: ratios of
-    #: variances.
+    #: ratios of variances.
     colour: float = 1.0
     drift: float = 1.0
     #: Which derivative of the displacement the motion is.
@@ -227,8 +227,7 @@ def unpredicted(values: _Array, past: int) -> _Array:
     """What a periodic sequence has that its past does not tell, over its scatter.
 
     Flights and ringing are damped waves, each value of which is a sum of multiples of the ones before: only an
-    impact
-    is news.
+    impact is news.
     """
     before = np.column_stack([np.roll(values, j) for j in range(1, past + 1)])
     weights = np.ones(values.size)
@@ -408,7 +407,7 @@ class Flights:
             last, by = force(x)
             return np.concatenate([f, off, [last]]), np.vstack([J, more, by])
 
-        x, f, J, _ = levenberg(residuals, x, np.array(scales))
+        x, f, J, _ = levenberg(residuals, x, np.array(scales), most=STEPS)
         four, angles, jumps, offset, modes = self.split(x, N)
         square, freedom = float(f @ f), f.size - x.size
         free = np.array(scales) > 0
@@ -583,13 +582,17 @@ class Flights:
             i = int(np.argmin(score))
             if score[i] >= 1:
                 break
-            four, angles, jumps, offset, modes = self.point(found)
-            modes = [Ringing(mode.pole, np.delete(mode.size, i)) for mode in modes]
-            before, after = self.lengths(found)
-            angles = np.delete(angles, i)
-            pulse = self.pulses(angles, np.delete(before, i), np.delete(after, i))
-            found = self.fit((four, angles, np.delete(jumps, i), offset, modes), pulse)
+            found = self.without(found, i)
         return found
+
+    def without(self, found: FreeFit, i: int) -> FreeFit:
+        """The fit without an impact."""
+        four, angles, jumps, offset, modes = self.point(found)
+        modes = [Ringing(mode.pole, np.delete(mode.size, i)) for mode in modes]
+        before, after = self.lengths(found)
+        angles = np.delete(angles, i)
+        pulse = self.pulses(angles, np.delete(before, i), np.delete(after, i))
+        return self.fit((four, angles, np.delete(jumps, i), offset, modes), pulse)
 
     def curved(self, found: FreeFit) -> FreeFit:
         """The fit to values at the mean angles of places, which the means over places of a curved motion are
@@ -605,9 +608,8 @@ class Flights:
         return self.fit(self.point(found), found.pulse)
 
     def best(self, starts: list[_Array]) -> FreeFit:
-        """The flights between impacts that begin at some angles, and those that are missing; of several starts the
-        first
-        good one, or the best."""
+        """The flights between impacts that begin at some angles, and those that are missing; of several starts
+        the first good one, or the best."""
         best: FreeFit | None = None
         for angles in starts:
             try:
@@ -630,7 +632,8 @@ class Flights:
         found = self.begun(angles)
         if ringing:
             found = self.pruned(self.settled(self.curved(found)))
-        while found.misfit > GOOD and found.data.angles.size < MOST_IMPACTS * self.data.k:
+        most = MOST_IMPACTS if not ringing else angles.size + MISSING * self.data.k
+        while found.misfit > GOOD and found.data.angles.size < most:
             more = self.one_more(found, ringing)
             if more is None:
                 break

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..base.errors import ParameterError, ParameterTypeError
 from ..motions.motion import Motion
 from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
@@ -22,8 +22,8 @@ from .known import known_values
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
 from .measured import SensorRecord
 from .motions import oscillator_of, verified
-from .stages import fitted, with_other_loads
-from .steps import flown, of_record, of_times
+from .stages import searched
+from .steps import of_record, of_times
 from .tables import said, tables_of
 
 __all__ = ["Identification", "identify"]
@@ -610,13 +610,6 @@ def identified(
             of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
         ]
     found = None
-    try:
-        for step in steps:
-            if step.data is not None and step.record is not None:
-                flown(step, scale, shared, guess)
-        if all(step.rhythm.status == "periodic" for step in steps):
-            found, own = fitted(steps, scale, shared, guess, own, law_speed)
-    except SingularError:
-        with_other_loads(steps, scale, shared, guess)
-        raise
+    if all(step.data is not None for step in steps):
+        steps, found, own = searched(steps, scale, shared, guess, own, law_speed)
     return Identification(tables_of(steps, found, scale, shared, own, case))

@@ -17,6 +17,7 @@ MOST_ITERATIONS = 60
 def levenberg(
     function: Callable[[_Array], tuple[_Array, _Array]], start: _Array, scales: _Array, weak: float = 0.0,
     accepted: Callable[[], None] = lambda: None, low: float | _Array = -math.inf, high: float | _Array = math.inf,
+    most: int = MOST_ITERATIONS,
 ) -> tuple[_Array, _Array, _Array, bool]:  # fmt: skip
     """The method of Levenberg and Marquardt: the point, its residuals and their derivatives, and whether it
     converged.
@@ -24,13 +25,13 @@ def levenberg(
     `function` gives residuals and derivatives, or raises an error of the package where there are none. Directions
     along which the residuals change by less than `weak` over a step of `scales` are left as they are. `accepted`
     is called where the function was evaluated last, if the method goes there. No point is below `low` or above
-    `high`.
+    `high`; there are at most so many steps.
     """
     x = start.copy()
     f, J = function(x)
     accepted()
     damping = 1e-3
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(most):
         A = J * scales
         outward = A.T @ f
         A[:, ((x <= low) & (outward > 0)) | ((x >= high) & (outward < 0))] = 0

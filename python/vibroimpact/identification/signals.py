@@ -28,10 +28,9 @@ RESTING = 0.3
 #: Share of the impacts that repeat in a periodic record.
 REPEATED = 0.9
 #: Least number of periods in a record; parts of a load cycle whose means are compared; standard deviations by
-#: which the
-#: scatter of a part without impacts may be larger; scatter beyond which a sample is left out; ratio of scatters
-#: that are alike; largest scatter of a periodic record over its power; blocks of a
-#: record that are compared.
+#: which the scatter of a part without impacts may be larger; scatter beyond which a sample is left out; ratio of
+#: scatters that are alike; largest scatter of a periodic record over its power; blocks of a record that are
+#: compared.
 BLOCKS = 8
 #: Parts of a load cycle over which noise is summed.
 WIDE = 16
@@ -197,11 +196,9 @@ def no_rhythm(status: str) -> Rhythm:
 
 
 class Repetition(NamedTuple):
-    """What a signal repeats: after how many load cycles (0: never), the scatter of a sample about it, by how much
-    the
-    noise is stronger at low frequencies, and how much more than by it the parts of the record differ, both as
-    ratios of
-    variances."""
+    """What a signal repeats: after how many load cycles (0: never), the scatter of a sample about it, by how
+    much the noise is stronger at low frequencies, and how much more than by it the parts of the record differ,
+    both as ratios of variances."""
 
     cycles: int
     noise: float
@@ -213,13 +210,12 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     """After how many load cycles a signal repeats, and its scatter.
 
     It is the least k that no other number of cycles rejects, at a confidence of seven standard deviations: what
-    the mean
-    over periods of k cycles leaves has no mean over periods of others that its scatter does not explain. Where all
-    are
-    rejected, as by noise that is not white, it is the least k whose scatter is about the least of all.
+    the mean over periods of k cycles leaves has no mean over periods of others that its scatter does not
+    explain. Where all are rejected, as by noise that is not white, it is the least k whose scatter is about the
+    least of all.
     """
     turns = omega / (2 * math.pi) * centred(values.size, rate)
-    most = max(1, min(MOST_CYCLES, int(turns[-1] - turns[0]) // LEAST_PERIODS))
+    most = most_cycles(turns[-1] - turns[0])
     part = np.minimum((turns % 1 * PARTS).astype(np.int64), PARTS - 1)
     cycle = np.floor(turns).astype(np.int64)
     scatters: list[float] = []
@@ -252,6 +248,11 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     drift = excess(off[quiet], part[quiet], block[quiet], BLOCKS, colour)
     periodic = noise**2 <= UNREPEATED * float(np.var(values))
     return Repetition(found if periodic else 0, noise, colour, drift)
+
+
+def most_cycles(span: float) -> int:
+    """Largest number of load cycles in a period of a record of so many cycles."""
+    return max(1, min(MOST_CYCLES, int(span) // LEAST_PERIODS))
 
 
 def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:

@@ -101,6 +101,41 @@ def fitted(
     return fit(found, shared, middle, lengths, phases, M, K, law, near), law
 
 
+def searched(
+    steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
+    law: Law, law_speed: float | None,
+) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
+    """The steps with their flights and the fit of exact motions, if all are periodic.
+
+    Where there is none, the weakest impact may be none, or the period may be twice as long.
+    """
+    failed: SingularError | None = None
+    for fewer, factor in ((False, 1), (True, 1), (False, 2)):
+        others = [copy(step) for step in steps]
+        measured = [step for step in others if step.data is not None and step.record is not None]
+        if failed is not None and not measured:
+            break
+        try:
+            for step in measured:
+                assert step.data is not None
+                step.data = replace(step.data, k=factor * step.data.k)
+                if step.data.k > step.most_cycles:
+                    raise SingularError("too few periods")
+                flown(step, scale, shared, guess, fewer)
+            if not all(step.rhythm.status == "periodic" for step in others):
+                return others, None, law
+            found, own = fitted(others, scale, shared, guess, law, law_speed)
+        except SingularError as error:
+            failed = failed or error
+            continue
+        # what only another pattern makes possible has to be good
+        if failed is None or max(found.misfits) < DOUBTFUL:
+            return others, found, own
+    with_other_loads(steps, scale, shared, guess)
+    assert failed is not None
+    raise failed
+
+
 def with_other_loads(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float]
 ) -> None:

@@ -20,6 +20,7 @@ from .signals import (
     Tones,
     centred,
     load_frequency,
+    most_cycles,
     no_rhythm,
     period_of,
     repeated,
@@ -64,6 +65,8 @@ class Step:
         self.free: FreeFit | None = None
         self.fold: Folded | None = None
         self.noise = math.nan
+        #: Largest number of load cycles in a period.
+        self.most_cycles = 0
         #: Amplitude of the load by its channel, and its error (N).
         self.F0: float | None = None
         self.F0_error = math.nan
@@ -168,13 +171,16 @@ def of_record(
         data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
     step.data = data
     step.noise = noise
+    step.most_cycles = most_cycles(cycles)
     return step
 
 
 def flown(
-    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float]
-) -> None:
-    """The free flights of a record, from which its impacts are known below the sample."""
+    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
+    fewer: bool = False,
+) -> None:  # fmt: skip
+    """The free flights of a record, from which its impacts are known below the sample; perhaps without the
+    weakest."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
@@ -196,6 +202,8 @@ def flown(
         force = scale["M"], data.F0, max(data.F0_error, 1e-6 * data.F0)
     flights = Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
     free = flights.best(starts)
+    if fewer and free.data.angles.size > 2:
+        free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
     if free.misfit > HOPELESS:
         raise SingularError(
             f"flights between {free.data.angles.size} impacts in {data.k} load cycles, after which up to "

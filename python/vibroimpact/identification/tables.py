@@ -142,6 +142,16 @@ def tables_of(
                     + "; no motion is fitted",
                 )
             )
+    if found is not None and found.undetermined:
+        names_of = ", ".join(found.undetermined)
+        more = "m, d" if "M" in scale else "M, d"
+        notes.append(
+            (
+                False,
+                f"undetermined: {names_of}; what would help most is one of them as known ({more}), or a record at "
+                "another frequency",
+            )
+        )
     if found is not None and law.shape in ASSUMED:
         notes.append((False, f"v0 = {law.v0:.6g} m/s; all errors assume that {ASSUMED[law.shape]}"))
     if found is not None:
