@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -59,18 +59,10 @@ def run(
     StudyInterrupted
         After Ctrl-C, with what was finished.
     """
-    study: str = noun.study  # type: ignore[attr-defined]
     of_numbers(osc)
-    names = parameters or {}
-    known = keys_for(study)
-    values = {key: plain(known, key, value, names.get(key, key)) for key, value in keys.items()}
-    before = {} if start is None else {"motion": start}
-    text = namelist.case(osc, r, **before, **{study: values})
-    try:
-        return run_text(noun, text, threads, progress, little)
-    except ParameterError as error:
-        message = str(error).removeprefix(f"&{study} ").removeprefix("&system ")
-        raise ParameterError(translated(message, names)) from None
+    before = [] if start is None else [("motion", start)]
+    groups = [("system", osc._keys(r)), *before]
+    return run_groups(noun, groups, keys, False, threads, progress, parameters, little)
 
 
 def run_structure(
@@ -91,21 +83,28 @@ def run_structure(
     needs_frequency : bool
         Whether the load must have a frequency.
     """
-    study: str = noun.study  # type: ignore[attr-defined]
     kinds = (Load,) if needs_frequency else (Load, type(None))
     check_load(structure, load, frequency=needs_frequency, kinds=kinds)
-    names, known = parameters or {}, keys_for(study, True)
-    values = {
-        key: plain(known, key, value, names.get(key, key))
-        for key, value in keys.items() if value is not None
-    }  # fmt: skip
-    forces = [] if load is None else load._groups()
-    text = namelist.text([*structure._groups(), *forces, (study, values)])
+    groups = [*structure._groups(), *([] if load is None else load._groups())]
+    given = {key: value for key, value in keys.items() if value is not None}
+    return run_groups(noun, groups, given, True, threads, progress, parameters)
+
+
+def run_groups(
+    noun: Callable[[Result], Found], groups: Iterable[tuple[str, Mapping[str, Any]]], keys: Mapping[str, Any],
+    of_structure: bool, threads: int | None = None, progress: Progress | None = None,
+    parameters: Mapping[str, str] | None = None, little: bool = False,
+) -> Found:  # fmt: skip
+    """Runs a study in the core: the groups describe the system and what the study starts from."""
+    study: str = noun.study  # type: ignore[attr-defined]
+    names, known = parameters or {}, keys_for(study, of_structure)
+    values = {key: plain(known, key, value, names.get(key, key)) for key, value in keys.items()}
+    text = namelist.text([*groups, (study, values)])
     try:
-        return run_text(noun, text, threads, progress)
+        return run_text(noun, text, threads, progress, little)
     except ParameterError as error:
         message = str(error)
-        for name in (study, "structure", "load"):
+        for name in (study, "system", "structure", "load"):
             message = message.removeprefix(f"&{name} ")
         raise ParameterError(translated(message, names)) from None
 

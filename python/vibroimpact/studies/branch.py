@@ -18,7 +18,7 @@ from ..results import door, namelist
 from ..results.noun import Noun, column
 from ..results.parameters import Parameter, Path, keys_of_parameter
 from ..results.systems import structure_of
-from ..results.tables import Result, keys_for
+from ..results.tables import Result
 from ..systems.oscillator import Pattern, plain_pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system
@@ -463,16 +463,6 @@ def run_from(
     progress: door.Progress | None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
-    study = noun.study
-    try:
-        return door.run_text(noun, case_from(motion, study, keys), progress=progress)
-    except ParameterError as error:
-        message = str(error).removeprefix(f"&{study} ")
-        raise ParameterError(door.translated(message, names)) from None
-
-
-def case_from(motion: Motion, study: str, keys: dict[str, Any]) -> str:
-    """The case of a study that starts from a motion."""
     if len(motion.rests):
         raise ParameterError(f"motion = {motion!r}: must be one without rest")
     if motion.consistent is False:
@@ -480,14 +470,12 @@ def case_from(motion: Motion, study: str, keys: dict[str, Any]) -> str:
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "
             "exact(structure, load, motion) gives the exact motion near it"
         )
-    known = keys_for(study, True)
-    values = {name: door.plain(known, name, value, name) for name, value in keys.items()}
     start = {
         "kind": "exact", "cycles": motion.cycles, "gaps": motion.gaps.tolist(),
         "phases": motion.phases.tolist(),
     }  # fmt: skip
     groups = [*motion.structure._groups(), *motion.load._groups(), ("motion", start)]
-    return namelist.text([*groups, (study, values)])
+    return door.run_groups(noun, groups, keys, True, None, progress, names)
 
 
 @overload
