@@ -159,10 +159,10 @@ def random_rig(seed):
 
 @pytest.mark.slow
 def test_three_hundred_rigs(share):
-    """Of 300 rigs at 40 dB 98 % are fitted and at most 1 % wrong; 95 % intervals cover 90 to 98 %."""
+    """Of 300 rigs at 40 dB 98 % are fitted, and none is wrong without a doubt; 95 % intervals cover 90 to 98 %."""
     count = share(300)
     inside = {name: [] for name in ("xi", "R1", "R2", "d", "F0")}
-    refused, wrong = 0, 0
+    refused, doubted = 0, 0
     for seed in range(count):
         rig, motion = random_rig(seed)
         record = rig.record(2.0, seed=seed, motion=motion, settle=60)
@@ -171,9 +171,10 @@ def test_three_hundred_rigs(share):
         except vi.SingularError:  # weak impacts beside pulses
             refused += 1
             continue
-        if found.pattern != motion.pattern.standard():  # a weak impact on the other wall
-            wrong += 1
+        if found.doubts:  # another motion with a weak impact elsewhere may fit as well
+            doubted += 1
             continue
+        assert found.pattern == motion.pattern.standard(), seed
         turns = (found._of(0, "impacts", "fitted") - motion.load_phase) / (2 * np.pi)
         k, true = motion.pattern.cycles, motion.alpha / (2 * np.pi)
         # the record begins in any of the k load cycles of the period
@@ -181,9 +182,7 @@ def test_three_hundred_rigs(share):
             max(np.min(abs((turn + cycle - true + k / 2) % k - k / 2)) for turn in turns)
             for cycle in range(k)
         ]
-        if min(errors) > 2e-2 * k:  # another motion with a weak impact elsewhere
-            wrong += 1
-            continue
+        assert min(errors) < 1e-2 * k, seed
         own, shown = (found._of(0, "samples", name) for name in ("motion", "motion_fit"))
         assert np.std(own - shown) < 0.2 * np.std(own), seed
         right, left = rig.restitution
@@ -192,7 +191,7 @@ def test_three_hundred_rigs(share):
             low, high = found.interval(name)
             inside[name].append(low < value < high)
     assert refused <= 0.02 * count + 1
-    assert wrong <= 0.01 * count + 1
+    assert doubted <= 0.04 * count + 1
     # for 300 rigs, 4 standard deviations below 95 % is 90 %, and 2.4 above it 98 %
     deviation = (0.95 * 0.05 / count) ** 0.5
     for name, covered in inside.items():

@@ -93,6 +93,8 @@ class Identification(Noun, study="identify"):
     misfit : float
         Sum of squares of the weighted residuals over the degrees of freedom; about 1 where the model holds. Errors
         are multiplied by its root where it is larger.
+    doubts : tuple of str
+        Why the fit may be another one than that of the rig; empty if nothing tells against it.
     """
 
     __slots__ = ("_motions",)
@@ -208,6 +210,11 @@ class Identification(Noun, study="identify"):
     def misfit(self) -> float:
         """Sum of squares of the weighted residuals over the degrees of freedom."""
         return float(self._one("misfit"))
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the fit may be another one than that of the rig."""
+        return tuple(text for _, text in self._result.notes if "doubtful: " in text)
 
     @property
     def pattern(self) -> Pattern | None:
@@ -411,7 +418,8 @@ class Identification(Noun, study="identify"):
             if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d") and math.isfinite(error)
         )  # fmt: skip
         left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
-        shown = "; ".join(filter(None, (fitted, left))) or "all known"
+        doubtful = "doubtful, see doubts" if self.doubts else ""
+        shown = "; ".join(filter(None, (fitted, left, doubtful))) or "all known"
         return f"<Identification {pattern.sides}/{pattern.cycles} at r = {self.r:.6g}: {shown}>"
 
 

@@ -19,6 +19,8 @@ from .signals import centred
 from .stages import DOUBTFUL
 from .steps import LOAD_TONES, Step
 
+#: Standard errors between an impact of the fitted motion and one of the flights, above which a fit is doubtful.
+FAR = 5.0
 #: What records that are not periodic tell and leave open.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
@@ -85,7 +87,7 @@ def tables_of(
             "static": found.lengths[i] if found is not None else math.nan,
             "misfit": found.misfits[i] if found is not None else math.nan,
         }  # fmt: skip
-        first = math.nan
+        first, away = math.nan, np.zeros(1)
         if found is not None and data is not None and pattern is not None:
             motion, static = found.motions[i], found.lengths[i]
             r, clearance = step.Omega / found.values["omega"], found.values["d"] / static
@@ -99,6 +101,7 @@ def tables_of(
                 law.restitution(values, values["omega"] * static), harmonics,
             ).multipliers  # fmt: skip
             first = motion.angles[0] / step.Omega + middle + begin
+            away = np.abs(motion.angles - data.angles) / data.angle_errors
             impacts["number"] += [i + 1] * motion.angles.size
             impacts["side"] += pattern.symbols
             for name, of_impacts in {
@@ -123,9 +126,19 @@ def tables_of(
             notes.append(
                 (
                     False,
-                    f"{said_of}misfit of {found.misfits[i]:.3g}: the motion does not describe the record to "
-                    "its scatter: the pattern or a known value may be wrong, or the rig changed during the "
+                    f"{said_of}doubtful: misfit of {found.misfits[i]:.3g}: the motion does not describe the "
+                    "record to its scatter: the pattern or a known value may be wrong, or the rig changed during the "
                     "record; the errors are multiplied by the root of the misfit",
+                )
+            )
+        if pattern is not None and away.max() > FAR:
+            place = int(away.argmax())
+            notes.append(
+                (
+                    False,
+                    f"{said_of}doubtful: impact {place + 1} of the motion ({pattern.symbols[place]}) is "
+                    f"{away[place]:.2g} standard errors from where the flights alone have it; with a weak impact "
+                    "there, another motion may fit as well, and the stated errors may be too small",
                 )
             )
         notes += [(False, f"{said_of}{text}") for text in step.notes]
