@@ -9,7 +9,7 @@ module vi_key
    implicit none (type, external)
    private
 
-   public :: describe_key, is_for, key_for, place_of
+   public :: describe_key, is_for, list_keys, place_of
 
    !> Kinds of values.
    integer, parameter, public :: a_number = 1, a_whole = 2, a_word = 3
@@ -74,16 +74,25 @@ contains
       is_for = declared == every_model .or. declared == model
    end function is_for
 
-   !> A key for one model.
-   elemental type(key_type) function key_for(key, model) result(own)
-      !> The key.
-      type(key_type), intent(in) :: key
-      !> The model.
+   !> Adds keys for a model to a list.
+   pure subroutine list_keys(model, keys, list)
+      !> `every_model` or a model.
       integer, intent(in) :: model
+      !> The keys.
+      type(key_type), intent(in) :: keys(:)
+      !> In and out: the list; it need not be allocated.
+      type(key_type), allocatable, intent(inout) :: list(:)
+      type(key_type), allocatable :: longer(:)
+      integer :: n
 
-      own = key
-      own%model = model
-   end function key_for
+      n = 0
+      if (allocated(list)) n = size(list)
+      allocate (longer(n + size(keys)))
+      if (n > 0) longer(:n) = list
+      longer(n + 1:) = keys
+      if (model /= every_model) longer(n + 1:)%model = model
+      call move_alloc(longer, list)
+   end subroutine list_keys
 
    !> Place of a key in a table; 0 if there is no key of this name.
    pure integer function place_of(keys, name) result(place)

@@ -12,7 +12,7 @@ module vi_result
    implicit none (type, external)
    private
 
-   public :: column_for, rows_of, start_result
+   public :: list_columns, rows_of, start_result
 
    !> Kinds of values: a number, a whole number, a word (its place in a list of words), a verdict as
    !! in vi_motion, a truth (1 for true, 0 for false), or a complex number.
@@ -101,16 +101,25 @@ module vi_result
 
 contains
 
-   !> A column for one model.
-   elemental type(column_type) function column_for(column, model) result(own)
-      !> The column.
-      type(column_type), intent(in) :: column
-      !> The model.
+   !> Adds columns for a model to a list.
+   pure subroutine list_columns(model, columns, list)
+      !> `every_model` or a model.
       integer, intent(in) :: model
+      !> The columns.
+      type(column_type), intent(in) :: columns(:)
+      !> In and out: the list; it need not be allocated.
+      type(column_type), allocatable, intent(inout) :: list(:)
+      type(column_type), allocatable :: longer(:)
+      integer :: n
 
-      own = column
-      own%model = model
-   end function column_for
+      n = 0
+      if (allocated(list)) n = size(list)
+      allocate (longer(n + size(columns)))
+      if (n > 0) longer(:n) = list
+      longer(n + 1:) = columns
+      if (model /= every_model) longer(n + 1:)%model = model
+      call move_alloc(longer, list)
+   end subroutine list_columns
 
    !> An empty result with its declared columns.
    pure subroutine start_result(case, columns, row, result)

@@ -5,16 +5,16 @@
 !! study needs no other module of this folder, except for texts.
 module vi_study
    use vi_case, only: case_type
-   use vi_key, only: a_whole, a_word, every_model, is_for, key_for, key_type, of_oscillator, &
+   use vi_key, only: a_whole, a_word, every_model, is_for, key_type, list_keys, of_oscillator, &
       of_structure
    use vi_kinds, only: wp
-   use vi_result, only: column_for, column_type, complexes, result_type, truths, verdicts, wholes, &
-      words
+   use vi_result, only: column_type, complexes, list_columns, result_type, truths, verdicts, &
+      wholes, words
    use vi_values, only: values_type
    implicit none (type, external)
    private
 
-   public :: for_model, join_groups, place_of_study
+   public :: join_groups, list_for, place_of_study
 
    !> What a study needs to declare keys and columns, read a case, and fill a result.
    public :: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
@@ -60,10 +60,11 @@ module vi_study
       procedure :: columns_of, keys_of
    end type study_type
 
-   !> Keys or columns for one model.
-   interface for_model
-      procedure :: key_for, column_for
-   end interface for_model
+   !> Adds keys or columns for a model to a list. One array constructor of all would need 50 kB of
+   !! stack, and a thread can have 64.
+   interface list_for
+      procedure :: list_keys, list_columns
+   end interface list_for
 
    !> A procedure that fills in a declaration, as an element of lists.
    type, public :: declare_type

@@ -9,7 +9,7 @@ module studies_found
    use vi_found_motion, only: are_alike, are_same, described_type, find_in_form, found_from, &
       found_type, mirrored, new_found, store_described
    use vi_grid_continuation, only: sweep_grid
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type
    use vi_namelist, only: group_type, scan_namelist
    use vi_orbit, only: by_clearance
@@ -23,8 +23,6 @@ module studies_found
    private
 
    public :: test_found
-
-   real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
 
 contains
 

@@ -7,7 +7,7 @@ module studies_rest
    use vi_curve, only: condition_slope, curve_type
    use vi_forced_system, only: event_type, new_forced_system
    use vi_found_motion, only: are_same, described_type, found_type, store_described
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_likeness, only: same
    use vi_motion, only: motion_type, unknown, yes
    use vi_motion_family, only: condition_type, edge
@@ -62,7 +62,6 @@ contains
    !! followed only if impacts that accumulate begin with an approach, and it ends with a release
    !! within two periods.
    subroutine test_guessed_phases()
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp)
       type(rest_family_type) :: family
       type(rest_period_type) :: period
       real(wp) :: u(10), c(6), unknowns(5)
@@ -174,7 +173,7 @@ contains
    !! cycle or not: side, phase and velocity, each alone, tell two of them apart.
    subroutine test_same_releases()
       real(wp), parameter :: scale = 3.0_wp, off = 2*same, near = 0.5_wp*same
-      real(wp), parameter :: two_pi = 2*acos(-1.0_wp), release(3) = [1.0_wp, 0.4_wp, -2.0_wp]
+      real(wp), parameter :: release(3) = [1.0_wp, 0.4_wp, -2.0_wp]
 
       call compare([0.0_wp, 0.0_wp, 0.0_wp], .true.)
       call compare([0.0_wp, -3*two_pi + near, 0.0_wp], .true.)

@@ -11,8 +11,8 @@ module studies_states
    use vi_attractor_target, only: target_type
    use vi_contact, only: departure_type
    use vi_forced_system, only: departure_from, event_type, forced_system_type, impact_event, &
-      initial_state, new_forced_system, state_time, state_type, stick_event, two_pi
-   use vi_kinds, only: wp
+      initial_state, new_forced_system, state_time, state_type, stick_event
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: eta, oscillator_type
    use vi_peaks, only: find_peaks, peak_type
    use vi_simulate, only: simulate, simulate_cycles

@@ -4,10 +4,10 @@ module studies_symbols
    use random_numbers, only: draw_integer, random_type
    use vi_forced_system, only: forced_system_type, event_type, impact_event, new_forced_system, &
       release_event, state_type, &
-      stick_event, two_pi
+      stick_event
    use vi_event_symbols, only: last_of_period, symbol_endings, mismatch, period_type, &
       read_periods, read_symbols, symbols_between, symbol_sequence_type, total_phase
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate_cycles
    use vi_status, only: stat

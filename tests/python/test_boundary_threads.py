@@ -100,6 +100,8 @@ def public_calls(folder):
     trajectory = vi.simulate(wall, load, cycles=100)
     trajectory.sample([1.0, 2.0])
     trajectory.acceleration([1.0])
+    trajectory.quantities(harmonics=2)
+    vi.simulate(wall, load, cycles=3).gradient(["load"])
     vi.exact(wall, load, trajectory)
     gaps = [vi.Gap([-1, 1], 1e-9, 0.8)]
     narrow = vi.Structure([1e-6, 2e-6], [0, 0], [[1, -1], [-1, 1]], gaps)

@@ -22,7 +22,7 @@ module vi_basins_study
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, place_in_state, start_keys
    use vi_structure_return, only: settled_type
-   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+   use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, values_type, wholes, words
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    implicit none (type, external)
@@ -185,14 +185,22 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(clearance_key, of_oscillator), first_keys, &
-         for_model(basins_keys, of_oscillator), for_model(structure_keys, of_structure), &
-         max_cycles_key, for_model(load_key, of_oscillator), max_events_key]
+      if (present(keys)) then
+         call list_for(of_oscillator, [clearance_key], keys)
+         call list_for(every_model, first_keys, keys)
+         call list_for(of_oscillator, basins_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+         call list_for(every_model, [max_cycles_key], keys)
+         call list_for(of_oscillator, [load_key], keys)
+         call list_for(every_model, [max_events_key], keys)
+      end if
       if (present(columns)) then
-         columns = [for_model(state_columns, of_oscillator), &
-            for_model(structure_state_columns, of_structure), shared_columns, &
-            for_model(attractor_columns, of_oscillator), &
-            for_model([structure_attractor_columns, found_columns], of_structure)]
+         call list_for(of_oscillator, state_columns, columns)
+         call list_for(of_structure, structure_state_columns, columns)
+         call list_for(every_model, shared_columns, columns)
+         call list_for(of_oscillator, attractor_columns, columns)
+         call list_for(of_structure, structure_attractor_columns, columns)
+         call list_for(of_structure, found_columns, columns)
          ! the CSV has a row for each state, not for each impact
          columns(size(columns) - size(found_columns) + 1:)%listed = .false.
       end if

@@ -15,7 +15,7 @@ module vi_bifurcation_study
    use vi_structure_path, only: change_type, structure_path_type, structure_takes => parameter_takes
    use vi_structure_sweep, only: cell_type
    use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
-   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+   use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
    implicit none (type, external)
@@ -141,12 +141,23 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(path_keys, of_oscillator), &
-         for_model([structure_path_keys, sweep_keys], of_structure), settling_key, keep_key, &
-         for_model(impact_keys, of_oscillator), for_model(start_keys(:2), of_structure), &
-         max_events_key, for_model([structure_impact_keys, function_keys], of_structure)]
-      if (present(columns)) columns = [for_model(bifurcation_columns, of_oscillator), &
-         for_model([cell_columns, structure_columns], of_structure)]
+      if (present(keys)) then
+         call list_for(of_oscillator, path_keys, keys)
+         call list_for(of_structure, structure_path_keys, keys)
+         call list_for(of_structure, sweep_keys, keys)
+         call list_for(every_model, [settling_key], keys)
+         call list_for(every_model, [keep_key], keys)
+         call list_for(of_oscillator, impact_keys, keys)
+         call list_for(of_structure, start_keys(:2), keys)
+         call list_for(every_model, [max_events_key], keys)
+         call list_for(of_structure, structure_impact_keys, keys)
+         call list_for(of_structure, function_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, bifurcation_columns, columns)
+         call list_for(of_structure, cell_columns, columns)
+         call list_for(of_structure, structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'bifurcation'
       study%meaning = 'sweep a parameter up and down, or from many states'

@@ -14,7 +14,7 @@ module vi_lyapunov_study
    use vi_structure_groups, only: load_frequency, most_coordinates, record_end, structure_of
    use vi_structure_keys, only: check_start_state, start_keys
    use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
-   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+   use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
    use vi_trajectory, only: pack_state
@@ -123,11 +123,19 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(point_keys, of_oscillator), &
-         for_model(structure_keys, of_structure), further_keys(:2), for_model([state_keys, &
-         load_key], of_oscillator), for_model(start_keys, of_structure), further_keys(3:)]
-      if (present(columns)) columns = [for_model(point_columns, of_oscillator), &
-         for_model(structure_columns, of_structure)]
+      if (present(keys)) then
+         call list_for(of_oscillator, point_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+         call list_for(every_model, further_keys(:2), keys)
+         call list_for(of_oscillator, state_keys, keys)
+         call list_for(of_oscillator, [load_key], keys)
+         call list_for(of_structure, start_keys, keys)
+         call list_for(every_model, further_keys(3:), keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, point_columns, columns)
+         call list_for(of_structure, structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'lyapunov'
       study%meaning = 'compute all Lyapunov exponents at a point or along a line'

@@ -14,8 +14,8 @@ module vi_response_study
    use vi_structure_path, only: new_change, structure_path_type
    use vi_structure_sweep, only: cell_type, steady_size
    use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
-   use vi_study, only: a_whole, case_type, column_type, for_model, key_type, of_oscillator, &
-      of_structure, result_type, study_type, wholes
+   use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
+      of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
    implicit none (type, external)
    private
@@ -92,12 +92,21 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(response_keys, of_oscillator), &
-         for_model([structure_keys, sweep_keys, settling_key], of_structure), keep_key, &
-         for_model(load_key, of_oscillator), for_model(start_keys(:2), of_structure), &
-         max_events_key]
-      if (present(columns)) columns = [for_model(response_columns, of_oscillator), &
-         for_model([cell_columns, structure_columns], of_structure)]
+      if (present(keys)) then
+         call list_for(of_oscillator, response_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+         call list_for(of_structure, sweep_keys, keys)
+         call list_for(of_structure, [settling_key], keys)
+         call list_for(every_model, [keep_key], keys)
+         call list_for(of_oscillator, [load_key], keys)
+         call list_for(of_structure, start_keys(:2), keys)
+         call list_for(every_model, [max_events_key], keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, response_columns, columns)
+         call list_for(of_structure, cell_columns, columns)
+         call list_for(of_structure, structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'response'
       study%meaning = 'follow the size of settled motions along the load frequency'

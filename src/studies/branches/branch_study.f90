@@ -28,9 +28,9 @@ module vi_branch_study
    use vi_structure_return, only: settled_type
    use vi_structure_start, only: motion_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
-   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, for_model, key_type, &
-      of_oscillator, of_structure, result_type, study_type, truths, values_type, verdicts, wholes, &
-      words
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
+      list_for, of_oscillator, of_structure, result_type, study_type, truths, values_type, &
+      verdicts, wholes, words
    use vi_text, only: counted, line_type, number_text, whole
    implicit none (type, external)
    private
@@ -149,9 +149,15 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [branch_keys, for_model(function_keys, of_structure)]
-      if (present(columns)) columns = [branch_columns, for_model([path_columns, &
-         structure_columns], of_structure)]
+      if (present(keys)) then
+         call list_for(every_model, branch_keys, keys)
+         call list_for(of_structure, function_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(every_model, branch_columns, columns)
+         call list_for(of_structure, path_columns, columns)
+         call list_for(of_structure, structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'branch'
       study%meaning = 'follow motions along a parameter'

@@ -18,8 +18,8 @@ module vi_find_study
    use vi_structure_found, only: found_columns, found_list_type, put_found
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: needs_frequency
-   use vi_study, only: a_whole, case_type, column_type, for_model, key_type, of_oscillator, &
-      of_structure, result_type, study_type, wholes
+   use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
+      of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, whole
    use vi_trajectory, only: store_events
    implicit none (type, external)
@@ -124,10 +124,15 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(find_keys, of_oscillator), for_model(structure_keys, &
-         of_structure), max_events_key]
-      if (present(columns)) columns = [for_model(find_columns, of_oscillator), &
-         for_model(structure_columns, of_structure)]
+      if (present(keys)) then
+         call list_for(of_oscillator, find_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+         call list_for(every_model, [max_events_key], keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, find_columns, columns)
+         call list_for(of_structure, structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'find'
       study%meaning = 'search for all periodic motions at a point'

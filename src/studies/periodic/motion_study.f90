@@ -21,7 +21,7 @@ module vi_motion_study
    use vi_structure_period, only: eliminated, exact, periodic_structure
    use vi_structure_return, only: settle, settled_type
    use vi_structure_tables, only: put_structure, structure_columns
-   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, for_model, key_type, &
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, values_type, verdicts, wholes, words
    use vi_text, only: counted, line_type, number_text, shown, whole
    implicit none (type, external)
@@ -230,10 +230,14 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(motion_keys, of_oscillator), &
-         for_model(structure_keys, of_structure)]
-      if (present(columns)) columns = [for_model(motion_columns, of_oscillator), &
-         for_model(own_structure_columns, of_structure)]
+      if (present(keys)) then
+         call list_for(of_oscillator, motion_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, motion_columns, columns)
+         call list_for(of_structure, own_structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'motion'
       study%meaning = 'compute periodic motions from their load phases or their clearance'

@@ -13,7 +13,7 @@ module vi_simulate_study
    use vi_structure_run, only: hit_event => impact_event, rest_event => stick_event
    use vi_structure_tables, only: put_structure, structure_columns
    use vi_structure_trajectory, only: simulate_structure_case
-   use vi_study, only: a_whole, case_type, column_type, for_model, key_type, of_oscillator, &
+   use vi_study, only: a_whole, case_type, column_type, key_type, list_for, of_oscillator, &
       of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: counted, exact, exact_list, number_text, shown, whole
    use vi_trajectory, only: pack_state, simulate_case
@@ -134,10 +134,14 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(simulate_keys, of_oscillator), &
-         for_model(structure_keys, of_structure)]
-      if (present(columns)) columns = [for_model(simulate_columns, of_oscillator), &
-         for_model(own_structure_columns, of_structure)]
+      if (present(keys)) then
+         call list_for(of_oscillator, simulate_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, simulate_columns, columns)
+         call list_for(of_structure, own_structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'simulate'
       study%meaning = 'simulate from an initial state'

@@ -20,7 +20,7 @@ module vi_zone_study
    use vi_structure_return, only: settled_type
    use vi_structure_start, only: start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
-   use vi_study, only: a_whole, a_word, case_type, column_type, for_model, key_type, &
+   use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: counted, exact, whole
    use vi_zone, only: zone_around, zone_type, zone_work
@@ -104,15 +104,27 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = [for_model(zone_keys, of_oscillator), for_model(structure_keys, &
-         of_structure), lines_key, for_model(guesses_key, of_oscillator), vertices_key, &
-         for_model(seeds_key, of_oscillator), for_model([x_function_keys, y_function_keys], &
-         of_structure)]
-      if (present(columns)) columns = [piece_columns, &
-         for_model([symmetric_column, place_columns], of_oscillator), &
-         for_model(structure_place_columns, of_structure), corner_column, &
-         for_model([vertex_columns, seed_columns], of_oscillator), &
-         for_model(structure_vertex_columns, of_structure), family_columns]
+      if (present(keys)) then
+         call list_for(of_oscillator, zone_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+         call list_for(every_model, [lines_key], keys)
+         call list_for(of_oscillator, [guesses_key], keys)
+         call list_for(every_model, [vertices_key], keys)
+         call list_for(of_oscillator, [seeds_key], keys)
+         call list_for(of_structure, x_function_keys, keys)
+         call list_for(of_structure, y_function_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(every_model, piece_columns, columns)
+         call list_for(of_oscillator, [symmetric_column], columns)
+         call list_for(of_oscillator, place_columns, columns)
+         call list_for(of_structure, structure_place_columns, columns)
+         call list_for(every_model, [corner_column], columns)
+         call list_for(of_oscillator, vertex_columns, columns)
+         call list_for(of_oscillator, seed_columns, columns)
+         call list_for(of_structure, structure_vertex_columns, columns)
+         call list_for(every_model, family_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'zone'
       study%meaning = 'find where the motions of a pattern are stable'
