@@ -16,7 +16,7 @@ MODES = """&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1
 FAULTS = [
     (GAP + CASE, "gap", "must stand after a &structure", 1),
     (STRUCTURE + RUN, "structure", "no &gap follows", 1),
-    (STRUCTURE + GAP, "structure", "no &simulate, &motion", 1),
+    (STRUCTURE + GAP, "structure", "no &motion, &simulate", 1),
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
     (CASE + GAP, "gap", "must stand after a &structure, before its studies", 5),
     (CASE + LOAD, "load", "must stand after a &structure, before its studies", 5),

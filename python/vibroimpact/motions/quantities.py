@@ -57,7 +57,7 @@ class Signal:
 
     def of(self, i: int) -> Signal:
         """That of one coordinate."""
-        return Signal(*(part[i] for part in vars(self).values()))
+        return Signal(*(plain(part[i]) for part in vars(self).values()))
 
     @property
     def peak(self) -> Any:
