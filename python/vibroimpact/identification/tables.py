@@ -127,8 +127,8 @@ def tables_of(
                 (
                     False,
                     f"{said_of}doubtful: misfit of {found.misfits[i]:.3g}: the motion does not describe the "
-                    "record to its scatter: the pattern or a known value may be wrong, or the rig changed during the "
-                    "record; the errors are multiplied by the root of the misfit",
+                    "record to its scatter: the pattern or a known value may be wrong, or the rig changed "
+                    "during the record; the errors are multiplied by the root of the misfit",
                 )
             )
         if pattern is not None and away.max() > FAR:
