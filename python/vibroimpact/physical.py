@@ -227,8 +227,8 @@ class Physical(Generic[From]):
         """Positions, velocities, accelerations and load at physical times, as `sample` of the result."""
         times = checks.real_array(t, "t", "real times") / self.units.time
         # the ends of a trajectory, which conversion rounds, are within it
-        for name in ("initial_state", "final_state"):
-            end = getattr(self.result, name, {"t": math.nan})["t"]
+        for name in ("start", "end"):
+            end = getattr(self.result, name, math.nan)
             times = np.where(np.isclose(times, end, rtol=1e-14, atol=0), end, times)
         sample: Sample = self._converted("sample", self._of.sample(times))
         return sample

@@ -282,7 +282,7 @@ def use(found, name):
         if isinstance(getattr(found, one, None), float):
             middle["t"] = [getattr(found, one)]
     if hasattr(found, "initial_state"):
-        middle["t"] = [state["t"] for state in (found.initial_state, found.final_state)]
+        middle["t"] = [found.start, found.end]
     own = {
         "t": [0.0, 0.5], "x": 1.0, "y": 1.0, "r": 0.94, "clearance": 37.0, "cell": 0, "value": 0.94, "index": 0,
         "attractor": 0, "quantity": "x_max", "record": 0,
