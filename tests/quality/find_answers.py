@@ -207,6 +207,7 @@ def main():
     what.add_argument("--compare", type=Path, nargs="+", metavar="LIBRARY")
     parser.add_argument("--texts", type=int, default=10_000, help="texts that are tried (10000)")
     parser.add_argument("--seed", type=int, default=1, help="of the texts and the sample (1)")
+    parser.add_argument("--every", type=int, default=1, help="compare every so many-th case (1)")
     parser.add_argument("--sample", type=int, default=300, help="mutants that are tried (300)")
     parser.add_argument(
         "--file", default="*", metavar="PATTERN", help="files whose mutants are tried"
@@ -231,7 +232,7 @@ def main():
         others = [Library(path) for path in others]
         kept = load() if KEPT.exists() else []
         if asked.compare:
-            return compare(kept, others)
+            return compare(kept[:: asked.every], others)
         if asked.mutants:
             found = noticing(asked, libraries)
             return keep([*(item["text"] for item in kept), *found], others, kept)
