@@ -41,6 +41,7 @@ SWEEP = """&system
 NURSERY = """
 import json, os, sys, signal
 import vibroimpact_start, vibroimpact.commands.command, vibroimpact.campaigns.run, zarr, numcodecs.zstd
+signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
 for line in sys.stdin:
     out, *words = json.loads(line)
     number = os.fork()
@@ -49,6 +50,10 @@ for line in sys.stdin:
         handle = os.open(out, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(handle, 1), os.dup2(handle, 2), os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         sys.argv[1:] = words
+        try:  # Ctrl-C is heard from here on
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+        except KeyboardInterrupt:
+            print("interrupted before the start", flush=True), os._exit(1)
         status = vibroimpact_start.main()
         sys.stdout.flush(), os._exit(status)
     print(number, flush=True)
