@@ -16,7 +16,7 @@ import numpy as np
 import vibroimpact as vi
 from table import row, show
 from vibroimpact.results import door
-from vibroimpact.results.noun import RESULTS
+from vibroimpact.results.noun import result_class
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 THREADS = 2
@@ -35,7 +35,7 @@ def plain(study, sweep):
     """The results of all cases."""
     with ThreadPoolExecutor(THREADS) as pool:
         texts = (sweep.text(i) for i in range(len(sweep)))
-        return list(pool.map(lambda text: door.run_text(RESULTS[study], text), texts))
+        return list(pool.map(lambda text: door.run_text(result_class(study), text), texts))
 
 
 def compared(what, study, sweep, target, chunk=None):

@@ -5,7 +5,7 @@ import inspect
 import vibroimpact
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.init import MOTIONS
-from vibroimpact.results.noun import RESULTS
+from vibroimpact.results.noun import result_class
 from vibroimpact.results.tables import MODELS, language
 
 from .shared import ROOT
@@ -37,7 +37,7 @@ IN_PYTHON = {
 
 def functions(study):
     """The public functions of the module of a study."""
-    home = RESULTS[study].__module__
+    home = result_class(study).__module__
     public = [getattr(vibroimpact, name) for name in vibroimpact.__all__]
     return [
         thing.__name__

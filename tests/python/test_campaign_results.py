@@ -9,7 +9,7 @@ import pytest
 import vibroimpact as vi
 from shared_campaign import OSC, equispaced_case, files_of, small_sweep
 from vibroimpact.results import door
-from vibroimpact.results.noun import RESULTS
+from vibroimpact.results.noun import result_class
 
 pytest.importorskip("zarr")
 
@@ -34,7 +34,7 @@ def test_results_are_those_of_single_calls(tmp_path, study):
     found = vi.Campaign(tmp_path / "store")
     assert found.finished.all()
     for i, text in enumerate(texts):
-        direct = door.run_text(RESULTS[found.study], text)
+        direct = door.run_text(result_class(found.study), text)
         assert found[i].to_dict() == direct.to_dict()
 
 

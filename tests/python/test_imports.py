@@ -2,6 +2,8 @@
 
 import ast
 import graphlib
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ PACKAGE = Path(vi.__file__).parent
 #: The rooms of the package, and the modules at its top: each may import those before it, also for type checkers.
 ROOMS = (
     "base", "systems", "results", "motions", "derivatives", "studies", "cases", "designs", "identification",
-    "campaigns", "formats", "plot", "physical", "jax", "__init__", "reproduce", "explorer", "commands",
+    "campaigns", "formats", "plot", "physical_results", "jax", "__init__", "reproduce", "explorer", "commands",
 )  # fmt: skip
 
 
@@ -85,3 +87,38 @@ def test_rooms_import_one_way():
         if place[found] > place[name]
     ]
     assert wrong == []
+
+
+def modules_after(statement):
+    """The modules that a new interpreter has after a statement."""
+    text = f"import sys\n{statement}\nprint(*sys.modules)"
+    process = subprocess.run(
+        [sys.executable, "-c", text], capture_output=True, text=True, check=True
+    )
+    return set(process.stdout.split())
+
+
+def test_the_package_imports_what_is_used():
+    """A name brings its module when it is used; before, neither NumPy nor the core is loaded."""
+    names = modules_after("import vibroimpact")
+    # Python itself, and what an editable install brings, may have loaded some
+    names -= modules_after("pass")
+    own = {name for name in names if name.startswith("vibroimpact.")}
+    assert own == {"vibroimpact.base", "vibroimpact.base.errors", "vibroimpact.base.actions"}
+    assert "numpy" not in names
+    assert "vibroimpact.studies.zone" not in modules_after(
+        "import vibroimpact; vibroimpact.Oscillator"
+    )
+
+
+@pytest.mark.parametrize("name", vi.__all__)
+def test_public_names(name):
+    """Each public name is there, and no module takes its place."""
+    assert getattr(vi, name) is vi.__getattr__(name)
+    assert not isinstance(getattr(vi, name), type(ast)) or name == "errors"
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    """As of any module."""
+    with pytest.raises(AttributeError, match=r"module 'vibroimpact' has no attribute 'Zones'"):
+        vi.Zones  # noqa: B018

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.results import door, namelist
-from vibroimpact.results.noun import RESULTS
+from vibroimpact.results.noun import result_class
 
 FREE = "&structure mass = 1, 0.3, stiffness = 1, 0 /\n"
 WALLS = "&gap direction = -1, 1, opening = 1 /\n&gap direction = 1, -1, opening = 1, restitution = .9 /\n"
@@ -77,7 +77,7 @@ def assert_same(one, other):
 
 
 def run_case(text):
-    found = door.run_text(RESULTS["simulate"], text)
+    found = door.run_text(result_class("simulate"), text)
     found.require()
     return found.parts()[0]
 

@@ -20,7 +20,7 @@ from ..base.interrupt import new_counters
 from ..cases.case import case_of
 from ..results import door
 from ..results.namelist import has_structure
-from ..results.noun import RESULTS, Noun
+from ..results.noun import Noun, result_class
 from ..results.tables import STORED, Found, Result, Table, declared, declared_column, language
 
 __all__ = ["Chunk", "compute", "core_digest", "name_of"]
@@ -83,7 +83,7 @@ class Chunk:
             self.study, head["case"], head["cut"], head["empty"], tuple(head["remarks"]),
             tuple((bool(fault), text) for fault, text in head["notes"]), head["row"], Found(tables, "tables"),
         )  # fmt: skip
-        return RESULTS[self.study].of_result(result)
+        return result_class(self.study).of_result(result)
 
 
 def compute(
@@ -122,7 +122,7 @@ def compute(
 
 def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) -> Result:
     """The result of one case."""
-    noun = RESULTS[study]
+    noun = result_class(study)
     if language()["results"][study]["in_python"]:
         result: Result = noun.computed(case_of(text), None)._result
     else:

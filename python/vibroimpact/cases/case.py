@@ -16,7 +16,7 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..motions.motion import Motion, MotionSet
 from ..results import door
 from ..results.namelist import keys_of, parts_of
-from ..results.noun import RESULTS, Noun
+from ..results.noun import Noun, result_class
 from ..results.systems import from_groups
 from ..results.tables import Handle, keys_for, language, message_of
 from ..systems.oscillator import Oscillator
@@ -89,7 +89,7 @@ class Case(NamedTuple):
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
         """The result of the case as one object, with what is not there and what failed; `progress` is as of
         `atlas`."""
-        noun = RESULTS[self.study]
+        noun = result_class(self.study)
         if self.in_python:
             return noun.computed(self, progress)
         return door.run_text(noun, self.text, progress=progress)

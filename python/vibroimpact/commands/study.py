@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from ..results.noun import RESULTS
+from ..results.noun import result_class
 from . import STUDIES, add_files, add_forms
 from .options import Option, options_of
 from .request import Request, request_of
@@ -57,6 +57,6 @@ def plain_command(study: str) -> SimpleNamespace:
             "by the options. The result is written to DIR/NAME.csv, or in another format; --plot also "
             f'writes a picture. NAME is "{study}" for the case of the options.', 96,
         ),
-        EXAMPLE=f"vibroimpact {study} {RESULTS[study].example} -o results",
+        EXAMPLE=f"vibroimpact {study} {result_class(study).example} -o results",
         arguments=arguments, request=request, run=run,
     )  # fmt: skip

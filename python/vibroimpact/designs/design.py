@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.status import VERDICT
 from ..results import door
 from ..results.namelist import keys_of
-from ..results.noun import ACTIONS, Noun
+from ..results.noun import Noun
 from ..results.performance import LEAST, PARAMETERS
 from ..results.tables import Result, made
 from ..systems.distribution import Uncertain, uncertain

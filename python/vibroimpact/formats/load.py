@@ -10,7 +10,7 @@ from typing import Any
 from ..base import checks
 from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..base.sizes import check_file
-from ..results.noun import FORMER, NOUNS
+from ..results.noun import class_of
 from ..systems.units import Units
 from .matlab import read_matlab
 from .netcdf import read_netcdf
@@ -69,12 +69,7 @@ def load(path: str | Path) -> Any:
     try:
         read = READERS.get(place.suffix.lower(), READERS[".json"])
         data = json.loads(read(place))
-        kind = mapping(data, "record").get("type")
-        classes = NOUNS | FORMER
-        noun = classes[kind] if kind in [*classes] else None
-        if noun is None:
-            raise ParameterError(f"type = {kind!r}: must be one of {', '.join(NOUNS)}")
-        found = noun.from_dict(data)
+        found = class_of(mapping(data, "record").get("type")).from_dict(data)
         if "physical" not in data:
             return found
         units: dict[str, Any] = mapping(data["physical"], "physical")

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..base import checks
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.sizes import memory_for
 from ..base.status import NO_MOTION, VERDICT, raise_status
@@ -27,7 +28,7 @@ from ..results.events import (
     with_accelerations,
 )
 from ..results.gradient import Gradient
-from ..results.noun import ACTIONS, Noun, Solution
+from ..results.noun import Noun, Solution
 from ..results.parameters import Wanted
 from ..results.systems import (
     check_gap_numbers,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..base import checks
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.sizes import memory_for
 from ..base.status import EVENT_LIMIT, GAP_CLOSED, MORE_EVENTS, NARROW_GAP, raise_status, sentence
@@ -26,7 +27,7 @@ from ..results.events import (
     segments,
 )
 from ..results.gradient import Gradient
-from ..results.noun import ACTIONS, Noun, Solution
+from ..results.noun import Noun, Solution
 from ..results.parameters import Wanted
 from ..results.states import (
     NEEDED,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError
 from ..systems.oscillator import Oscillator
 from ..systems.structure import Load, Structure
@@ -21,15 +22,27 @@ if TYPE_CHECKING:
     from ..systems.units import Units
 
 Self = TypeVar("Self", bound="Savable")
-#: The classes by name, for results that are read from files.
+#: The classes that are imported by name, and by the study whose whole result they are.
 NOUNS: dict[str, type[Savable]] = {}
-#: The classes by the study whose whole result they are.
 RESULTS: dict[str, type[Noun]] = {}
 #: The classes of results in files by the names that they had before.
 FORMER: dict[str, type[Savable]] = {}
-#: What is done with results elsewhere: files, pictures, physical units, derivatives. The package registers these
-#: functions when it is imported, so that results depend on none of them.
-ACTIONS: dict[str, Callable[..., Any]] = {}
+
+
+def class_of(name: Any) -> type[Savable]:
+    """The class of results in files by its name, or the name that it had before."""
+    ACTIONS["import_all"]()
+    found = (NOUNS | FORMER).get(name) if isinstance(name, str) else None
+    if found is None:
+        raise ParameterError(f"type = {name!r}: must be one of {', '.join(sorted(NOUNS))}")
+    return found
+
+
+def result_class(study: str) -> type[Noun]:
+    """The class of the whole result of a study."""
+    if study not in RESULTS:
+        ACTIONS["import_all"]()
+    return RESULTS[study]
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.libraries import xarray
 from ..results import door
-from ..results.noun import ACTIONS
 from ..results.performance import FIGURES, LEAST, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, pattern_of

@@ -118,7 +118,7 @@ def names_of(parameters: Sequence[Wanted]) -> tuple[str, ...]:
     return tuple(one if isinstance(one, str) else str(one[0]) for one in parameters)
 
 
-def structure_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Gradient:
+def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Gradient:
     """The derivatives of a motion of a structure: a fixed point of its period from just after the first impact."""
     structure, load, n, count = (
         motion.structure, motion.load, motion.structure.coordinates, len(motion.gaps),
@@ -170,7 +170,7 @@ def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
     return {name: np.array(part) for name, part in zip(names, parts, strict=True)}
 
 
-def structure_trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
+def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
