@@ -238,6 +238,12 @@ def test_plot_of_what_is_not_there(tool):
     assert done.status == 1
     assert done.faults == ["case_1: there is no such motion for these parameters"]
     assert list(contents(tool.cwd / "results")) == ["case_2.png"]
+    random = "&basins clearance = 37, states = 4, seed = 1 /\n"
+    write(tool.cwd / "random.nml", SYSTEM + random)
+    done = tool("plot", "random.nml", "case.nml")
+    assert done.status == 1
+    assert done.faults[0] == "random: random states have no picture"
+    assert list(contents(tool.cwd / "results")) == ["case_2.png"]
     write(tool.cwd / "other.nml", PAIR + "&output name = 'case_2' /\n")
     done = tool("plot", "case.nml", "other.nml")
     assert done.status == 2

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..base.errors import ParameterError, SingularError
+from ..base.errors import ParameterError, SingularError, VibroimpactError
 from ..base.progress import Progress
 from ..cases.case import Case, read_namelist
 from ..systems.units import checked_names
@@ -49,7 +49,7 @@ def draw_all(
     cases: Sequence[tuple[str, Case]],
     save: Callable[[Any, Path], Path],
 ) -> int:
-    """Draw the cases, each with the name of its file."""
+    """Draw the cases, each with the name of its file; after one that has no picture the others follow."""
     status = 0
     drawn: set[Path] = set()
     for file, case in cases:
@@ -59,8 +59,9 @@ def draw_all(
         drawings: Sequence[Callable[[], Any]] = ()
         try:
             drawings = pictured(case, options.units)
-        except SingularError as error:
+        except VibroimpactError as error:
             reason = str(error)
+            status = max(status, 1 if isinstance(error, SingularError) else error.status)
         if not drawings:
             options.record.fault(f"{case.name}: {reason}")
             status = max(status, 1)
@@ -75,7 +76,11 @@ def draw_all(
                 status = 2
                 continue
             drawn.add(path)
-            options.record.wrote(case.name, save(draw(), path))
+            try:
+                options.record.wrote(case.name, save(draw(), path))
+            except VibroimpactError as error:
+                options.record.fault(f"{case.name}: {error}")
+                status = max(status, error.status)
     return status
 
 
@@ -89,5 +94,7 @@ def pictured(case: Case, units: str | None) -> Sequence[Callable[[], Any]]:
             )
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)
-    shown = [item for item in results if item.drawable or item.undrawable]
+    shown = [item for item in results if item.drawable]
+    if not shown and any(item.undrawable for item in results):
+        raise SingularError(results[0].undrawable)
     return [(item if units is None else item.physical(units)).plot for item in shown]
