@@ -25,7 +25,10 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["benchmarks.md", "examples", "generate", "generated", "sg_execution_times.rst"]
+exclude_patterns = [
+    "benchmarks.md", "examples", "generate", "sg_execution_times.rst",
+    "generated/[!p]*", "generated/python.md", "generated/programs.md",
+]  # fmt: skip
 myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 suppress_warnings = ["config.cache"]

@@ -1,5 +1,6 @@
-"""A section of the Python reference for each module that defines public names."""
+"""The pages of the Python reference: one for each subject."""
 
+import re
 from fnmatch import fnmatch
 
 import vibroimpact
@@ -7,7 +8,7 @@ import vibroimpact.plot
 
 #: Modules by subject; public names of modules not listed here come last.
 SUBJECTS = {
-    "System, pattern, units": ("systems.oscillator", "systems.units", "physical", "systems.excitations"),
+    "System, pattern, units": ("systems.oscillator", "systems.units", "physical_results", "systems.excitations"),
     "Motions": ("motions.periodic", "motions.exact", "studies.find", "motions.motion", "results.events",
                 "motions.flags", "results.gradient", "base.status"),
     "Simulation": ("motions.trajectory", "motions.bundle"),
@@ -67,21 +68,37 @@ def pages():
         left = {name: thing for name, thing in left.items() if name not in names}
     sections |= {"Other": list(left)} if left else {}
     sections |= EXTRA
-    lines = []
+    found = {}
     for subject, names in sections.items():
-        lines += [f"## {subject}", "", "```{eval-rst}"]
+        lines = []
         for name in names:
             thing = vibroimpact
             for part in name.split("."):
                 thing = getattr(thing, part)
             lines += directive(name, thing)
-        lines += ["```", ""]
+        found[subject] = lines
     for subject, names in OF_EXTRAS.items():
-        lines += [f"## {subject}", "", "```{eval-rst}"]
-        for name in names:
-            lines += [f".. autofunction:: vibroimpact.{name}", ""]
-        lines += ["```", ""]
-    return {"python.md": "\n".join(lines)}
+        found[subject] = [
+            line for name in names for line in (f".. autofunction:: vibroimpact.{name}", "")
+        ]
+    files = {subject: f"python-{slug(subject)}" for subject in found}
+    contents = [
+        "```{toctree}",
+        ":maxdepth: 2",
+        "",
+        *(f"../generated/{file}" for file in files.values()),
+        "```",
+        "",
+    ]
+    return {"python.md": "\n".join(contents)} | {
+        f"{files[subject]}.md": "\n".join([f"# {subject}", "", "```{eval-rst}", *lines, "```", ""])
+        for subject, lines in found.items()
+    }
+
+
+def slug(subject):
+    """A subject as part of a name of a file: "Results in files" is results-in-files."""
+    return re.sub(r"\W+", "-", subject.split(" (")[0].lower()).strip("-")
 
 
 def place(module, homes):

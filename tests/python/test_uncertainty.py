@@ -288,10 +288,13 @@ def test_limit_probability_agrees_with_the_attractor_of_each_sample():
         assert not found.failed
         assert found.low <= expected <= found.high
     assert found.high == pytest.approx(1 - 0.025 ** (1 / samples))
+    # 1 - .025^(1/40) = .08810
+    assert repr(found).endswith("0 (95 % interval 0 to 0.0881), 40 samples>")
     both = vi.limit_probability(
         FIGURE6, [1.0, 1.02], [[25.0], [30.0]], {"xi": (0.01, 0.012)}, {"speed": 5.0}, samples=10
     )
     assert both.probability.shape == both.low.shape == (2, 2)
+    assert f"{both.probability.min():.4g} to {both.probability.max():.4g} at 4 points" in repr(both)
 
 
 def test_limit_probability_is_that_of_an_exact_case():

@@ -73,6 +73,8 @@ def test_conversion():
     assert other.to("SI").M == pytest.approx(M, rel=1e-14)
     assert UNITS.to("m N s") == UNITS
     assert other.hertz == "kHz"
+    for micro in ("\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}", "u"):
+        assert UNITS.to(f"{micro}m N {micro}s") == UNITS.to("um N us")
     # the dimensionless system does not depend on the units in which it is given
     assert UNITS.to(MM).frequency_ratio(f=19.5) == pytest.approx(R, rel=1e-14)
     assert UNITS.to(MM).clearance(d=4.0) == pytest.approx(D, rel=1e-14)

@@ -46,7 +46,7 @@ class OpenBoundaryWarning(UserWarning):
 
 
 class MissingExtraError(VibroimpactError, ImportError):
-    """A library that is not required to compute is needed here."""
+    """An optional library is missing."""
 
     status = 1
 

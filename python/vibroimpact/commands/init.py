@@ -48,8 +48,8 @@ STRUCTURE: Sequence[tuple[str, Mapping[str, Any]]] = (
 HEAD = """! {title}.
 ! Run it:   vibroimpact run {file} -o results     (or, without Python, vibroimpact-batch)
 ! Draw it:  vibroimpact plot {file} -o results
-! {units}. What is commented out shows its default,
-! or has a colon where it is not given by default or does not go with the other keys.
+! {units}. A line that is commented out shows a default after =; after a colon it
+! describes a key that has no default or cannot be combined with the keys above.
 """
 UNITS = "Lengths are in F0/K, time in 1/omega, angles in radians"
 OWN_UNITS = "Units are your own, consistent ones"

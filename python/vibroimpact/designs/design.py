@@ -228,7 +228,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         low, high = self.interval
         weak = int(np.nanargmin(self.bands["probability"]))
         met = self.level <= self.limit if symbol == "<=" else self.level >= self.limit
-        failed = "does not hold" if met else "was not reached by any candidate"
+        failed = "does not hold" if met else "was not reached"
         answer = {True: "holds", False: failed, None: "is not decided"}
         return (
             f"{wanted} {answer[self.feasible]}: {100 * self.probability:.4g} % of {self.samples} samples "

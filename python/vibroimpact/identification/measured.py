@@ -18,7 +18,7 @@ from ..motions.trajectory import Trajectory, simulate_structure
 from ..systems.oscillator import Oscillator
 from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution
 from ..systems.structure import LARGEST, Gap, Load, Structure
-from ..systems.units import positive
+from ..systems.units import positive, with_u
 
 __all__ = ["SensorRecord", "VirtualRig", "virtual_record"]
 
@@ -53,7 +53,7 @@ def factor_of(channel: str, unit: str) -> float:
     >>> factor_of("acceleration", "g"), factor_of("displacement", "mm")
     (9.80665, 0.001)
     """
-    plain = str(unit).strip().strip("[]()").replace("**", "^").replace("\N{MICRO SIGN}", "u")
+    plain = with_u(str(unit)).strip().strip("[]()").replace("**", "^")
     plain = plain.replace("\N{SUPERSCRIPT TWO}", "^2").replace("s2", "s^2").replace(" ", "")
     known = UNITS[channel]
     if plain not in known:

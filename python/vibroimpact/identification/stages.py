@@ -177,8 +177,8 @@ def units_agree(step: Step, force: float) -> None:
     ]  # fmt: skip
     hint = f"; is it {near[0]}?" if near else ""
     raise ParameterError(
-        f"load of {step.data.F0:.4g} N and {step.quantity}, which tells {force:.4g} N: must agree; the units of a "
-        f"channel, or known M and K, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
+        f"load of {step.data.F0:.4g} N and {step.quantity}, which implies {force:.4g} N: must agree; the units of "
+        f"a channel, or known M and K, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
     )
 
 

@@ -102,6 +102,10 @@ class Period(NamedTuple):
     events: NDArray[Any]
     mismatch: float
 
+    def __repr__(self) -> str:
+        """In one line: the events are a table."""
+        return f"<Period {self.pattern.sides}/{self.pattern.cycles}, phases repeat within {self.mismatch:.2g}>"
+
 
 def _states(run: Trajectory) -> _Array:
     """The coordinates and velocities of both masses just after each event."""
@@ -1133,8 +1137,8 @@ def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
 
 
 def not_periodic(trajectory: Trajectory, most_cycles: int = MOST_CYCLES) -> ParameterError:
-    """The error for a trajectory that does not end about periodic."""
+    """The error for a trajectory that has not settled on a period."""
     return ParameterError(
-        f"{trajectory!r}: must end about periodic; its last cycles do not repeat within {most_cycles} load "
-        f"cycles. Simulate longer (discard more)"
+        f"{trajectory!r}: has not settled on a period of at most {most_cycles} load cycles; it may be chaotic "
+        "(`lyapunov` tells). A transient is shorter with a larger `discard`"
     )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 INTRODUCTION = (
-    "<p>The scan that was at hand has no pictures, so each figure is computed from the parameters "
+    "<p>Our scan of the paper lacks the figures, so each figure is computed from the parameters "
     "in its caption and compared with what the text says about it. Zones are drawn where a motion "
     "is consistent (its phases solve the equations), admissible (the masses approach at each "
     "impact, and the free mass stays between the walls) and stable (all multipliers lie inside "
-    "the unit circle). The vertical axes are logarithmic because the zones span two decades.</p> "
+    "the unit circle). Figures 1, 2 and 5 of the paper show the model, the notation and the rig; "
+    "there is nothing in them to compute. The vertical axes are logarithmic because the zones span two decades.</p> "
     "<p>The text does not give the measurements of the paper. The bars in Figures 6 to 8 and the "
     "marks in Figure 10 are therefore simulations made here, not measurements: at a fixed "
     "frequency the load is raised step by step and lowered again; each level is held for two "

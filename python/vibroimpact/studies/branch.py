@@ -544,7 +544,7 @@ def branch(
         If an argument is not allowed.
     SingularError
         If the motion cannot be followed. Of a structure: if it rests or repeats itself, or if gaps close at one
-        instant that would not for other values of the parameter or that damping couples.
+        instant that would part for other values of the parameter or are coupled by damping.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 

@@ -308,8 +308,15 @@ class LimitProbability:
             f"{name} {'>=' if name in LEAST else '<='} {value:g}"
             for name, value in self.limit.items()
         )
+        of = f"{self.samples} samples"
+        if self.probability.size != 1:
+            low, high = np.min(self.probability), np.max(self.probability)
+            points = f"{low:.4g} to {high:.4g} at {self.probability.size} points"
+            return f"<LimitProbability of {shown}: {points}, {of}>"
+        share, low, high = (float(one.flat[0]) for one in (self.probability, self.low, self.high))
         return (
-            f"<LimitProbability of {shown}: {self.probability.size} points, {self.samples} samples>"
+            f"<LimitProbability of {shown}: {share:.4g} ({100 * self.confidence:g} % interval {low:.4g} to "
+            f"{high:.4g}), {of}>"
         )
 
     def to_xarray(self) -> Any:

@@ -53,6 +53,8 @@ class Oscillator:
     Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and
     length in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
 
+    All parameters are given by name: three numbers between 0 and 1 are easily put in a wrong order.
+
     Parameters
     ----------
     xi : float
@@ -71,8 +73,6 @@ class Oscillator:
         system: neither compared nor shown.
     unit_names : str, optional
         Their units, of length, force and time, as ``"mm N s"``.
-
-    All are given by name: three numbers between 0 and 1 are easily put in a wrong order.
 
     Raises
     ------
@@ -161,7 +161,7 @@ class Oscillator:
 
         All results of it know them, too: see `Units` and the method `physical` of results.
 
-        All are given by name.
+        All parameters are given by name.
 
         Parameters
         ----------

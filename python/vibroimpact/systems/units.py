@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any, overload
 
@@ -314,10 +315,15 @@ def checked_names(value: Any, name: str = "units") -> str:
         raise ParameterTypeError(
             f"{name} = {value!r}: must be {wanted}, not {type(value).__name__}"
         )
-    names = (SI if value == "SI" else value).split()
+    names = (SI if value == "SI" else with_u(value)).split()
     if len(names) != 3 or any(one not in known for one, known in zip(names, KNOWN, strict=True)):
         raise ParameterError(f"{name} = {value[:80]!r}: must be {wanted}")
     return " ".join(names)
+
+
+def with_u(unit: str) -> str:
+    """The name of a unit with u for micro, which is also written as the micro sign or the Greek letter."""
+    return re.sub("[\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]", "u", unit)
 
 
 def positive_each(value: Any, name: str) -> Any:
