@@ -149,12 +149,6 @@ def mend_docstring(app, what, name, thing, options, lines):
     `X, Z` all but the last one the type of that.
     """
     merge_parameters(lines)
-    if name.startswith(("vibroimpact.jax.", "vibroimpact.explorer.")):
-        # outside of the package itself two targets would have the name of an error
-        lines[:] = [
-            re.sub(r"(\w+Error)", r"errors.\1", line) if line.startswith(":raises ") else line
-            for line in lines
-        ]
     if what == "property" and lines and lines[-1].startswith(":type: "):
         lines[:] = [f"{lines[-1].removeprefix(':type: ')}: {lines[0]}", *lines[1:-1]]
     for i, line in enumerate(lines):

@@ -10,7 +10,7 @@ import vibroimpact.plot
 SUBJECTS = {
     "System, pattern, units": ("systems.oscillator", "systems.units", "physical_results", "systems.excitations"),
     "Motions": ("motions.periodic", "motions.exact", "studies.find", "motions.motion", "results.events",
-                "motions.flags", "results.gradient", "base.status"),
+                "motions.likeness", "motions.flags", "results.gradient", "base.status"),
     "Simulation": ("motions.trajectory", "motions.bundle"),
     "Response quantities": ("motions.quantities",),
     "Structures": ("systems.structure", "systems.restitution", "systems.record"),
@@ -24,6 +24,7 @@ SUBJECTS = {
     "Other studies": ("studies.*", "designs.*"),
     "Namelists": ("cases.run", "cases.case"),
     "Results in files": ("formats.load",),
+    "Errors": ("base.errors",),
 }  # fmt: skip
 #: Functions of modules that need an extra, which are documented without it.
 OF_EXTRAS = {
@@ -42,7 +43,6 @@ EXTRA = {
     ),
     "What all results can do": ("results.noun.Savable",),
     "Pictures": ("plot.draw", "plot.draw_chart", "plot.draw_system"),
-    "Errors": tuple(f"errors.{name}" for name in vibroimpact.errors.__all__),
 }
 
 
@@ -82,14 +82,8 @@ def pages():
             line for name in names for line in (f".. autofunction:: vibroimpact.{name}", "")
         ]
     files = {subject: f"python-{slug(subject)}" for subject in found}
-    contents = [
-        "```{toctree}",
-        ":maxdepth: 2",
-        "",
-        *(f"../generated/{file}" for file in files.values()),
-        "```",
-        "",
-    ]
+    listed = [f"../generated/{file}" for file in files.values()]
+    contents = ["```{toctree}", ":maxdepth: 2", "", *listed, "```", ""]
     return {"python.md": "\n".join(contents)} | {
         f"{files[subject]}.md": "\n".join([f"# {subject}", "", "```{eval-rst}", *lines, "```", ""])
         for subject, lines in found.items()
