@@ -24,7 +24,6 @@ SUBJECTS = {
     "Other studies": ("studies.*", "designs.*"),
     "Namelists": ("cases.run", "cases.case"),
     "Results in files": ("formats.load",),
-    "Errors": ("base.errors",),
 }  # fmt: skip
 #: Functions of modules that need an extra, which are documented without it.
 OF_EXTRAS = {
@@ -66,7 +65,9 @@ def pages():
         names = [name for name in left if places[name] < len(homes)]
         sections[subject] = sorted(names, key=lambda name: (places[name], name[0].isupper()))
         left = {name: thing for name, thing in left.items() if name not in names}
-    sections |= {"Other": list(left)} if left else {}
+    sections["Errors"] = list(vibroimpact.errors.__all__)
+    left = {name: thing for name, thing in left.items() if name not in vibroimpact.errors.__all__}
+    assert not left, f"{', '.join(left)}: must be in a subject"
     sections |= EXTRA
     found = {}
     for subject, names in sections.items():
