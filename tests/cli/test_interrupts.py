@@ -1,16 +1,18 @@
 """Ctrl-C keeps what is finished, and the message names it correctly."""
 
 import contextlib
+import itertools
 import os
 import pathlib
 import re
 import signal
 import subprocess
+import sys
 import time
 
 import pytest
 import vibroimpact as vi
-from programs import find_command, write
+from programs import EAGER, find_command, write
 from vibroimpact.base.progress import Progress
 from vibroimpact.commands.command import main
 
@@ -172,3 +174,32 @@ def test_bar_never_falls_back(monkeypatch, capsys):
     left = [line.partition("about ")[2].split()[0] for line in drawn]
     assert left == ["10", "80", "60", "20"]
     assert (wiped.strip(), end) == ("", "")
+
+
+#: A study, one of several studies, and one that tells a function of its caller's.
+CALLS = """
+import vibroimpact as vi
+osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+vi.zone(osc, "RL", (0.9, 1.1), (10, 40), lines=17)
+vi.uncertainty(osc, "RL", (0.9, 1.0), (10, 12), {"xi": (0.01, 0.012)}, samples=3)
+vi.zone(osc, "RL", (0.9, 1.1), (10, 40), lines=17, progress=lambda share, task: None)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals on this system")
+def test_calls_from_python_show_one_bar(tmp_path):
+    """On a terminal a call shows a bar of its name, not those of calls within it; none if a function is told."""
+    write(tmp_path / "eager.py", EAGER + CALLS)
+    ours, theirs = os.openpty()
+    with subprocess.Popen([sys.executable, "eager.py"], cwd=tmp_path, stderr=theirs) as process:
+        os.close(theirs)
+        shown = b""
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(ours, 4096):
+                shown += part
+    assert process.returncode == 0
+    labels = re.findall(r"\r(\w+) \[", shown.decode())
+    assert [key for key, _ in itertools.groupby(labels)] == ["zone", "uncertainty"]
+    assert shown.endswith(b" \r")
+    done = subprocess.run([sys.executable, "eager.py"], cwd=tmp_path, capture_output=True)
+    assert (done.returncode, done.stderr) == (0, b"")

@@ -1,9 +1,17 @@
-"""A progress bar on the terminal for computations longer than two seconds."""
+"""A progress bar, on a terminal or in a notebook, for computations longer than two seconds."""
 
 from __future__ import annotations
 
+import functools
 import sys
+import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar, ParamSpec, TypeVar
+
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
 
 #: Seconds before the bar appears, and between two updates.
 PATIENCE, INTERVAL = 2.0, 0.2
@@ -11,11 +19,14 @@ WIDTH = 30
 
 
 class Progress:
-    """A bar on standard error, if that is a terminal; used with `with`, it is removed at the end."""
+    """A bar on standard error, if that is a terminal or a notebook; used with `with`, it is removed at the end."""
+
+    #: How many are in use: calls within one show no bar of their own.
+    active: ClassVar[int] = 0
 
     def __init__(self, label: str, wanted: bool | None = None, resumed: bool = False) -> None:
         self.label = label
-        self.wanted = sys.stderr.isatty() if wanted is None else wanted
+        self.wanted = attended() if wanted is None else wanted
         self.begin = self.last = time.monotonic()
         self.reached = 0.0
         #: The share that was done before; that of the first call if an earlier run is resumed.
@@ -23,9 +34,11 @@ class Progress:
         self.shown = False
 
     def __enter__(self) -> Progress:
+        Progress.active += 1
         return self
 
     def __exit__(self, *error: object) -> None:
+        Progress.active -= 1
         self.clear()
 
     def clear(self) -> None:
@@ -58,6 +71,40 @@ class Progress:
             file=sys.stderr,
             flush=True,
         )
+
+
+def attended() -> bool:
+    """Whether somebody sees what is printed: on a terminal, or in a notebook."""
+    # a kernel has loaded IPython, whose shell then has an attribute `kernel`
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return hasattr(shell, "kernel") or (sys.stderr is not None and sys.stderr.isatty())
+
+
+@contextmanager
+def reported(
+    progress: Callable[[float, str], None] | None, label: str
+) -> Iterator[Callable[[float, str], None] | None]:
+    """What is told how far a call is: the caller's function, or a bar.
+
+    A call within another one, and one in another thread than the main one, has no bar.
+    """
+    outer = not Progress.active and threading.current_thread() is threading.main_thread()
+    own = progress is None and outer and attended()
+    with Progress(label, wanted=own) as bar:
+        yield bar.show if own else progress
+
+
+def with_progress(function: Callable[Given, Found]) -> Callable[Given, Found]:
+    """A decorator: a function with the keyword `progress`, which shows a bar without one."""
+
+    @functools.wraps(function)
+    def shown(*args: Given.args, **kwargs: Given.kwargs) -> Found:
+        given: Any = kwargs.get("progress")
+        with reported(given, function.__name__) as told:
+            kwargs["progress"] = told
+            return function(*args, **kwargs)
+
+    return shown
 
 
 def span(seconds: float) -> str:

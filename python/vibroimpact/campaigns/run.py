@@ -97,7 +97,8 @@ def campaign(
     threads : int, optional
         Number of threads without a client; by default that of the processors.
     progress : callable, optional
-        Called with the share done and a text.
+        Called with the share done and a text; by default a bar on a terminal or in a
+        notebook.
 
     Returns
     -------

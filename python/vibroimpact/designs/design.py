@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError
+from ..base.progress import with_progress
 from ..base.status import VERDICT
 from ..results import door
 from ..results.namelist import keys_of
@@ -281,7 +282,8 @@ class Design(Noun, study="design", example=EXAMPLE):
         seed : int
             From which the random numbers follow.
         progress : callable, optional
-            Called a few times a second with the share done and the present task.
+            Called a few times a second with the share done and the present task; by default a bar on a terminal
+            or in a notebook.
 
         Raises
         ------
@@ -381,6 +383,7 @@ def reach(item: Uncertain) -> _Array:
     return np.array([item.low, item.middle, item.high])
 
 
+@with_progress
 def design(
     host: Oscillator | Callable[..., Any], *, r: ArrayLike | None = None, free: Mapping[str, Any],
     clearance: float | None = None, load: Any = 1.0, tolerance: Mapping[str, Any] | None = None,
@@ -456,7 +459,8 @@ def design(
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task.
+        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        or in a notebook.
 
     Returns
     -------

@@ -950,7 +950,8 @@ def simulate(
         Events after which the trajectory ends, if there are more (`complete` is then False); 50 million at most,
         which take 4 GB.
     progress : callable, optional
-        Called at intervals with the share done and the present task.
+        Called at intervals with the share done and the present task; by default a bar on a terminal
+        or in a notebook.
 
     Returns
     -------

@@ -15,6 +15,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import OutOfMemoryError, ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.interrupt import new_counters, stoppable
+from ..base.progress import reported
 from ..base.spacing import spacing_of
 from ..systems.oscillator import Oscillator, of_numbers
 from ..systems.structure import Load, Structure, check_load
@@ -144,9 +145,10 @@ def run_text(
         counters = new_counters() if counters is None else counters
         (handle, status), complete = call[0](*call[1:], counters), True
     else:
-        (handle, status), complete = stoppable(
-            *call, counters=new_counters(), progress=progress, note=study
-        )
+        with reported(progress, study) as told:
+            (handle, status), complete = stoppable(
+                *call, counters=new_counters(), progress=told, note=study
+            )
     if status == 2:
         raise ParameterError(message_of(Handle(handle)))
     result = from_core(study, handle)

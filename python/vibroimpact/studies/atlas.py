@@ -333,7 +333,8 @@ def atlas(
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called with the share done and the present task.
+        Called with the share done and the present task; by default a bar on a terminal or in a
+        notebook.
 
     Returns
     -------

@@ -381,7 +381,8 @@ def basins(
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task.
+        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        or in a notebook.
 
     Returns
     -------

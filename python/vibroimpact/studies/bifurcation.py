@@ -427,7 +427,8 @@ def bifurcation_diagram(
     threads : int, optional
         Of an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task.
+        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        or in a notebook.
 
     Returns
     -------

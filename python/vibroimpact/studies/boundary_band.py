@@ -15,6 +15,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import new_counters, stoppable
+from ..base.progress import with_progress
 from ..results import door
 from ..systems.distribution import ROWS, Uncertain, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern
@@ -105,6 +106,7 @@ class BoundaryBand:
         return self.r + self.normal[0] * moved, self.clearance * np.exp(self.normal[1] * moved)
 
 
+@with_progress
 def boundary_bands(
     zone: Zone,
     uncertain: Mapping[str, Any],

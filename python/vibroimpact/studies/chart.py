@@ -202,7 +202,8 @@ def chart(
     threads : int, optional
         Default: one for each processor. The answer is the same to the last bit for any number.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done.
+        Called a few times a second with the share done and what is being done; by default a bar on a terminal
+        or in a notebook.
 
     Returns
     -------

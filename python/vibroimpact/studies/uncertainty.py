@@ -13,6 +13,7 @@ from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.libraries import xarray
+from ..base.progress import with_progress
 from ..results import door
 from ..results.performance import FIGURES, LEAST, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
@@ -161,6 +162,7 @@ class Uncertainty:
         )
 
 
+@with_progress
 def uncertainty(
     osc: Oscillator,
     pattern: Pattern | str,
@@ -310,8 +312,8 @@ class LimitProbability:
         )
         of = f"{self.samples} samples"
         if self.probability.size != 1:
-            low, high = np.min(self.probability), np.max(self.probability)
-            points = f"{low:.4g} to {high:.4g} at {self.probability.size} points"
+            least, most = self.probability.min(), self.probability.max()
+            points = f"{least:.4g} to {most:.4g} at {self.probability.size} points"
             return f"<LimitProbability of {shown}: {points}, {of}>"
         share, low, high = (float(one.flat[0]) for one in (self.probability, self.low, self.high))
         return (
@@ -332,6 +334,7 @@ class LimitProbability:
         return xarray("probabilities").Dataset(items, attrs=attrs)
 
 
+@with_progress
 def limit_probability(
     osc: Oscillator,
     r: ArrayLike,
