@@ -5,9 +5,9 @@ usage: python .ci/check_version.py    (needs py-rattler-build)
 
 import re
 import sys
+import tomllib
 from pathlib import Path
 
-import tomllib
 from rattler_build import JinjaConfig, PlatformConfig, RenderConfig, Stage0Recipe, VariantConfig
 
 ROOT = Path(__file__).parents[1]

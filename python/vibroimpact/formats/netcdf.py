@@ -34,7 +34,7 @@ def save_dataset(data: Any, path: Path) -> None:
         if item.dtype.kind in "fiu" and item.size > 100
     }  # fmt: skip
     # in memory first: after a full disk HDF5 later ends the interpreter. The store is used because to_netcdf
-    # writes to memory only from xarray 2025.9 on, which does not support Python 3.10
+    # writes to memory only from xarray 2025.9 on
     content = BytesIO()
     store = import_module("xarray.backends").H5NetCDFStore(
         import_module("h5netcdf").File(content, "w")
