@@ -26,7 +26,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = [
-    "benchmarks.md", "examples", "generate", "sg_execution_times.rst",
+    "benchmarks.md", "examples", "generate", "paper", "sg_execution_times.rst",
     "generated/[!p]*", "generated/python.md", "generated/programs.md",
 ]  # fmt: skip
 myst_enable_extensions = ["deflist", "dollarmath"]
