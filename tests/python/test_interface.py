@@ -184,8 +184,10 @@ def test_units_take_arrays():
     units = vi.Oscillator.from_dimensional(M=2.0, K=800.0, C=0.4, m=0.08, restitution=0.75).units(
         4.0
     )
-    for method, unit in ((units.clearance, units.length), (units.frequency_ratio, units.omega)):
-        name = next(iter(inspect.signature(method).parameters))
+    for name, method, unit in (
+        ("d", units.clearance, units.length),
+        ("Omega", lambda value: units.frequency_ratio(Omega=value), units.omega),
+    ):
         values = np.array([[1.0, 2.0], [3.0, 0.5]])
         found = method(values)
         assert found.tolist() == [[method(v) for v in row] for row in values.tolist()]
@@ -195,9 +197,12 @@ def test_units_take_arrays():
         for wrong in ([1.0, 0.0], [1.0, math.nan], [1.0, -2.0], [math.inf]):
             with pytest.raises(vi.ParameterError, match=rf"^{name} with .* must be finite numbers"):
                 method(wrong)
-        for wrong in (["a"], "a", [True], [1j], None):
+        for wrong in (["a"], "a", [True], [1j]):
             with pytest.raises(vi.ParameterTypeError, match=rf"^{name}"):
                 method(wrong)
+    for given in ({}, {"f": 1.0, "Omega": 1.0}, {"frequency": "1 Hz", "f": 1.0}):
+        with pytest.raises(vi.ParameterError, match="must be one of frequency, Omega and f"):
+            units.frequency_ratio(**given)
 
 
 # -- a run without impacts

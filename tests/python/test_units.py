@@ -414,3 +414,123 @@ def test_the_ends_of_a_trajectory_are_within_it():
         )
         ends = run.sample([run.initial_state["t"], run.final_state["t"]])
         assert ends.X[1] == pytest.approx(run.final_state["x"], rel=1e-9)
+
+
+# -- arguments with units
+
+TEXTS = vi.Oscillator.from_dimensional(
+    M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
+)  # fmt: skip
+#: 19.5 Hz and 4 mm of that rig: Omega/omega and d K/F0.
+AT = (2 * math.pi * 19.5 / math.sqrt(42e3 / 2.7), 4e-3 * 42e3 / 6)
+
+
+def test_a_rig_from_texts():
+    """Masses, stiffness, damping and force with units make the oscillator of their numbers, in any units."""
+    assert (TEXTS.xi, TEXTS.M, TEXTS.K, TEXTS.F0) == (0.011, 2.7, 42e3, 6.0)
+    C = 2 * 0.011 * math.sqrt(2.7 * 42e3)
+    for given in ({"C": C}, {"C": f"{C!r} N s/m"}, {"C": f"{C / 1e3!r} N*s/mm"}):
+        osc = vi.Oscillator.from_dimensional(M=2.7, K=42e3, m=0.11, restitution=0.75, F0=6, **given)
+        assert osc.xi == pytest.approx(0.011, rel=1e-15)
+    tonnes = vi.Oscillator.from_dimensional(
+        M="2700000 mN s^2/m", K="42000 N/m", xi=0.011, m="110 mN s2/m", restitution=0.75, F0="6e-3 kN", units=MM
+    )  # fmt: skip
+    assert (tonnes.M, tonnes.K, tonnes.F0) == pytest.approx((2.7, 42.0, 6.0), rel=1e-15)
+    assert tonnes.mu == pytest.approx(0.11 / 2700, rel=1e-15)
+
+
+@pytest.mark.parametrize("texts", [
+    ("19.5 Hz", "4 mm"), ("1170 rpm", "0.4 cm"), ("0.0195 kHz", "4000 um"), ("19.5Hz", ".004 m"),
+    (f"{2 * math.pi * 19.5!r} rad/s", f"{4 / 25.4!r} in"),
+])  # fmt: skip
+def test_a_point_from_texts(texts):
+    point = TEXTS.at(*texts, load="3 N")
+    assert (point.r, point.clearance) == pytest.approx(AT, rel=1e-14)
+    assert point.amplitude == 0.5
+    units = TEXTS.units()
+    assert (units.frequency_ratio(texts[0]), units.clearance(texts[1])) == pytest.approx(
+        AT, rel=1e-14
+    )
+
+
+def test_quantities_of_pint():
+    """Those of pint are recognized; 1 Hz is a cycle a second, where pint itself has 1 rad/s."""
+    pint = pytest.importorskip("pint")
+    ureg = pint.UnitRegistry()
+    for frequency in (
+        19.5 * ureg.Hz,
+        1170 * ureg.rpm,
+        2 * math.pi * 19.5 * ureg.rad / ureg.s,
+        0.0195 * ureg.kHz,
+    ):
+        point = TEXTS.at(frequency, 4 * ureg.mm, 3 * ureg.newton)
+        assert (point.r, point.clearance, point.amplitude) == pytest.approx((*AT, 0.5), rel=1e-12)
+    several = vi.equispaced_batch(TEXTS, 19.5 * ureg.Hz, [3.0, 4.0] * ureg.mm)
+    assert several[0].clearance.ravel() == pytest.approx([21.0, 28.0])
+    with pytest.raises(ParameterError, match=r"^r = .*: must be in Hz, rpm or rad/s$"):
+        TEXTS.at(3 / ureg.s, 4 * ureg.mm)
+    with pytest.raises(ParameterError, match=r"^clearance = .*: must have a mechanical unit$"):
+        TEXTS.at("19.5 Hz", 4 * ureg.kelvin)
+    heavy = vi.Oscillator.from_dimensional(
+        M=2.7 * ureg.kg, K=42 * ureg.kN / ureg.m, xi=0.011, m=110 * ureg.gram, restitution=0.75, F0=6 * ureg.newton
+    )  # fmt: skip
+    assert (heavy.M, heavy.K, heavy.mu) == pytest.approx((2.7, 42e3, TEXTS.mu), rel=1e-14)
+
+
+def test_every_verb_takes_units():
+    """An argument with a unit is its dimensionless number, in every verb."""
+    r, clearance = TEXTS.at("19.5 Hz", "4 mm").r, TEXTS.at("19.5 Hz", "4 mm").clearance
+    here, there = ("19.5 Hz", "4 mm"), (r, clearance)
+    window, inner = ("19 Hz", "20 Hz"), ("3 mm", "4 mm")
+    low = TEXTS.units().frequency_ratio("19 Hz"), TEXTS.units().frequency_ratio("20 Hz")
+    gaps = (TEXTS.units().clearance("3 mm"), TEXTS.units().clearance("4 mm"))
+    speed = 0.1 / TEXTS.units().scale("omega F0/K")
+    motion = vi.equispaced(TEXTS, r, clearance)[0]
+    pairs = (
+        (lambda at: vi.simulate(TEXTS, *at, cycles=9).events["time"], here, there),
+        (lambda at: vi.simulate(TEXTS, *there, 9, state={"x_dot": at}).events["time"], "0.1 m/s", speed),
+        (lambda at: vi.equispaced(TEXTS, *at)[0].X, here, there),
+        (lambda at: vi.exact(TEXTS, *at, guess=motion).X, here, there),
+        (lambda at: vi.find(TEXTS, *at, 4, 1)[0].X, here, there),
+        (lambda at: vi.basins(TEXTS, *at, states=3, seed=1).labels, here, there),
+        (lambda at: vi.lyapunov(TEXTS, *at, cycles=50).largest, here, there),
+        (lambda at: vi.zone(TEXTS, "RL", *at, lines=9).loops[0], (window, inner), (low, gaps)),
+        (lambda at: vi.chart(TEXTS, "RL", *at)["stable"].values, (window, inner), (low, gaps)),
+        (lambda at: vi.branch(motion, "clearance", bounds=at).X, ("3 mm", "6 mm"), (gaps[0], 2 * gaps[0])),
+        (lambda at: vi.bifurcation_diagram(TEXTS, "clearance", at, r=r).values, inner, gaps),
+    )  # fmt: skip
+    for call, given, number in pairs:
+        assert np.array_equal(call(given), call(number))
+
+
+@pytest.mark.parametrize(("given", "message"), [
+    (("19.5", 4.0), r"r = '19\.5': must be a number with .*, not str"),
+    (("19.5 mm", 4.0), r"r = 19\.5 mm: must be a frequency"),
+    (("3 1/s", 4.0), r"r = 3 1/s: must be in Hz, rpm or rad/s"),
+    ((1.0, "4 parsec"), r"clearance = '4 parsec': unknown unit 'parsec'; must be made of m, mm"),
+    ((1.0, "4 Hz"), r"clearance = 4 Hz: must be a length"),
+    ((1.0, "four mm"), r"clearance = 'four mm': must be"),
+    ((1.0, "-4 mm"), r"clearance = -28\.0: must be"), ((1.0, "4 mm", "3 mm"), r"load = 3 mm: must be a force"),
+    ((1.0, "nan mm"), r"clearance = 'nan mm': must be"), (("1e999 Hz", 4.0), "r = inf: must be"),
+])  # fmt: skip
+def test_wrong_units_are_named(given, message):
+    with pytest.raises((ParameterError, ParameterTypeError), match=f"^{message}"):
+        TEXTS.at(*given)
+
+
+def test_what_has_no_units_takes_numbers():
+    """Without M and K a text is refused, and so is a bare frequency where it could be cycles or radians."""
+    plain = vi.Oscillator(xi=0.011, mu=0.04, restitution=0.75)
+    with pytest.raises(ParameterError, match=r"^M = None: must be the primary mass for units"):
+        vi.simulate(plain, "19.5 Hz", 28.0, cycles=1)
+    with pytest.raises(
+        ParameterError, match=r"^frequency = 19\.5: must have a unit, as '19\.5 Hz'"
+    ):
+        TEXTS.units().frequency_ratio(19.5)
+    # a frequency does not need the load
+    unloaded = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75)
+    assert unloaded.at("19.5 Hz", 28.0).r == pytest.approx(AT[0], rel=1e-14)
+    with pytest.raises(ParameterError, match=r"^F0 = None: must be the load amplitude for units"):
+        unloaded.at("19.5 Hz", "4 mm")
+    with pytest.raises(ParameterError, match=r"^C = 1\.0, xi = 0\.1: must be one of them"):
+        vi.Oscillator.from_dimensional(M=1.0, K=1.0, C=1.0, xi=0.1, m=0.1, restitution=0.5)

@@ -14,6 +14,7 @@ from ..base.errors import ParameterError
 from ..base.interrupt import new_counters, stoppable
 from ..results.states import TWO_PI
 from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.verbs import physical_arguments
 
 __all__ = ["Bundle", "simulate_bundle"]
 
@@ -55,6 +56,7 @@ class Bundle:
         )
 
 
+@physical_arguments
 def simulate_bundle(
     osc: Oscillator,
     r: ArrayLike,

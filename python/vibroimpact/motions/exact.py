@@ -15,7 +15,7 @@ from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, raise_status
 from ..results.events import event_table
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, plain_pattern
 from ..systems.structure import Load, Structure, check_load
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .motion import Motion, motion_of_oscillator, motion_of_structure, rests_of
 from .periodic import (
     EXACT,
@@ -126,6 +126,7 @@ def exact(
 def exact(point: Point, /, guess: Motion | Trajectory | tuple[Any, Pattern | str]) -> Motion: ...
 
 
+@physical_arguments
 @every_system(exact_structure, of_law=_guess_by_gaps)
 def exact(
     osc: Oscillator,

@@ -12,6 +12,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
+from ..systems.verbs import physical_arguments
 from .periodic import frequency_ratios, impact_restitution
 
 __all__ = ["StabilityFlags", "stability_flags"]
@@ -50,6 +51,7 @@ class StabilityFlags:
         return f"<StabilityFlags: {len(self)} points, {both.sum()} consistent and stable>"
 
 
+@physical_arguments
 def stability_flags(
     osc: Oscillator,
     r: ArrayLike,

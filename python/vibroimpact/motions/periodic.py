@@ -15,7 +15,7 @@ from ..base.interrupt import with_stack
 from ..base.status import NO_MOTION, raise_status
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.structure import Load, Structure, check_load
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .motion import MOST_PHASE, Motion, Motions, motion_of_oscillator, motion_of_structure, rests_of
 from .trajectory import core_arrays
 
@@ -127,6 +127,7 @@ def periodic(
 ) -> Motion: ...
 
 
+@physical_arguments
 @every_system(periodic_structure, no_point="the clearance is a result here: give its osc and r")
 def periodic(
     osc: Oscillator,
@@ -213,6 +214,7 @@ def periodic(
     return column_of(osc, r, pattern, each, table, results, 0, precision, "periodic")
 
 
+@physical_arguments
 def periodic_batch(
     osc: Oscillator,
     r: ArrayLike,
@@ -270,6 +272,7 @@ def periodic_batch(
     return _motions(osc, frozen(ratios), pattern, each, frozen(table), results, precision)
 
 
+@physical_arguments
 def equispaced(
     osc: Oscillator,
     r: float,
@@ -335,6 +338,7 @@ def equispaced(
     return motions
 
 
+@physical_arguments
 def equispaced_batch(
     osc: Oscillator,
     r: ArrayLike,
@@ -411,6 +415,7 @@ def equispaced_pattern(osc: Oscillator, cycles: int) -> Pattern:
     return Pattern("RL", cycles)
 
 
+@physical_arguments
 def linear_system(
     osc: Oscillator,
     r: float,

@@ -54,7 +54,7 @@ from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
 from ..systems.structure import Load, Structure, check_load
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
 __all__ = ["Period", "State", "Trajectory", "simulate"]
@@ -899,6 +899,7 @@ def simulate(point: Point, /, cycles: float, **options: Any) -> Trajectory: ...
 
 @every_system(simulate_structure, of_law=state_by_coordinates)
 @memory_for("events of a simulation, by max_events")
+@physical_arguments
 def simulate(
     osc: Oscillator,
     r: float,
@@ -1141,5 +1142,5 @@ def not_periodic(trajectory: Trajectory, most_cycles: int = MOST_CYCLES) -> Para
     """The error for a trajectory that has not settled on a period."""
     return ParameterError(
         f"{trajectory!r}: has not settled on a period of at most {most_cycles} load cycles; it may be chaotic "
-        "(`lyapunov` tells). A transient is shorter with a larger `discard`"
+        "(see `lyapunov`); otherwise discard more load cycles"
     )

@@ -15,6 +15,7 @@ from ..results import door, namelist
 from ..results.namelist import SYMMETRIC
 from ..results.noun import Noun, key
 from ..systems.oscillator import Oscillator, Pattern
+from ..systems.verbs import physical_arguments
 from .zone import NAMES, Zone, window
 
 __all__ = ["Atlas", "Survey", "SurveyPoint", "WithoutImpacts", "atlas"]
@@ -291,6 +292,7 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
     return names
 
 
+@physical_arguments
 def atlas(
     osc: Oscillator,
     r: tuple[float, float],

@@ -22,7 +22,7 @@ from ..results.noun import Noun, column, key
 from ..results.states import state_by_coordinates
 from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .find import structure_motions_of
 from .lyapunov import Lyapunov, lyapunov
 
@@ -307,6 +307,7 @@ def basins(
 ) -> Basins: ...  # fmt: skip
 
 
+@physical_arguments
 @every_system(basins_structure, of_law=state_by_coordinates)
 def basins(
     osc: Oscillator,

@@ -19,7 +19,7 @@ from ..results.parameters import Parameter, checked_pair, keys_of_parameter
 from ..results.states import NEEDED, checked_state
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -366,6 +366,7 @@ def bifurcation_diagram(
 ) -> BifurcationDiagram: ...
 
 
+@physical_arguments
 @every_system(bifurcation_structure)
 def bifurcation_diagram(
     osc: Oscillator,

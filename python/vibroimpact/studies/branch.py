@@ -21,7 +21,7 @@ from ..results.systems import structure_of
 from ..results.tables import Result
 from ..systems.oscillator import Pattern, plain_pattern
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .switching import KINDS, switched
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
@@ -492,6 +492,7 @@ def branch(
 ) -> Branch: ...  # fmt: skip
 
 
+@physical_arguments
 @every_system(branch_structure, Motion, no_point="give a motion there, as exact(point, guess)")
 def branch(
     motion: Motion,

@@ -17,6 +17,7 @@ from ..results.namelist import symmetric_word
 from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.units import GAP
+from ..systems.verbs import physical_arguments
 
 __all__ = ["Chart", "chart"]
 
@@ -160,6 +161,7 @@ class Chart(Noun, study="chart"):
         )
 
 
+@physical_arguments
 def chart(
     osc: Oscillator,
     pattern: Pattern | str,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..results import door
 from ..results.noun import Noun, column
 from ..systems.oscillator import Oscillator
+from ..systems.verbs import physical_arguments
 
 __all__ = ["Decay", "decay"]
 
@@ -83,6 +84,7 @@ class Decay(Noun, study="decay"):
         )
 
 
+@physical_arguments
 def decay(
     osc: Oscillator,
     clearance: ArrayLike | None = None,

@@ -21,7 +21,7 @@ from ..results.states import state_by_coordinates
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 
 __all__ = ["FoundMotions", "Search", "find"]
 
@@ -316,6 +316,7 @@ def find(
 ) -> FoundMotions: ...
 
 
+@physical_arguments
 @every_system(find_structure, of_law=state_by_coordinates)
 def find(
     osc: Oscillator,

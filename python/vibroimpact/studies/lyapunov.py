@@ -15,7 +15,7 @@ from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 
 __all__ = ["Lyapunov", "lyapunov"]
 
@@ -167,6 +167,7 @@ def lyapunov(
 def lyapunov(point: Point, /, cycles: int = 10_000, **options: Any) -> Lyapunov: ...
 
 
+@physical_arguments
 @every_system(lyapunov_structure, of_law=state_by_coordinates)
 def lyapunov(
     osc: Oscillator,

@@ -12,7 +12,7 @@ from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .bifurcation import ENDS, SettledMotions, cell, ends
 
 __all__ = ["Response", "response"]
@@ -167,6 +167,7 @@ def response(
 def response(point: Point, /, r: ArrayLike, **options: Any) -> Response: ...
 
 
+@physical_arguments
 @every_system(response_structure, along=("r", "inverse_clearance"))
 def response(
     osc: Oscillator,

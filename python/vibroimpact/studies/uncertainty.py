@@ -18,6 +18,7 @@ from ..results import door
 from ..results.performance import FIGURES, LEAST, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, pattern_of
+from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
 from .zone import Zone, zone
@@ -162,6 +163,7 @@ class Uncertainty:
         )
 
 
+@physical_arguments
 @with_progress
 def uncertainty(
     osc: Oscillator,
@@ -334,6 +336,7 @@ class LimitProbability:
         return xarray("probabilities").Dataset(items, attrs=attrs)
 
 
+@physical_arguments
 @with_progress
 def limit_probability(
     osc: Oscillator,

@@ -22,7 +22,7 @@ from ..results.parameters import Parameter, Path, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.structure import Load, Structure
-from ..systems.verbs import every_system
+from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, run_from
 from .geometry import signed_area, winding
 
@@ -635,6 +635,7 @@ def zone(
 ) -> Zone: ...  # fmt: skip
 
 
+@physical_arguments
 @every_system(
     zone_structure,
     Motion,

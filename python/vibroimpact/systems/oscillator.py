@@ -18,7 +18,7 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..base.jupyter import facts_html
 from .restitution import Restitution, checked
 from .structure import Gap, Load, Structure
-from .units import SI, Units, checked_names, positive
+from .units import POWERS, SI, Units, checked_names, dimensionless, plain_number, positive
 
 __all__ = ["Oscillator", "Pattern"]
 
@@ -149,12 +149,13 @@ class Oscillator:
     def from_dimensional(
         cls,
         *,
-        M: float,
-        K: float,
-        C: float,
-        m: float,
+        M: float | str,
+        K: float | str,
+        m: float | str,
         restitution: Restitution | tuple[Restitution, Restitution],
-        F0: float | None = None,
+        C: float | str | None = None,
+        xi: float | str | None = None,
+        F0: float | str | None = None,
         units: str = SI,
     ) -> Oscillator:
         """The dimensionless system of a rig, which knows its physical units.
@@ -165,13 +166,17 @@ class Oscillator:
 
         Parameters
         ----------
-        M, K, C : float
-            Primary mass (> 0), stiffness (> 0) and viscous damping (>= 0, below critical).
-        m : float
+        M, K : float, str or pint.Quantity
+            Primary mass (> 0) and stiffness (> 0), as numbers in `units` or with units: "2.7 kg", "42 kN/m".
+        m : float, str or pint.Quantity
             Free mass (>= 0).
         restitution : float, PowerLaw or TabulatedRestitution, or two of them
             As for the class.
-        F0 : float, optional
+        C : float, str or pint.Quantity, optional
+            Viscous damping (>= 0, below critical), as "2.1 N s/m".
+        xi : float or str, optional
+            Damping ratio in place of C, 0 <= xi < 1, or as "1.1 %".
+        F0 : float, str or pint.Quantity, optional
             Load amplitude (> 0).
         units : str
             Units of length, force and time in which they are given: one of m, mm, cm, um, km, in, ft; one of N,
@@ -204,25 +209,34 @@ class Oscillator:
         >>> round(units.to("m N s").M, 4), round(units.to("m N s").K, 1)
         (0.7303, 11385.0)
         """
-        M, K = positive(M, "M"), positive(K, "K")
-        C, m = positive(C, "C", zero=True), positive(m, "m", zero=True)
-        # with 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
-        with localcontext() as context:
-            context.prec = 50
-            critical = 2 * (Decimal(K) * Decimal(M)).sqrt()
-            xi = float(Decimal(C) / critical)
-        if not xi < 1:
-            raise ParameterError(
-                f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
-            )
+        names = checked_names(units)
+        given = {"M": M, "K": K, "m": m, "C": C, "xi": xi, "F0": F0}
+        values: dict[str, Any] = {
+            name: plain_number(value, name, POWERS[name], names) for name, value in given.items()
+        }
+        if (C is None) == (xi is None):
+            raise ParameterError(f"C = {C!r}, xi = {xi!r}: must be one of them")
+        mass, stiffness = positive(values["M"], "M"), positive(values["K"], "K")
+        ratio = values["xi"]
+        if C is not None:
+            damping = positive(values["C"], "C", zero=True)
+            # with 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
+            with localcontext() as context:
+                context.prec = 50
+                critical = 2 * (Decimal(stiffness) * Decimal(mass)).sqrt()
+                ratio = float(Decimal(damping) / critical)
+            if not ratio < 1:
+                raise ParameterError(
+                    f"C = {C!r}: must be below critical damping 2 sqrt(K M) = {critical:.6g}"
+                )
         return cls(
-            xi=xi,
-            mu=m / M,
+            xi=ratio,
+            mu=positive(values["m"], "m", zero=True) / mass,
             restitution=restitution,
-            M=M,
-            K=K,
-            F0=F0,
-            unit_names=checked_names(units),
+            M=mass,
+            K=stiffness,
+            F0=values["F0"],
+            unit_names=names,
         )
 
     def structure(
@@ -367,17 +381,18 @@ class Oscillator:
             self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
         )
 
-    def at(self, r: float, clearance: float, load: float = 1.0) -> Point:
+    def at(self, r: float | str, clearance: float | str, load: float | str = 1.0) -> Point:
         """The oscillator at a point, which verbs take in place of the oscillator, r, clearance and load.
 
         Parameters
         ----------
-        r : float
-            Frequency ratio Omega/omega.
-        clearance : float
-            d K/F0 > 0.
-        load : float
-            Amplitude of the load over F0.
+        r : float, str or pint.Quantity
+            Frequency ratio Omega/omega; or, if the oscillator knows M and K, a load frequency with its unit (Hz,
+            rpm or rad/s), as "19.5 Hz".
+        clearance : float, str or pint.Quantity
+            d K/F0 > 0, or a length d, as "4 mm".
+        load : float, str or pint.Quantity
+            Amplitude of the load over F0, or a force, as "6 N".
 
         Returns
         -------
@@ -397,9 +412,21 @@ class Oscillator:
         >>> motion = vi.equispaced(point.osc, point.r, point.clearance)[0]
         >>> vi.exact(point, motion).pattern == motion.pattern
         True
+
+        A rig at 19.5 Hz, with 4 mm of clearance:
+
+        >>> rig = vi.Oscillator.from_dimensional(
+        ...     M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
+        ... )
+        >>> rig.at("19.5 Hz", "4 mm")
+        <Oscillator(xi=0.011, mu=0.0407407, restitution=(0.75, 0.75)) at r = 0.982359, d K/F0 = 28>
         """
+        ratio, gap, force = (
+            dimensionless(self, name, value)
+            for name, value in (("r", r), ("clearance", clearance), ("load", load))
+        )
         return Point(
-            self, checks.frequency_ratio(r, self.xi), positive(clearance, "clearance"), checks.number(load, "load")
+            self, checks.frequency_ratio(ratio, self.xi), positive(gap, "clearance"), checks.number(force, "load")
         )  # fmt: skip
 
     @property

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, overload
+from decimal import Decimal
+from typing import Any, Protocol, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +35,33 @@ GAP = "clearance d K/F0; d is the whole travel of m between the walls"
 PHYSICAL_GAP = "clearance d, the whole travel of m between the walls"
 #: Powers of length, force and time in the quantities of which dimensionless units consist.
 DIMENSIONS = {"F0": (0, 1, 0), "K": (-1, 1, 0), "omega": (0, 0, -1)}
+#: Powers of length, force and time.
+Powers: TypeAlias = tuple[int, int, int]
+
+#: Those of the quantities of a rig.
+POWERS: dict[str, Powers] = {
+    "M": (-1, 1, 2), "m": (-1, 1, 2), "K": (-1, 1, 0), "C": (-1, 1, 1), "xi": (0, 0, 0), "F0": (0, 1, 0),
+}  # fmt: skip
+#: Units by name: their size in SI, their powers of length, force and time, and whether they count an angle.
+NAMED: dict[str, tuple[float, Powers, bool]] = {
+    **{name: (size, (1, 0, 0), False) for name, size in KNOWN[0].items()},
+    **{name: (size, (0, 1, 0), False) for name, size in KNOWN[1].items()},
+    **{name: (size, (0, 0, 1), False) for name, size in KNOWN[2].items()},
+    "kg": (1.0, (-1, 1, 2), False), "t": (1000.0, (-1, 1, 2), False), "lb": (0.45359237, (-1, 1, 2), False),
+    "rad": (1.0, (0, 0, 0), True), "Hz": (2 * math.pi, (0, 0, -1), True), "kHz": (2e3 * math.pi, (0, 0, -1), True),
+    "mHz": (2e-3 * math.pi, (0, 0, -1), True), "rpm": (2 * math.pi / 60, (0, 0, -1), True),
+    "%": (0.01, (0, 0, 0), False),
+}  # fmt: skip
+#: A number and the rest of the text; one unit with its power.
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
+FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
+#: The dimensionless units of arguments of verbs, by name; a state is a mapping of its own.
+ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0"}
+STATE = {"t": "1/omega", "x": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
+#: Arguments that hold values of the parameter that another argument names.
+OF_PARAMETER = ("bounds", "values", "at")
+#: Types that have no unit, which are most arguments.
+PLAIN = (float, int, np.ndarray, np.float64, type(None))
 
 
 @dataclass(frozen=True)
@@ -178,7 +207,7 @@ class Units:
         return {"s": "Hz", "ms": "kHz", "us": "MHz"}.get(time, f"1/{time}")
 
     @overload
-    def clearance(self, d: float) -> float: ...
+    def clearance(self, d: float | str) -> float: ...
     @overload
     def clearance(self, d: ArrayLike) -> Any: ...
     def clearance(self, d: Any) -> Any:
@@ -190,7 +219,8 @@ class Units:
 
         Parameters
         ----------
-        d : float or array_like
+        d : float or array_like, or str or pint.Quantity
+            A number in the unit of length, or with its unit, as "4 mm".
 
         Returns
         -------
@@ -201,15 +231,17 @@ class Units:
         ParameterError, ParameterTypeError
             If a value is no positive number.
         """
-        return positive_each(d, "d") / self.length
+        return positive_each(plain_number(d, "d", (1, 0, 0), self.names), "d") / self.length
 
-    def frequency_ratio(self, Omega: Any = None, *, f: Any = None) -> Any:
-        """r = Omega/omega of a load frequency, in radians or cycles per unit of time.
+    def frequency_ratio(self, frequency: Any = None, *, Omega: Any = None, f: Any = None) -> Any:
+        """r = Omega/omega of a load frequency.
 
         Parameters
         ----------
+        frequency : str or pint.Quantity, optional
+            With its unit, Hz, rpm or rad/s, as "19.5 Hz"; either this, `Omega` or `f`.
         Omega : float or array_like, optional
-            Radians per unit of time; either this or `f`.
+            Radians per unit of time.
         f : float or array_like, optional
             Cycles per unit of time (Hz).
 
@@ -220,13 +252,23 @@ class Units:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If a value is no positive number, or both are given.
+            If a value is no positive number, several are given, or a frequency has no unit.
         """
-        if f is None:
-            return positive_each(Omega, "Omega") / self.omega
+        given = {"frequency": frequency, "Omega": Omega, "f": f}
+        given = {name: value for name, value in given.items() if value is not None}
+        if len(given) != 1:
+            shown = ", ".join(f"{name} = {value!r}" for name, value in given.items()) or "f = None"
+            raise ParameterError(f"{shown}: must be one of frequency, Omega and f")
         if Omega is not None:
-            raise ParameterError(f"Omega = {Omega!r}, f = {f!r}: must be one of them, not both")
-        return positive_each(f, "f") / self.frequency
+            return positive_each(Omega, "Omega") / self.omega
+        if f is not None:
+            return positive_each(f, "f") / self.frequency
+        if not has_unit(frequency):
+            raise ParameterError(
+                f"frequency = {frequency!r}: must have a unit, as '19.5 Hz'; or give f=... in cycles or "
+                "Omega=... in radians per unit of time"
+            )
+        return number_of(frequency, "frequency", "omega", lambda: self)
 
     def motion(self, motion: Any) -> dict[str, Any]:
         """The numbers of a motion in physical units.
@@ -346,3 +388,133 @@ def positive(value: Any, name: str, *, zero: bool = False) -> float:
     if not (0 < item < math.inf or (zero and item == 0)):
         raise ParameterError(f"{name} = {value!r}: must be {wanted}")
     return item
+
+
+class Scaled(Protocol):
+    """An oscillator, which may know its units."""
+
+    @property
+    def F0(self) -> float | None: ...
+
+    def units(self, F0: float | None = None) -> Units: ...
+
+
+def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
+    """A text with a unit: its value in SI, its powers of length, force and time, and whether it is an angle."""
+    found = QUANTITY.fullmatch(with_u(text))
+    assert found is not None
+    # decimal: 1.1 % is the float 0.011
+    value, powers, angular = Decimal(found[1]), np.zeros(3, int), False
+    # one unit behind each slash, any number before the first one
+    above, *below = found[2].replace("\N{SUPERSCRIPT TWO}", "^2").split("/")
+    parts = [(part, 1) for part in re.split(r"[\s*\N{MIDDLE DOT}]+", above.strip())]
+    for part, sign in [*parts, *((part.strip(), -1) for part in below)]:
+        factor = FACTOR.fullmatch(part)
+        if part == "1":
+            continue
+        if factor is None or factor[1] not in NAMED:
+            raise ParameterError(
+                f"{name} = {text!r}: unknown unit {part!r}; must be made of {', '.join(NAMED)}, as 'N s/m'"
+            )
+        power = sign * int(factor[2] or 1)
+        size, dimensions, angle = NAMED[factor[1]]
+        value *= Decimal(repr(size)) ** power
+        powers += np.multiply(dimensions, power)
+        angular = angular or angle
+    length, force, time = powers.tolist()
+    return value, (length, force, time), angular
+
+
+def of_pint(quantity: Any, name: str) -> tuple[Any, Powers, bool]:
+    """A quantity of pint, as of `in_si`; pint itself takes 1 Hz for 1 rad/s."""
+    units = str(quantity.units)
+    base = quantity.to_base_units()
+    by_name = {str(key): int(power) for key, power in base.dimensionality.items()}
+    mass = by_name.pop("[mass]", 0)
+    length, time = by_name.pop("[length]", 0), by_name.pop("[time]", 0)
+    if by_name:
+        raise ParameterError(f"{name} = {quantity}: must have a mechanical unit")
+    cycles = "hertz" in units
+    angular = cycles or any(word in units for word in ("radian", "revolution", "turn", "rpm"))
+    value = base.to(f"kilogram**{mass} * meter**{length} * second**{time}").magnitude
+    # kg = N s^2/m
+    return value * (2 * math.pi if cycles else 1), (length - mass, mass, time + 2 * mass), angular
+
+
+def has_unit(value: Any) -> bool:
+    """Whether a value is a text as "4 mm" or a quantity of pint, or a list, tuple or mapping with one."""
+    if isinstance(value, PLAIN):
+        return False
+    if isinstance(value, Mapping):
+        return any(map(has_unit, value.values()))
+    if isinstance(value, (list, tuple)):
+        return any(map(has_unit, value))
+    if isinstance(value, str):
+        return QUANTITY.fullmatch(with_u(value)) is not None
+    return hasattr(value, "magnitude") and hasattr(value, "units")
+
+
+def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> Any:
+    """The dimensionless number of an argument; what has no unit is returned as it is.
+
+    Parameters
+    ----------
+    value
+        A number, a text, a quantity of pint, or a list or tuple of them.
+    name : str
+        The argument, for messages.
+    unit : str
+        Its dimensionless unit, as "F0/K"; a frequency is a ratio to "omega".
+    units : callable
+        Gives the units of the system, or raises what is missing.
+
+    Raises
+    ------
+    ParameterError
+        If the unit is unknown or of another kind, or a frequency does not tell whether it counts cycles or
+        radians.
+    """
+    if not has_unit(value):
+        return value
+    if isinstance(value, (list, tuple)):
+        return type(value)(number_of(item, name, unit, units) for item in value)
+    size, powers, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
+    wanted = np.zeros(3, int)
+    for part, power in powers_of(unit).items():
+        wanted += np.multiply(DIMENSIONS[part], power)
+    if unit == "omega" and powers == (0, 0, -1) and not angular:
+        raise ParameterError(f"{name} = {value!s}: must be in Hz, rpm or rad/s")
+    if powers != tuple(wanted.tolist()) or angular != (unit == "omega"):
+        kind = {"omega": "a frequency", "F0/K": "a length", "F0": "a force", "1/omega": "a time"}
+        raise ParameterError(f"{name} = {value!s}: must be {kind.get(unit, 'a velocity')}")
+    size = float(size) if isinstance(size, Decimal) else size
+    return size / units().to("SI").scale(unit)
+
+
+def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
+    """A value with a unit in units of length, force and time by name; what has none is returned as it is."""
+    if not has_unit(value):
+        return value
+    size, found, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
+    if found != powers or angular:
+        own = {(1, 0, 0): "length", (0, 1, 0): "force", (-1, 1, 2): "mass", (-1, 1, 0): "stiffness"}
+        kind = own.get(powers, "damping" if any(powers) else "number")
+        raise ParameterError(f"{name} = {value!s}: must be a {kind}")
+    sizes = [Decimal(repr(known[own])) for known, own in zip(KNOWN, names.split(), strict=True)]
+    own_size = math.prod(one**power for one, power in zip(sizes, powers, strict=True))
+    return float(size / own_size) if isinstance(size, Decimal) else size / float(own_size)
+
+
+def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
+    """The dimensionless value of an argument of a verb; of one that has no unit, the value."""
+    if name == "state":
+        return {
+            key: number_of(part, f"state[{key!r}]", STATE[key], osc.units) if key in STATE else part
+            for key, part in value.items()
+        }
+    unit = ARGUMENTS.get(parameter if name in OF_PARAMETER else name)
+    if unit is None:
+        return value
+    # a frequency needs no load
+    force = None if unit != "omega" or osc.F0 is not None else 1.0
+    return number_of(value, name, unit, lambda: osc.units(force))

@@ -5,12 +5,17 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from ..base.errors import ParameterTypeError
-from .oscillator import Point
+from .oscillator import Oscillator, Point
 from .structure import Structure
+from .units import ARGUMENTS, OF_PARAMETER, PLAIN, dimensionless, has_unit
 
+#: Texts that verbs take as arguments.
+EXAMPLES = '"19.5 Hz", "4 mm" and "6 N"'
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
 #: The attributes of a point, by the names of arguments.
 OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude"}
 
@@ -149,3 +154,39 @@ def every_system(
         return either
 
     return decorate
+
+
+def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
+    """A decorator: frequencies, lengths and loads of an oscillator that knows its units may have units."""
+    names = list(inspect.signature(function).parameters)
+    places = [
+        (i, name) for i, name in enumerate(names) if name in (*ARGUMENTS, "state", *OF_PARAMETER)
+    ]
+    with_units = ", ".join(f"`{name}`" for name in names if name in ARGUMENTS)
+    summary, *text = inspect.cleandoc(function.__doc__ or "").split("\n\n", 1)
+    note = f"With units, as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
+    function.__doc__ = "\n\n".join([summary, note, *text])
+
+    @functools.wraps(function)
+    def converted(*args: Given.args, **kwargs: Given.kwargs) -> Found:
+        for i, name in places:  # most calls have numbers
+            value = args[i] if i < len(args) else kwargs.get(name)
+            if type(value) not in PLAIN and has_unit(value):
+                break
+        else:
+            return function(*args, **kwargs)
+        # a point stands for three arguments: further ones have names
+        order = names[:1] if args and isinstance(args[0], Point) else names
+        given: dict[str, Any] = dict(zip(order, args, strict=False)) | kwargs
+        physical = [name for _, name in places if has_unit(given.get(name))]
+        first: Any = given.get(names[0])
+        osc = first if isinstance(first, Oscillator) else getattr(first, "osc", None)
+        if not isinstance(osc, Oscillator):
+            return function(*args, **kwargs)
+        for name in physical:
+            given[name] = dimensionless(osc, name, given[name], str(given.get("parameter")))
+        own = [given[name] for name in order[: len(args)]]
+        rest: Any = {name: given[name] for name in kwargs}
+        return function(*own, *args[len(own) :], **rest)  # type: ignore[arg-type]
+
+    return converted
