@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError, StudyInterrupted
+from ..motions.exact import settled
 from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
 from ..motions.periodic import impact_restitution, motion_from_phases
 from ..results import door, namelist
@@ -297,6 +298,21 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             for i in np.flatnonzero(types != "").tolist()
         ]
 
+    @property
+    def resting(self) -> NDArray[np.int32]:
+        """The gaps that rest, in the order in which they are released; of a structure."""
+        if "resting" not in self._result.tables["branch"].columns:
+            return np.zeros(0, np.int32)
+        return np.asarray(self._values("branch", "resting")[0]).astype(np.int32)
+
+    @property
+    def rests(self) -> _Array:
+        """(R, 2, M) Load phases at which each rest begins and ends; of a structure."""
+        if not len(self.resting):
+            return np.zeros((0, 2, len(self)))
+        both = [self._values("points", name) for name in ("rest_begin", "rest_end")]
+        return np.moveaxis(np.stack(both, axis=1), 0, -1).swapaxes(0, 1)
+
     def at(self, value: float) -> tuple[Structure, Load]:
         """The structure and the load at a value of the parameter, of a branch of a structure."""
         value = checks.to_float(value, "value", "a finite number")
@@ -313,6 +329,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             return [self[j] for j in i]
         if self.of_structure:
             structure, load = self.at(float(self.values[i]))
+            if len(self.resting):
+                return self._resting(structure, load, i)
             # of two impacts at one instant rounding may put the second one first
             phases = np.maximum.accumulate(self.phases[:, i])
             # at a fold Newton's method has no unique step, while for known phases all else is linear
@@ -330,6 +348,19 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             impact_restitution(osc, self.pattern, None), self.alpha[:, i].copy(), impacts, scalars,
             self.multipliers[:, i].copy(), verdicts,
         )  # fmt: skip
+
+    def _resting(self, structure: Structure, load: Load, i: int) -> Motion:
+        """The motion with rests at a point, which can be simulated if it is admissible."""
+        q, rate = (self._values("points", name)[i] for name in ("q", "q_dot"))
+        if not self.admissible[i]:
+            raise SingularError(
+                f"point {i}: this motion with rests is not admissible, and cannot be simulated; the columns have it"
+            )
+        start = float(self.phases[0, i]) / load.frequency
+        found = settled(structure, load, start, (q, rate), cycles=self.cycles)
+        if len(found.rests) != len(self.resting):
+            raise SingularError(f"point {i}: the motion that is simulated from it has other rests")
+        return found
 
     def plot(self, ax: Any = None, y: str | None = None) -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.
@@ -463,17 +494,19 @@ def run_from(
     progress: door.Progress | None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
-    if len(motion.rests):
-        raise ParameterError(f"motion = {motion!r}: must be one without rest")
     if motion.consistent is False:
         raise ParameterError(
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "
             "exact(structure, load, motion) gives the exact motion near it"
         )
-    start = {
-        "kind": "exact", "cycles": motion.cycles, "gaps": motion.gaps.tolist(),
-        "phases": motion.phases.tolist(),
-    }  # fmt: skip
+    start: dict[str, Any] = {"kind": "exact", "cycles": motion.cycles}
+    if len(motion.rests):
+        start |= {
+            "kind": "settled", "start": float(motion.phases[0] / motion.load.frequency), "settling": 0,
+            "q": motion.q.tolist(), "q_dot": motion.q_dot.tolist(),
+        }  # fmt: skip
+    else:
+        start |= {"gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()}
     groups = [*motion.structure._groups(), *motion.load._groups(), ("motion", start)]
     return door.run_groups(noun, groups, keys, True, None, progress, names)
 

@@ -8,8 +8,8 @@ module vi_branch
    use vi_crossing, only: locate, look_between
    use vi_curve, only: curve_type, distance_from
    use vi_kinds, only: wp
-   use vi_motion_family, only: condition_type, edge, fold, grazing, neimark_sacker, &
-      repetition, zero_approach
+   use vi_motion_family, only: condition_type, edge, fold, grazing, is_exchange, &
+      neimark_sacker, repetition, rest_splits, rest_vanishes, zero_approach
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_progress, only: is_stopped, report_share
@@ -20,7 +20,7 @@ module vi_branch
 
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
-      end_full = 5, end_stopped = 6, end_simultaneous = 7
+      end_full = 5, end_stopped = 6, end_simultaneous = 7, end_rest = 8, end_exchange = 9
 
    !> A step this short is not repeated to search for hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
@@ -60,6 +60,10 @@ contains
          text = 'meets a motion that repeats itself'
       case (end_simultaneous)
          text = 'two impacts at one instant'
+      case (end_rest)
+         text = 'a rest vanishes'
+      case (end_exchange)
+         text = 'two events at one instant'
       case (end_closed)
          text = 'closed'
       case (end_full)
@@ -384,8 +388,16 @@ contains
             done = .true.
          case (grazing)
             ! at the end of a flight another gap closes: beyond it, its impact comes first
-            done = found(j)%conditions(j)%share >= 1
+            done = is_exchange(found(j)%conditions(j))
             if (done) branch%reason = end_simultaneous
+         case (rest_splits)
+            ! a rest ends at another event: beyond it, it ends before
+            done = is_exchange(found(j)%conditions(j))
+            if (done) branch%reason = end_exchange
+         case (rest_vanishes)
+            ! beyond it the accumulation is not completed
+            branch%reason = end_rest
+            done = .true.
          case default
             done = .false.
          end select

@@ -10,7 +10,8 @@ module vi_branch_study
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type
-   use vi_motion_family, only: condition_type, edge, grazing, repetition, zero_approach
+   use vi_motion_family, only: condition_type, edge, grazing, is_exchange, repetition, &
+      rest_splits, rest_vanishes, zero_approach
    use vi_motion_study, only: check_motion, check_structure_motion, find_motions, &
       find_structure_motion, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
@@ -25,6 +26,8 @@ module vi_branch_study
    use vi_structure_parameter, only: check_parameter, function_keys, parameter_change
    use vi_structure_path, only: change_type, structure_takes => parameter_takes, value_at
    use vi_structure_period, only: structure_motion_type
+   use vi_structure_resting_family, only: structure_resting_type
+   use vi_structure_rests, only: release
    use vi_structure_return, only: settled_type
    use vi_structure_start, only: motion_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
@@ -120,6 +123,14 @@ module vi_branch_study
       meaning='approach speeds of the impacts', model=of_structure), &
       column_type('points', 'impulses', each='impact', listed=.false., &
       meaning='impulses of the impacts', model=of_structure), &
+      column_type('points', 'rest_begin', each='rest', unit='rad', listed=.false., &
+      meaning='load phase at which each rest begins', model=of_structure), &
+      column_type('points', 'rest_end', each='rest', unit='rad', listed=.false., &
+      meaning='load phase at which each rest ends', model=of_structure), &
+      column_type('points', 'q', each='coordinate', listed=.false., &
+      meaning='coordinates just after the first impact, with rests', model=of_structure), &
+      column_type('points', 'q_dot', each='coordinate', listed=.false., &
+      meaning='velocities just after the first impact, with rests', model=of_structure), &
       column_type('points', 'special', words, meaning='type of a special point'), &
       column_type('points', 'detail', words, meaning='the impact, flight or bound concerned'), &
       column_type('points', 'special_impact', wholes, listed=.false., &
@@ -129,6 +140,8 @@ module vi_branch_study
       meaning='wall at which the motion grazes', model=of_oscillator), &
       column_type('branch', 'gaps', wholes, each='impact', listed=.false., &
       meaning='gaps of the impacts, from 0', model=of_structure), &
+      column_type('branch', 'resting', wholes, each='rest', listed=.false., &
+      meaning='gaps that rest, from 0', model=of_structure), &
       column_type('branch', 'cycles', wholes, listed=.false., meaning='load cycles in a period', &
       model=of_structure), &
       column_type('branch', 'frequency', listed=.false., &
@@ -603,7 +616,7 @@ contains
       type(curve_type) :: curve
       type(condition_type), allocatable :: conditions(:)
       type(structure_motion_type), allocatable :: motions(:)
-      real(wp), allocatable :: start(:), points(:, :), extremes(:, :, :)
+      real(wp), allocatable :: start(:), points(:, :), extremes(:, :, :), rest(:, :), rests(:, :, :)
       character(:), allocatable :: message
       integer :: i, n, reasons(2), reported, status
       logical :: cut, mirrored
@@ -638,9 +651,11 @@ contains
             &point, or its bounds are too far apart')
          return
       end if
-      allocate (motions(n), extremes(case%coordinates, n, 2))
+      allocate (motions(n), extremes(case%coordinates, n, 2), rests(2, size(found%resting), n))
       do i = 1, n
-         call motion_at(curve, points(:, i), conditions(i), motions(i), extremes(:, i, :))
+         call motion_at(curve, points(:, i), conditions(i), motions(i), extremes(:, i, :), &
+            rest)
+         rests(:, :, i) = rest
          call report_share((follow_work + (branch_work - follow_work)*i/real(n, wp))/branch_work, &
             branch_work, reported, progress)
          if (is_stopped(progress) .and. .not. cut .and. i < n) then
@@ -652,8 +667,8 @@ contains
       call report_share(1.0_wp, branch_work, reported, progress)
       result%empty = .false.
       call put_structure_branch(result, curve, found, load%frequency, points(:, :n), &
-         conditions(:n), motions(:n), extremes(:, :n, :), reasons, mirrored, change, &
-         case%study%word('parameter'))
+         conditions(:n), motions(:n), extremes(:, :n, :), rests(:, :, :n), reasons, mirrored, &
+         change, case%study%word('parameter'))
       call put_path(result, [change])
       call put_structure(result, structure, load)
       if (any(reasons == end_stopped)) then
@@ -679,7 +694,7 @@ contains
 
    !> Fills the tables of a branch of a structure.
    subroutine put_structure_branch(result, curve, found, frequency, points, conditions, motions, &
-      extremes, reasons, mirrored, change, name)
+      extremes, rests, reasons, mirrored, change, name)
       !> The result.
       type(result_type), intent(inout) :: result
       !> The curve.
@@ -696,6 +711,8 @@ contains
       type(structure_motion_type), intent(in) :: motions(:)
       !> (coordinates, n, 2) Least and greatest coordinates.
       real(wp), intent(in) :: extremes(:, :, :)
+      !> (2, m, n) Load phases (rad) at which each rest begins and ends.
+      real(wp), intent(in) :: rests(:, :, :)
       !> Why it ends, at its first and at its last point.
       integer, intent(in) :: reasons(2)
       !> Whether a motion that repeats itself in the first way is its own image.
@@ -704,10 +721,12 @@ contains
       type(change_type), intent(in) :: change
       character(*), intent(in) :: name
       type(line_type) :: special(size(motions)), detail(size(motions)), ends(2)
-      character(14), parameter :: names(8) = [character(14) :: 'fold', 'pitchfork', &
-         'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous']
+      character(14), parameter :: names(10) = [character(14) :: 'fold', 'pitchfork', &
+         'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous', &
+         'rest_vanishes', 'rest_splits']
       character(:), allocatable :: text
-      real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions))
+      real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions)), &
+         shift(size(motions))
       integer :: i, k, n
 
       n = size(motions)
@@ -720,8 +739,7 @@ contains
             if (condition%kind == 0) cycle
             special(i)%text = trim(condition_name(condition%kind, condition%index, &
                curve%family%symmetric, mirrored))
-            if (condition%kind == grazing .and. condition%share >= 1) special(i)%text = &
-               'simultaneous'
+            if (is_exchange(condition)) special(i)%text = 'simultaneous'
             call touch_detail(curve, condition, [trim(name)], detail(i)%text)
             if (condition%kind == edge) values(i) = value_at(change, condition%bound)
          end associate
@@ -737,13 +755,25 @@ contains
       call result%put('points', 'q_min', [extremes(:, :, 1)])
       call result%put('points', 'q_max', [extremes(:, :, 2)])
       ! continuous along the branch, and none below 0
-      call result%put('points', 'phases', [phases - two_pi*min(0, floor(minval(phases)/two_pi))])
+      shift = -two_pi*min(0, floor(minval(phases)/two_pi))
+      call result%put('points', 'phases', [phases + shift(1)])
       call result%put('points', 'speeds', [(motions(i)%speeds, i=1, n)])
       call result%put('points', 'impulses', [(motions(i)%impulses, i=1, n)])
       call result%put_text('points', 'special', special)
       call result%put_text('points', 'detail', detail)
       call result%open('branch', 'branch', [1])
       call result%put('branch', 'gaps', found%gaps - 1)
+      if (size(found%resting) > 0) then
+         ! in the same cycle as the phases
+         call result%put('points', 'rest_begin', [rests(1, :, :) + spread(shift, 1, &
+            size(found%resting))])
+         call result%put('points', 'rest_end', [rests(2, :, :) + spread(shift, 1, &
+            size(found%resting))])
+         call result%put('points', 'q', [(motions(i)%states(:size(extremes, 1), 1), i=1, n)])
+         call result%put('points', 'q_dot', [(motions(i)%states(size(extremes, 1) + 1:, 1), &
+            i=1, n)])
+         call result%put('branch', 'resting', found%resting - 1)
+      end if
       call result%put('branch', 'cycles', [found%cycles])
       call result%put('branch', 'frequency', [frequency])
       ends(1)%text = end_text(reasons(1))
@@ -774,6 +804,13 @@ contains
       number = condition%index
       gap = 0
       select type (family => curve%family)
+      type is (structure_resting_type)
+         associate (structure => family%rests%path%structure)
+            gap = findloc(structure%channel*structure%wall, condition%side, dim=1)
+            if (condition%kind == rest_vanishes) gap = family%rests%gaps(number)
+            if (condition%kind == rest_splits) gap = condition%side - structure%channels
+            number = count(family%rests%kinds(:number) /= release)
+         end associate
       type is (structure_family_type)
          associate (s => family%members)
             if (allocated(s%impact_of)) number = findloc(s%impact_of, number, dim=1, &
@@ -787,6 +824,8 @@ contains
          text = 'flight '//whole(number)//' touches gap '//whole(gap - 1)
          if (condition%share >= 1) text = 'gap '//whole(gap - 1)// &
             ' closes at the end of flight '//whole(number)
+      case (rest_vanishes, rest_splits)
+         text = 'rest of gap '//whole(gap - 1)
       case (zero_approach)
          text = 'impact '//whole(number)
       case (edge)

@@ -14,7 +14,7 @@ module vi_motion_family
    implicit none (type, external)
    private
 
-   public :: is_inside, parameters_at, repeats, set_differences, to_point
+   public :: is_exchange, is_inside, parameters_at, repeats, set_differences, to_point
 
    !> Kinds of conditions; `flip` of a symmetric family is the pitchfork. Those of stability have
    !! the index 0, or `together` and `alike` for disturbances after which impacts at one instant
@@ -295,6 +295,15 @@ contains
       repeats = any([(norm2(family%image_of(family%repetitions(i), unknowns) - unknowns) < &
          distance, i=1, size(family%repetitions))])
    end function repeats
+
+   !> Whether two events come at one instant where a condition is zero, beyond which their order is
+   !! another.
+   pure logical function is_exchange(condition)
+      !> The condition.
+      type(condition_type), intent(in) :: condition
+
+      is_exchange = any(condition%kind == [grazing, rest_splits]) .and. condition%share >= 1
+   end function is_exchange
 
    !> Whether all conditions are met; of the edges only those of one parameter count.
    pure logical function is_inside(conditions, values, parameter) result(inside)

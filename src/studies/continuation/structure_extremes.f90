@@ -4,19 +4,19 @@ module vi_structure_extremes
    use vi_modes, only: advance
    use vi_orbit, only: family_type
    use vi_rows, only: row_values
+   use vi_structure, only: regime_type
    use vi_structure_members, only: flight_duration, member_type
    implicit none (type, external)
    private
 
-   public :: coordinate_extremes, turning_share
+   public :: coordinate_extremes, extend_extremes, turning_share
 
    !> Nodes per time unit of the structure, and limits on their number.
    integer, parameter :: density = 4, fewest = 16, most = 20000
 
 contains
 
-   !> The extremes, from nodes close together and, where a velocity changes its sign between two of
-   !! them, from the motion where a cubic through positions and velocities turns.
+   !> The extremes of a motion without rest.
    pure subroutine coordinate_extremes(family, member, extremes)
       !> The impacts.
       type(family_type), intent(in) :: family
@@ -24,40 +24,56 @@ contains
       type(member_type), intent(in) :: member
       !> (n, 2) Least and greatest value.
       real(wp), intent(out) :: extremes(:, :)
-      real(wp), dimension(size(extremes, 1)) :: q, rate, before, rate_before, there, rate_there
-      real(wp) :: h, share, value
-      integer :: i, j, k, nodes
+      real(wp) :: least(size(extremes, 1))
+      integer :: i
 
       extremes(:, 1) = huge(1.0_wp)
       extremes(:, 2) = -huge(1.0_wp)
       do i = 1, size(family%sides)
-         nodes = max(fewest, min(most, ceiling(density*flight_duration(member, i)/ &
-            member%regime%unit)))
-         h = flight_duration(member, i)/nodes
-         do k = 0, nodes
-            call coordinates_at(member, i, k*h, q, rate)
-            extremes(:, 1) = min(extremes(:, 1), q)
-            extremes(:, 2) = max(extremes(:, 2), q)
-            if (k > 0) then
-               do j = 1, size(q)
-                  if (.not. rate_before(j)*rate(j) < 0) cycle
-                  call turning_share(before(j), q(j), h*rate_before(j), h*rate(j), share)
-                  call coordinates_at(member, i, (k - 1 + share)*h, there, rate_there)
-                  ! the velocity that is left there changes the extreme by its square
-                  value = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - rate_before(j))
-                  extremes(j, 1) = min(extremes(j, 1), value)
-                  extremes(j, 2) = max(extremes(j, 2), value)
-               end do
-            end if
-            before = q
-            rate_before = rate
-         end do
+         call extend_extremes(member%regime, member%x_after(:, i), member%v_after(:, i), &
+            member%equations%times(i), flight_duration(member, i), extremes)
       end do
       if (.not. family%mirror) return
-      before = extremes(:, 1)
-      extremes(:, 1) = min(before, -extremes(:, 2))
-      extremes(:, 2) = max(extremes(:, 2), -before)
+      least = extremes(:, 1)
+      extremes(:, 1) = min(least, -extremes(:, 2))
+      extremes(:, 2) = max(extremes(:, 2), -least)
    end subroutine coordinate_extremes
+
+   !> Extends extremes by those of a flight or a rest, from nodes close together and, where a
+   !! velocity changes its sign between two of them, from the motion where a cubic through positions
+   !! and velocities turns.
+   pure subroutine extend_extremes(regime, x, v, time, duration, extremes)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the beginning, the time there, and the duration.
+      real(wp), intent(in) :: x(:), v(:), time, duration
+      !> In and out: (n, 2) least and greatest value.
+      real(wp), intent(inout) :: extremes(:, :)
+      real(wp), dimension(size(extremes, 1)) :: q, rate, before, rate_before, there, rate_there
+      real(wp) :: h, share, value
+      integer :: j, k, nodes
+
+      nodes = max(fewest, min(most, ceiling(density*duration/regime%unit)))
+      h = duration/nodes
+      do k = 0, nodes
+         call coordinates_at(regime, x, v, time, k*h, q, rate)
+         extremes(:, 1) = min(extremes(:, 1), q)
+         extremes(:, 2) = max(extremes(:, 2), q)
+         if (k > 0) then
+            do j = 1, size(q)
+               if (.not. rate_before(j)*rate(j) < 0) cycle
+               call turning_share(before(j), q(j), h*rate_before(j), h*rate(j), share)
+               call coordinates_at(regime, x, v, time, (k - 1 + share)*h, there, rate_there)
+               ! the velocity that is left there changes the extreme by its square
+               value = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - rate_before(j))
+               extremes(j, 1) = min(extremes(j, 1), value)
+               extremes(j, 2) = max(extremes(j, 2), value)
+            end do
+         end if
+         before = q
+         rate_before = rate
+      end do
+   end subroutine extend_extremes
 
    !> Where a cubic turns between two nodes at which its slopes have opposite signs.
    pure subroutine turning_share(a, b, slope_a, slope_b, share)
@@ -82,27 +98,27 @@ contains
       end do
    end subroutine turning_share
 
-   !> Coordinates and velocities at a time after an impact.
-   pure subroutine coordinates_at(member, i, t, q, rate)
-      !> The motion, with its flights.
-      type(member_type), intent(in) :: member
-      !> Number of the impact.
-      integer, intent(in) :: i
+   !> Coordinates and velocities at a time after the beginning of a flight.
+   pure subroutine coordinates_at(regime, x0, v0, time, t, q, rate)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) The pairs at the beginning, and the time there.
+      real(wp), intent(in) :: x0(:), v0(:), time
       !> Time since then.
       real(wp), intent(in) :: t
       !> (n)
       real(wp), contiguous, intent(out) :: q(:), rate(:)
-      real(wp), dimension(size(member%x_after, 1)) :: x, v
-      complex(wp) :: turn(size(member%regime%ripple, 2))
+      real(wp), dimension(size(x0)) :: x, v
+      complex(wp) :: turn(size(regime%ripple, 2))
       real(wp) :: phase
       integer :: h
 
-      call advance(member%regime%modes, t, member%x_after(:, i), member%v_after(:, i), x, v)
-      phase = member%regime%frequency*(member%equations%times(i) + t)
+      call advance(regime%modes, t, x0, v0, x, v)
+      phase = regime%frequency*(time + t)
       do h = 1, size(turn)
          turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
       end do
-      call row_values(member%regime%coordinates, member%regime%frequency, x, v, turn, q, rate)
+      call row_values(regime%coordinates, regime%frequency, x, v, turn, q, rate)
    end subroutine coordinates_at
 
 end module vi_structure_extremes

@@ -9,19 +9,20 @@ module vi_structure_family
    use vi_impact_family, only: impact_family_type, list_conditions
    use vi_kinds, only: wp
    use vi_linear, only: most
-   use vi_modes, only: advance
    use vi_motion_family, only: alike, at_fault, condition_type, coordinates_type, edge, flip, &
       fold, grazing, neimark_sacker, parameters_at, repetition, together, zero_approach
    use vi_orbit, only: n_parameters
-   use vi_rows, only: row_values
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_members, only: flight_duration, free_unknowns, member_equations, &
       member_multipliers, member_type, move_member, set_flights, set_member, &
       structure_members_type, whole_sides
    use vi_structure_slopes, only: equations_by_parameter
    use vi_structure_together, only: multipliers_beside
+   use vi_structure_touches, only: least_gap, touch_value
    implicit none (type, external)
    private
+
+   public :: numbers_of
 
    !> The unknowns are those of vi_structure_members; each parameter is a share of the way between
    !! its bounds.
@@ -31,9 +32,6 @@ module vi_structure_family
       procedure :: unknown_count, set_equations
       procedure :: condition_count, set_conditions, condition_value, whole_of, image_of_side
    end type structure_family_type
-
-   !> The least gap counts up to this value, in units of length of the family.
-   real(wp), parameter :: wide = 1
 
 contains
 
@@ -130,7 +128,7 @@ contains
       do j = 1, size(values)
          associate (condition => found(j))
             if (condition%kind == grazing) then
-               call gap_of_flight(family, member, condition, values(j))
+               call least_gap_of(family, member, condition, values(j))
             else if (condition%kind <= neimark_sacker) then
                values(j) = three(condition%kind, min(condition%index, 1))
             else
@@ -275,7 +273,11 @@ contains
          value = three(condition%kind, min(condition%index, 1))
       case (grazing)
          call set_flights(family%impacts, member)
-         value = touch_value(family, member, condition)
+         associate (i => condition%index)
+            value = touch_value(member%regime, member%x_after(:, i), member%v_after(:, i), &
+               member%equations%times(i), flight_duration(member, i), family%members%length, &
+               condition)
+         end associate
       case default
          value = simple_value(family, unknowns, member, condition)
       end select
@@ -392,190 +394,22 @@ contains
       end if
    end subroutine include
 
-   !> The least gap within a flight: at stationary points, and at its end of channels that are not
-   !! in contact there.
-   pure subroutine gap_of_flight(family, member, touch, gap)
+   !> The least gap within a flight.
+   pure subroutine least_gap_of(family, member, touch, gap)
       !> The family.
       class(structure_family_type), intent(in) :: family
       !> The motion, with its flights.
       type(member_type), intent(in) :: member
-      !> In: the flight. Out: also the channel, with the sign of the wall, and the share of the
-      !! duration.
+      !> In: the flight. Out: also the channel, with the sign of the wall, and the share.
       type(condition_type), intent(inout) :: touch
       !> The gap, in units of length; negative beyond the wall.
       real(wp), intent(out) :: gap
-      !> Nodes per time unit of the structure, and limits on their number.
-      integer, parameter :: density = 3, least = 12, most = 4000
-      real(wp), allocatable, dimension(:, :) :: y, rate
-      real(wp) :: duration, value, share, step, h
-      type(condition_type) :: here
-      integer :: i, k, nodes, row, wall
 
-      duration = flight_duration(member, touch%index)
-      nodes = max(least, min(most, ceiling(density*duration/member%regime%unit)))
-      associate (rows => size(member%regime%upper))
-         allocate (y(rows, 0:nodes), rate(rows, 0:nodes))
+      associate (i => touch%index, gaps => member%equations%gaps)
+         call least_gap(member%regime, member%x_after(:, i), member%v_after(:, i), &
+            member%equations%times(i), flight_duration(member, i), gaps(i), &
+            gaps(modulo(i, size(gaps)) + 1), family%members%length, touch, gap)
       end associate
-      do k = 0, nodes
-         call rows_at(member, touch%index, k*duration/nodes, y(:, k), rate(:, k))
-      end do
-      h = duration/nodes
-      gap = wide
-      touch%side = 0
-      touch%share = 0
-      do row = 1, size(y, 1)
-         do i = 1, 2
-            wall = 3 - 2*i
-            if (.not. is_wall(member, row, wall)) cycle
-            do k = 0, nodes
-               here = touch
-               here%side = wall*row
-               here%share = k/real(nodes, wp)
-               ! an impact leaves its wall; without restitution its speed is 0, up to rounding
-               if (k == 0 .and. in_contact(member, touch%index, here%side)) cycle
-               if (k < nodes) then
-                  ! the gap has a minimum between two nodes
-                  if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
-                     step = rate(row, k)/(rate(row, k) - rate(row, k + 1))
-                     share = (k + step)/nodes
-                     ! cubic interpolation decides which minima are refined
-                     value = hermite(y(row, k), y(row, k + 1), h*rate(row, k), h*rate(row, k + 1), &
-                        step)
-                     value = gap_at(family, member, here%side, value)
-                     if (value < gap + 0.1_wp) then
-                        here%share = share
-                        value = touch_value(family, member, here)
-                        if (value < gap) then
-                           gap = value
-                           touch = here
-                        end if
-                     end if
-                     here%share = k/real(nodes, wp)
-                  end if
-               end if
-               if (k < nodes) cycle
-               ! the next impact comes first: before it all other gaps are open
-               if (in_contact(member, touch%index + 1, here%side)) cycle
-               value = gap_at(family, member, here%side, y(row, k))
-               if (value >= gap) cycle
-               gap = value
-               touch = here
-            end do
-         end do
-      end do
-   end subroutine gap_of_flight
-
-   !> Cubic interpolation between two nodes.
-   pure real(wp) function hermite(a, b, slope_a, slope_b, t) result(value)
-      !> Values and slopes at both ends, and the share of the way.
-      real(wp), intent(in) :: a, b, slope_a, slope_b, t
-
-      value = a + t*(slope_a + t*(3*(b - a) - 2*slope_a - slope_b + t*(2*(a - b) + slope_a &
-         + slope_b)))
-   end function hermite
-
-   !> Whether a channel has a wall on one side.
-   pure logical function is_wall(member, row, wall)
-      !> The motion.
-      type(member_type), intent(in) :: member
-      !> The channel, and +1 or -1 for its upper or lower wall.
-      integer, intent(in) :: row, wall
-
-      is_wall = merge(member%regime%upper_gap(row), member%regime%lower_gap(row), wall > 0) > 0
-   end function is_wall
-
-   !> Whether an impact of the family, or the one after the last, is on a wall.
-   pure logical function in_contact(member, impact, side)
-      !> The motion.
-      type(member_type), intent(in) :: member
-      !> Number of the impact, from 1 to n + 1.
-      integer, intent(in) :: impact
-      !> The channel with the sign of the wall.
-      integer, intent(in) :: side
-
-      associate (structure => member%structure, gap => member%equations%gaps(modulo(impact - 1, &
-         size(member%equations%gaps)) + 1))
-         in_contact = structure%channel(gap)*structure%wall(gap) == side
-      end associate
-   end function in_contact
-
-   !> A gap in units of length.
-   pure real(wp) function gap_at(family, member, side, y) result(gap)
-      !> The family.
-      class(structure_family_type), intent(in) :: family
-      !> The motion.
-      type(member_type), intent(in) :: member
-      !> The channel with the sign of the wall.
-      integer, intent(in) :: side
-      !> The position of the channel.
-      real(wp), intent(in) :: y
-
-      if (side > 0) then
-         gap = member%regime%upper(side) - y
-      else
-         gap = y - member%regime%lower(-side)
-      end if
-      gap = gap/family%members%length
-   end function gap_at
-
-   !> The gap at the stationary point near a given share of the flight; at its ends, the gap there.
-   pure real(wp) function touch_value(family, member, touch) result(gap)
-      !> The family.
-      class(structure_family_type), intent(in) :: family
-      !> The motion, with its flights.
-      type(member_type), intent(in) :: member
-      !> Flight, channel and wall, and approximate share of its duration.
-      type(condition_type), intent(in) :: touch
-      real(wp), dimension(size(member%regime%upper)) :: y, rate, ahead, unused
-      real(wp) :: duration, t, step, limit, h
-      integer :: i, row
-
-      row = abs(touch%side)
-      gap = wide
-      if (row == 0) return
-      duration = flight_duration(member, touch%index)
-      t = touch%share*duration
-      if (touch%share > 0 .and. touch%share < 1) then
-         limit = 0.2_wp*member%regime%unit
-         h = 1.0e-3_wp*member%regime%unit
-         do i = 1, 8
-            call rows_at(member, touch%index, t, y, rate)
-            call rows_at(member, touch%index, t + h, unused, ahead)
-            step = ahead(row) - rate(row)
-            if (.not. abs(step) > 0) exit
-            step = -h*rate(row)/step
-            t = t + max(-limit, min(limit, step))
-            ! an error of the time changes the gap by its square
-            if (abs(step) < 1.0e-9_wp*member%regime%unit) exit
-         end do
-      end if
-      call rows_at(member, touch%index, t, y, rate)
-      gap = gap_at(family, member, touch%side, y(row))
-   end function touch_value
-
-   !> Positions and rates of all channels at a time after an impact.
-   pure subroutine rows_at(member, i, t, y, rate)
-      !> The motion, with its flights.
-      type(member_type), intent(in) :: member
-      !> Number of the impact.
-      integer, intent(in) :: i
-      !> Time since then.
-      real(wp), intent(in) :: t
-      !> (rows) Positions and rates.
-      real(wp), contiguous, intent(out) :: y(:), rate(:)
-      real(wp), dimension(size(member%x_after, 1)) :: x, v
-      complex(wp) :: turn(size(member%regime%ripple, 2))
-      real(wp) :: phase
-      integer :: h
-
-      associate (regime => member%regime)
-         call advance(regime%modes, t, member%x_after(:, i), member%v_after(:, i), x, v)
-         phase = regime%frequency*(member%equations%times(i) + t)
-         do h = 1, size(turn)
-            turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
-         end do
-         call row_values(regime%rows, regime%frequency, x, v, turn, y, rate)
-      end associate
-   end subroutine rows_at
+   end subroutine least_gap_of
 
 end module vi_structure_family

@@ -1,26 +1,32 @@
 !> The family of a known motion of a structure, and its place in it: where branches and zones start.
 module vi_structure_start
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_assess, only: consistency
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_family, only: images_of, new_family, repetition_distance, repetition_type
+   use vi_exact, only: exact_acceptance
    use vi_kinds, only: pi, wp
    use vi_columns, only: solve_columns
    use vi_linear, only: most
    use vi_motion, only: no, unknown, yes
-   use vi_motion_family, only: condition_type, edge, zero_approach
+   use vi_motion_family, only: condition_type, edge, neimark_sacker, zero_approach
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
    use vi_responses, only: offset_pairs
    use vi_status, only: stat
-   use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type, &
-      to_pairs
-   use vi_structure_assess, only: structure_verdicts_type
-   use vi_structure_extremes, only: coordinate_extremes
+   use vi_spectrum, only: spectrum_type
+   use vi_structure, only: check_structure, load_type, new_regime, regime_type, state_of, &
+      structure_type, to_pairs
+   use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
+   use vi_structure_extremes, only: coordinate_extremes, extend_extremes
    use vi_structure_together, only: are_multiple, multipliers_beside, set_together, whole_family, &
       whole_member
    use vi_structure_family, only: structure_family_type
    use vi_structure_members, only: member_type, set_flights, set_member, set_sides, &
       structure_members_type, whole_sides
+   use vi_structure_resting_family, only: structure_resting_type
+   use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
+      rests_type, single, symbols_to_state
    use vi_structure_path, only: change_type, is_odd, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
@@ -76,7 +82,7 @@ contains
       mirrored = .false.
       message = ''
       if (size(start%resting) > 0) then
-         message = 'the motion rests; only motions without rest can be followed'
+         call start_resting(structure, load, start, changes, curve, point, mirrored, message)
          return
       end if
       s%path%structure = structure
@@ -147,19 +153,256 @@ contains
       if (odd .and. .not. allocated(s%symmetry)) image%sign = -1
       whole%images = images_of(family, image)
       allocate (curve%family, source=whole)
-      allocate (curve%edges(2*size(changes)))
-      do i = 1, size(changes)
-         curve%edges(2*i - 1) = condition_type(edge, i, 1, bound=0.0_wp)
-         curve%edges(2*i) = condition_type(edge, i, -1, bound=1.0_wp)
-      end do
+      call set_bounds(curve, size(changes))
       do i = 1, size(curve%edges)
          call avoid_resonance(s, family, unknowns, shares, curve%edges(i))
       end do
-      curve%active = [(i, i=1, size(changes))]
-      curve%origin = spread(0.0_wp, 1, size(changes))
-      curve%scale = spread(1.0_wp, 1, size(changes))
       point = [unknowns, shares]
    end subroutine start_curve
+
+   !> The parameters of a curve, from 0 at their lower bounds to 1 at the upper ones.
+   pure subroutine set_bounds(curve, parameters)
+      !> In and out: the curve.
+      type(curve_type), intent(inout) :: curve
+      !> How many there are.
+      integer, intent(in) :: parameters
+      integer :: i
+
+      curve%active = [(i, i=1, parameters)]
+      curve%origin = spread(0.0_wp, 1, parameters)
+      curve%scale = spread(1.0_wp, 1, parameters)
+      allocate (curve%edges(2*parameters))
+      do i = 1, parameters
+         curve%edges(2*i - 1) = condition_type(edge, i, 1, bound=0.0_wp)
+         curve%edges(2*i) = condition_type(edge, i, -1, bound=1.0_wp)
+      end do
+   end subroutine set_bounds
+
+   !> The curve or surface through a motion with rests, and the point there.
+   subroutine start_resting(structure, load, start, changes, curve, point, mirrored, message)
+      !> As in `start_curve`.
+      type(structure_type), intent(in) :: structure
+      !> As in `structure`.
+      type(load_type), intent(in) :: load
+      !> In: the motion. Out: of its impacts, those that are symbols of the family.
+      type(settled_type), intent(inout) :: start
+      !> As in `start_curve`.
+      type(change_type), intent(in) :: changes(:)
+      !> As in `start_curve`.
+      type(curve_type), intent(out) :: curve
+      !> As in `start_curve`.
+      real(wp), allocatable, intent(out) :: point(:)
+      !> As in `start_curve`.
+      logical, intent(out) :: mirrored
+      !> As in `start_curve`.
+      character(:), allocatable, intent(out) :: message
+      type(structure_resting_type) :: family
+      real(wp), allocatable :: phases(:), unknowns(:), shares(:)
+      integer, allocatable :: impacts(:)
+      type(regime_type) :: regime
+      integer :: i, m, n, status
+      logical :: good
+
+      message = ''
+      mirrored = .false.
+      associate (s => family%rests)
+         s%path%structure = structure
+         call check_structure(s%path%structure, status)
+         s%path%load = load
+         s%path%changes = changes
+         s%cycles = start%cycles
+         s%speed = maxval(start%motion%speeds)
+         s%length = s%speed/load%frequency
+         n = size(structure%mass, 1)
+         call new_regime(s%path%structure, load, [integer :: ], regime, status)
+         call read_symbols(s, start, regime%unit*load%frequency, min(most_impacts, most - 2 &
+            - 2*n), phases, impacts, message)
+         if (len(message) > 0) return
+         m = size(s%kinds)
+         call set_repetitions(family, phases, mirrored, message)
+         if (len(message) > 0) return
+         shares = [((changes(i)%start - changes(i)%low)/(changes(i)%high - changes(i)%low), &
+            i=1, size(changes))]
+         allocate (unknowns(2*n + m))
+         i = findloc(s%kinds /= release, .true., dim=1, back=.true.)
+         associate (state => start%motion%states(:, impacts(i)))
+            call symbols_to_state(s, phases, shares, i, state(:n), state(n + 1:), unknowns, good)
+         end associate
+         if (.not. good) then
+            message = 'the impacts before a rest do not accumulate as in the simulation'
+            return
+         end if
+         impacts = pack(impacts, impacts > 0)
+         start%gaps = start%gaps(impacts)
+         start%resting = pack(s%gaps, s%kinds == release)
+      end associate
+      family%jumps = .true.
+      allocate (family%images(0))
+      allocate (curve%family, source=family)
+      call set_bounds(curve, size(changes))
+      point = [unknowns, shares]
+   end subroutine start_resting
+
+   !> The ways in which motions with rests can repeat themselves, or be their own mirror images,
+   !! half a period later.
+   pure subroutine set_repetitions(family, phases, mirrored, message)
+      !> In and out: the family.
+      type(structure_resting_type), intent(inout) :: family
+      !> (0:N) Load phases of the symbols of the motion (rad).
+      real(wp), intent(in) :: phases(0:)
+      !> Whether they can be their own mirror images, although this one is not.
+      logical, intent(out) :: mirrored
+      !> Why the motion is not followed; empty if it is.
+      character(:), allocatable, intent(inout) :: message
+      integer, allocatable :: sides(:)
+      integer :: m, parts
+
+      mirrored = .false.
+      allocate (family%repetitions(0))
+      associate (s => family%rests)
+         m = size(s%kinds)
+         sides = s%path%structure%channel(s%gaps)*s%path%structure%wall(s%gaps)
+         do parts = 2, m
+            if (modulo(m, parts) > 0) cycle
+            if (any(s%kinds /= cshift(s%kinds, m/parts))) cycle
+            associate (step => m/parts, next => cshift(sides, m/parts))
+               mirrored = parts == 2 .and. modulo(s%cycles, 2) == 1 .and. all(sides == -next) &
+                  .and. is_odd(s%path)
+               if (.not. mirrored .and. (any(sides /= next) .or. modulo(s%cycles, parts) > 0)) cycle
+               if (any(abs(phases(step:) - phases(:m - step) - 2*pi*s%cycles/parts) > same)) then
+                  if (parts == 2) family%repetitions = [repetition_type(step, merge(-1.0_wp, &
+                     1.0_wp, mirrored), pi*s%cycles)]
+               else if (mirrored) then
+                  mirrored = .false.
+               else
+                  message = 'the motion repeats itself within its '//counted(s%cycles, &
+                     'load cycle')//'; start from the shorter period'
+                  return
+               end if
+               if (parts == 2) exit
+            end associate
+         end do
+      end associate
+   end subroutine set_repetitions
+
+   !> The symbols of a motion with rests, in order from after a release.
+   subroutine read_symbols(s, start, scale, most_symbols, phases, impacts, message)
+      !> In and out: the family; symbols and the gaps that rest at the beginning are set.
+      type(rests_type), intent(inout) :: s
+      !> The motion.
+      type(settled_type), intent(in) :: start
+      !> The shortest time scale, as a load phase (rad).
+      real(wp), intent(in) :: scale
+      !> Most symbols.
+      integer, intent(in) :: most_symbols
+      !> (0:N) Load phases of the symbols (rad), that of the last one also at the beginning.
+      real(wp), allocatable, intent(out) :: phases(:)
+      !> (N) The impact of the motion that each symbol is; 0 for a release.
+      integer, allocatable, intent(out) :: impacts(:)
+      !> What is wrong; empty if nothing is.
+      character(:), allocatable, intent(out) :: message
+      !> Events nearer than this (rad) are at one instant.
+      real(wp), parameter :: instant = 1.0e-8_wp
+      !> Flights within an accumulation that are shorter, over the shortest time scale, are followed
+      !! by simulation.
+      real(wp), parameter :: short = 0.3_wp
+      real(wp), allocatable :: at(:)
+      integer, allocatable :: kind(:), gap(:), number(:), order(:), left(:)
+      real(wp) :: longest, threshold, whole
+      integer :: begin, i, j, k, m, n, last
+
+      message = ''
+      whole = 2*pi*s%cycles
+      n = size(start%gaps)
+      m = size(start%resting)
+      ! all events; sticks have kind 0
+      at = [start%motion%phases, start%rests(1, :), start%rests(2, :)]
+      kind = [spread(single, 1, n), spread(0, 1, m), spread(release, 1, m)]
+      gap = [start%gaps, start%resting, start%resting]
+      number = [(i, i=1, n), spread(0, 1, 2*m)]
+      at = start%motion%phases(1) + modulo(at - start%motion%phases(1), whole)
+      allocate (order(size(at)))
+      do i = 1, size(at)
+         order(i) = count(at < at(i)) + count(.not. (at(:i) < at(i) .or. at(:i) > at(i)))
+      end do
+      at(order) = at
+      kind(order) = kind
+      gap(order) = gap
+      number(order) = number
+      n = size(at)
+      ! of all releases, the one with the longest flight after it begins the period
+      begin = 0
+      longest = 0
+      do i = 1, n
+         if (kind(i) /= release) cycle
+         associate (flight => modulo(at(modulo(i, n) + 1) - at(i), whole))
+            if (flight <= longest) cycle
+            longest = flight
+            begin = i
+         end associate
+      end do
+      if (begin == 0) then
+         message = 'a rest never ends'
+         return
+      end if
+      at = [at(begin + 1:), at(:begin) + whole]
+      kind = cshift(kind, begin)
+      gap = cshift(gap, begin)
+      number = cshift(number, begin)
+      ! the gaps that rest then: their last change before is that they began to
+      s%resting = [integer ::]
+      do i = minval(gap), maxval(gap)
+         k = findloc(gap == i .and. kind /= single, .true., dim=1, back=.true.)
+         if (k == 0) cycle
+         if (kind(k) == 0) s%resting = [s%resting, i]
+      end do
+      threshold = short
+      do
+         left = [(1, i=1, n)]
+         s%kinds = kind
+         do i = 1, n
+            if (kind(i) /= 0) cycle
+            ! back to the first impact whose accumulation is simulated
+            do k = i - 1, 1, -1
+               if (kind(k) /= single .or. gap(k) /= gap(i)) exit
+            end do
+            j = i - 1
+            do while (j - 1 > k .and. at(max(1, j)) - at(max(1, j - 1)) < threshold*scale)
+               j = j - 1
+            end do
+            ! one impact at least comes before
+            if (j == k + 1 .and. j < i - 1) j = j + 1
+            if (j < k + 1) then
+               message = 'an event of another gap comes within an accumulation; such motions &
+                  &cannot be followed'
+               return
+            end if
+            s%kinds(j) = first
+            left(j + 1:i) = 0
+         end do
+         last = count(left > 0)
+         if (last <= most_symbols .or. threshold > 1.0e3_wp) exit
+         threshold = 2*threshold
+      end do
+      if (last > most_symbols) then
+         message = 'the motion has '//counted(last, 'impact, accumulation or release')// &
+            '; at most '//whole_text(most_symbols)//' can be followed'
+         return
+      end if
+      do i = 1, n
+         j = modulo(i, n) + 1
+         if (at(j) - at(i) + merge(whole, 0.0_wp, j == 1) > instant) cycle
+         ! without restitution a rest begins at its impact
+         if (kind(i) == single .and. kind(j) == 0 .and. gap(i) == gap(j)) cycle
+         if (left(i) == 0 .and. left(j) == 0) cycle
+         message = 'two events come at one instant; such motions with rests cannot be followed'
+         return
+      end do
+      s%kinds = pack(s%kinds, left > 0)
+      s%gaps = pack(gap, left > 0)
+      impacts = pack(number, left > 0)
+      phases = [at(n) - whole, pack(at, left > 0)]
+   end subroutine read_symbols
 
    !> Adds the symmetry other than the mirror that exchanges both halves of the impacts, if there is
    !! one.
@@ -260,7 +503,7 @@ contains
    end function phases_at
 
    !> The motion at a point of a curve, with its verdicts.
-   pure subroutine motion_at(curve, point, condition, motion, extremes)
+   pure subroutine motion_at(curve, point, condition, motion, extremes, rests)
       !> The curve.
       type(curve_type), intent(in) :: curve
       !> The point.
@@ -271,6 +514,8 @@ contains
       type(structure_motion_type), intent(out) :: motion
       !> (n, 2) Least and greatest value of each coordinate.
       real(wp), intent(out) :: extremes(:, :)
+      !> (2, m) Load phases (rad) at which each rest begins and ends.
+      real(wp), allocatable, intent(out) :: rests(:, :)
       type(family_type) :: family
       type(member_type) :: member, all
       real(wp), allocatable :: value(:), scale(:)
@@ -279,7 +524,11 @@ contains
 
       c = parameters_of(curve, point)
       if (condition%kind == edge) c(condition%index) = condition%bound
+      allocate (rests(2, 0))
       select type (known => curve%family)
+      type is (structure_resting_type)
+         call resting_motion(known, unknowns_of(curve, point), c, condition, motion, extremes, &
+            rests)
       type is (structure_family_type)
          call set_member(known%members, known%impacts, unknowns_of(curve, point), &
             c(:size(known%members%path%changes)), member, .true.)
@@ -312,6 +561,101 @@ contains
          call coordinate_extremes(family, member, extremes)
       end select
    end subroutine motion_at
+
+   !> The motion with rests at a point of a curve, with its verdicts.
+   pure subroutine resting_motion(family, unknowns, c, condition, motion, extremes, rests)
+      !> The family.
+      type(structure_resting_type), intent(in) :: family
+      !> The unknowns, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition that is zero there; kind 0 if none.
+      type(condition_type), intent(in) :: condition
+      !> The motion: of its impacts, those that are symbols of the family.
+      type(structure_motion_type), intent(out) :: motion
+      !> (n, 2) Least and greatest value of each coordinate.
+      real(wp), intent(out) :: extremes(:, :)
+      !> As in `motion_at`.
+      real(wp), allocatable, intent(out) :: rests(:, :)
+      type(course_type) :: course
+      type(condition_type) :: found(family%condition_count())
+      type(spectrum_type) :: spectrum
+      real(wp) :: values(size(found)), unit(2*size(extremes, 1))
+      integer, allocatable :: impacts(:)
+      integer :: i, j, k, m, n
+      logical :: good
+
+      associate (s => family%rests)
+         n = size(extremes, 1)
+         m = size(s%kinds)
+         extremes(:, 1) = huge(1.0_wp)
+         extremes(:, 2) = -huge(1.0_wp)
+         impacts = pack([(i, i=1, m)], s%kinds /= release)
+         allocate (rests(2, m - size(impacts)), source=ieee_value(1.0_wp, ieee_quiet_nan))
+         motion%phases = unknowns(2*n + 1 + impacts)
+         allocate (motion%verdicts%p(2*n, 2*n), motion%verdicts%multipliers(2*n), &
+            motion%states(2*n, size(impacts)))
+         call without_derivative(motion%verdicts)
+         motion%states = motion%verdicts%p(1, 1)
+         motion%speeds = motion%states(1, :)
+         motion%impulses = motion%states(1, :)
+         motion%residual = huge(1.0_wp)
+         call follow_period(s, unknowns, c(:size(s%path%changes)), .true., course)
+         if (.not. course%exists) return
+         motion%speeds = course%speeds(impacts)
+         motion%impulses = course%impulses(impacts)
+         motion%residual = maxval(abs(course%residuals))
+         do i = 1, course%parts
+            associate (part => course%segments(i))
+               if (part%duration > 0) call extend_extremes(course%run%regimes(part%regime), &
+                  part%x, part%v, part%time, part%duration, extremes)
+               j = findloc(impacts, part%symbol, dim=1)
+               if (j == 0) cycle
+               if (part%number == 1 .or. .not. abs(motion%states(1, j)) <= huge(1.0_wp)) call &
+                  state_of(course%run%regimes(part%regime), course%run%load%frequency*part%time, &
+                  part%x, part%v, motion%states(:n, j), motion%states(n + 1:, j))
+            end associate
+         end do
+         k = 0
+         do i = 1, m
+            if (s%kinds(i) /= release) cycle
+            k = k + 1
+            rests(2, k) = unknowns(2*n + 1 + modulo(i, m)) + merge(2*pi*s%cycles, 0.0_wp, i == m)
+            do j = 1, m
+               associate (before => modulo(i - j - 1, m) + 1)
+                  if (s%kinds(before) /= first .or. s%gaps(before) /= s%gaps(i)) cycle
+                  rests(1, k) = course%begins(before)
+                  if (before > i) rests(:, k) = [rests(1, k), rests(2, k) + 2*pi*s%cycles]
+                  exit
+               end associate
+            end do
+         end do
+         associate (verdicts => motion%verdicts)
+            verdicts%consistent = consistency(motion%residual, exact_acceptance)
+            call family%set_conditions(unknowns, c, values, found, spectrum)
+            verdicts%admissible = unknown
+            if (any(values(4:) < 0 .and. .not. (found(4:)%kind == condition%kind .and. &
+               found(4:)%index == condition%index))) then
+               verdicts%admissible = no
+            else if (verdicts%consistent == yes .and. (condition%kind == 0 .or. &
+               condition%kind <= neimark_sacker .or. condition%kind == edge)) then
+               verdicts%admissible = yes
+            end if
+            if (condition%kind == zero_approach) return
+            unit = [spread(s%length, 1, n), spread(s%speed, 1, n)]
+            call monodromy(s, course, verdicts%p, good)
+            if (.not. good) call without_derivative(verdicts)
+            if (.not. good) return
+            do i = 1, 2*n
+               verdicts%p(:, i) = unit*verdicts%p(:, i)/unit(i)
+            end do
+            verdicts%multipliers = 0
+            verdicts%law = 0
+            ! as of a motion found by simulation, see vi_structure_return
+            call assess_multipliers(1.0e-12_wp*max(1.0_wp, maxval(abs(motion%speeds))/ &
+               max(tiny(1.0_wp), minval(abs(motion%speeds)))), verdicts)
+         end associate
+      end associate
+   end subroutine resting_motion
 
    !> The verdicts on a motion where an impact has no approach speed: it is not an impact, and the
    !! period has no derivative. The computed one contains a rounding error divided by another.

@@ -38,7 +38,7 @@ module vi_rest_family
    implicit none (type, external)
    private
 
-   public :: follow_symbols, last_release, new_rest_family, plane_map, rest_period, &
+   public :: critical, follow_symbols, last_release, new_rest_family, plane_map, rest_period, &
       rest_stability, rest_unknowns
 
    !> Largest number of impacts followed in one accumulation.

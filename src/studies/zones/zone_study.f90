@@ -6,7 +6,7 @@ module vi_zone_study
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
    use vi_linear, only: most
-   use vi_motion_family, only: grazing
+   use vi_motion_family, only: is_exchange
    use vi_motion_study, only: find_structure_motion
    use vi_orbit, only: most_impacts
    use vi_pattern, only: pattern_type, starred_pattern, starred_symbols
@@ -463,8 +463,7 @@ contains
          associate (piece => found%pieces(i))
             call touch_detail(surface, piece%condition, names, text)
             piece%detail = text
-            if (piece%condition%kind == grazing .and. piece%condition%share >= 1) piece%name = &
-               'simultaneous'
+            if (is_exchange(piece%condition)) piece%name = 'simultaneous'
             do j = 1, size(piece%vertices, 2)
                call to_parameters(piece%vertices(:, j))
             end do

@@ -1,0 +1,466 @@
+!> Families of motions of a structure with rests: the equations of vi_structure_rests, and the
+!! conditions that can bound them.
+!!
+!! Besides those of motions without rest these are: a rest vanishes, because its accumulation just
+!! fails to be completed; and it splits, because the contact force touches zero before the release.
+!! A force that falls to zero at the release has, over the time that is left until then, a least
+!! value at any time of the rest, which is positive if the rest does not end before.
+module vi_structure_resting_family
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_family, only: repetition_type
+   use vi_kinds, only: two_pi, wp
+   use vi_lapack_routines, only: geev
+   use vi_linear, only: most
+   use vi_motion_family, only: at_fault, condition_type, coordinates_type, edge, flip, fold, &
+      grazing, motion_family_type, neimark_sacker, parameters_at, repetition, rest_splits, &
+      rest_vanishes, set_differences, zero_approach
+   use vi_orbit, only: n_parameters
+   use vi_spectrum, only: outside_circle, spectrum_type
+   use vi_structure_family, only: numbers_of
+   use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
+      rests_type, segment_type
+   use vi_structure_touches, only: least_gap, rows_at, touch_value, wide
+   implicit none (type, external)
+   private
+
+   !> The unknowns are those of vi_structure_rests; each parameter is a share of the way between its
+   !! bounds.
+   type, extends(motion_family_type), public :: structure_resting_type
+      type(rests_type) :: rests
+   contains
+      procedure :: unknown_count, wrap_phases, set_equations
+      procedure :: condition_count, set_conditions, condition_value
+      procedure :: whole_of, part_of, has_other_symbols, image_of
+   end type structure_resting_type
+
+   !> In place of the number of a flight: the event after an accumulation comes at its end.
+   integer, parameter :: exchange = -1
+
+contains
+
+   !> Number of unknowns.
+   pure integer function unknown_count(family)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+
+      unknown_count = 2*size(family%rests%path%structure%mass, 1) + size(family%rests%kinds)
+   end function unknown_count
+
+   !> Removes whole load cycles that all phases of a difference have in common.
+   pure subroutine wrap_phases(family, offset)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> In and out: a difference of unknowns, or of points, which begin with them.
+      real(wp), intent(inout) :: offset(:)
+      integer :: m, n
+
+      n = 2*size(family%rests%path%structure%mass, 1)
+      m = size(family%rests%kinds)
+      offset(n + 1:n + m) = offset(n + 1:n + m) - two_pi*nint(offset(n + 1)/two_pi)
+   end subroutine wrap_phases
+
+   !> Residuals of the motion and of conditions, each with its gradient.
+   pure subroutine set_equations(family, coordinates, conditions, point, b, a)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The parameters.
+      type(coordinates_type), intent(in) :: coordinates
+      !> Conditions that are to be zero.
+      type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
+      real(wp), intent(in) :: point(:)
+      !> Out: as in vi_motion_family.
+      real(wp), intent(inout) :: b(2, most), a(most, most)
+      real(wp), parameter :: h = 1.0e-6_wp
+      type(course_type) :: course, sides(2)
+      real(wp) :: c(n_parameters), shares(size(family%rests%path%changes))
+      integer :: i, j, k, m
+
+      m = size(point) - size(coordinates%active)
+      b(1, :m + size(conditions)) = at_fault
+      a(:size(point), :m + size(conditions)) = 0
+      c = parameters_at(coordinates, point(m + 1:))
+      associate (s => family%rests, active => coordinates%active)
+         call follow_period(s, point(:m), c(:size(shares)), .true., course)
+         if (.not. course%exists) return
+         do k = 1, size(active)
+            do i = 1, 2
+               shares = c(:size(shares))
+               shares(active(k)) = shares(active(k)) + (3 - 2*i)*h
+               call follow_period(s, point(:m), shares, .false., sides(i))
+               if (.not. sides(i)%exists) return
+            end do
+            a(m + k, :m) = coordinates%scale(k)*((sides(1)%residuals - sides(2)%residuals)/(2*h))
+         end do
+         b(1, :m) = course%residuals
+         a(:m, :m) = course%slopes
+      end associate
+      do j = 1, size(conditions)
+         if (conditions(j)%kind == edge) cycle
+         call value_in(family, point(:m), course, conditions(j), b(1, m + j))
+         call set_differences(family, coordinates, conditions(j), point, 1, a(:size(point), m + j))
+      end do
+   end subroutine set_equations
+
+   !> Number of conditions.
+   pure integer function condition_count(family)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+
+      condition_count = 3 + 3*size(family%rests%kinds) + size(family%repetitions)
+   end function condition_count
+
+   !> The values of all conditions: fold, flip, Neimark-Sacker, then approaches, gaps and forces,
+   !! and rests by symbol; -1 where the symbols cannot be followed.
+   pure subroutine set_conditions(family, unknowns, c, values, found, spectrum)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> (m) Value of each condition, positive where it is met.
+      real(wp), intent(out) :: values(:)
+      !> (m) The conditions; grazing with its wall and the share of the flight.
+      type(condition_type), intent(out) :: found(:)
+      !> The multipliers.
+      type(spectrum_type), intent(out) :: spectrum
+      type(course_type) :: course
+      integer :: i, n
+
+      n = size(family%rests%kinds)
+      found(:3) = [condition_type(fold), condition_type(flip), condition_type(neimark_sacker)]
+      do i = 1, n
+         found(3 + i) = condition_type(zero_approach, i)
+         found(3 + n + i) = condition_type(grazing, i)
+         found(3 + 2*n + i) = condition_type(rest_vanishes, i)
+      end do
+      do i = 1, size(family%repetitions)
+         found(3 + 3*n + i) = condition_type(repetition, i, bound=family%apart)
+      end do
+      values = -1
+      call follow_period(family%rests, unknowns, c(:size(family%rests%path%changes)), .true., &
+         course)
+      if (.not. course%exists) return
+      call stability_values(family, unknowns, course, values(:3), spectrum)
+      if (.not. family%every_crossing .and. all(values(:3) > 0)) then
+         ! only stable motions are inside
+         if (outside_circle(spectrum, 0) > 0) values(neimark_sacker) = -values(neimark_sacker)
+      end if
+      do i = 1, n
+         call least_of_symbol(family, course, found(3 + n + i), values(3 + n + i))
+      end do
+      do i = 4, size(values)
+         if (i > 3 + n .and. i <= 3 + 2*n) cycle
+         call value_in(family, unknowns, course, found(i), values(i))
+      end do
+   end subroutine set_conditions
+
+   !> The value of one condition; for grazing, at the stationary point given in it.
+   pure real(wp) function condition_value(family, unknowns, c, condition) result(value)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      type(course_type) :: course
+
+      call follow_period(family%rests, unknowns, c(:size(family%rests%path%changes)), &
+         condition%kind <= neimark_sacker, course)
+      value = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (course%exists) call value_in(family, unknowns, course, condition, value)
+   end function condition_value
+
+   !> The value of one condition in a period.
+   pure subroutine value_in(family, unknowns, course, condition, value)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> The period, for conditions of stability with its derivatives.
+      type(course_type), intent(in) :: course
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> The value.
+      real(wp), intent(out) :: value
+      type(spectrum_type) :: spectrum
+      type(condition_type) :: touch
+      real(wp) :: three(3)
+      integer :: i
+
+      associate (s => family%rests, symbol => condition%index)
+         select case (condition%kind)
+         case (fold, flip, neimark_sacker)
+            call stability_values(family, unknowns, course, three, spectrum)
+            value = three(condition%kind)
+         case (zero_approach)
+            value = 1
+            if (s%kinds(symbol) /= release) value = course%speeds(symbol)/s%speed
+         case (rest_vanishes)
+            value = course%rests(symbol)
+         case (repetition)
+            value = distance(family, family%repetitions(symbol), unknowns) - condition%bound
+         case default
+            value = -1
+            do i = 1, course%parts
+               associate (part => course%segments(i))
+                  if (part%symbol /= symbol .or. part%number /= max(0, nint(condition%bound))) cycle
+                  value = wide
+                  if (nint(condition%bound) == exchange) then
+                     value = course%run%load%frequency*part%duration
+                  else if (condition%kind == rest_splits) then
+                     touch = condition
+                     call least_force(family, course, part, touch, value)
+                  else if (part%duration > 0) then
+                     value = touch_value(course%run%regimes(part%regime), part%x, part%v, &
+                        part%time, part%duration, s%length, condition)
+                  end if
+               end associate
+               exit
+            end do
+         end select
+      end associate
+   end subroutine value_in
+
+   !> The numbers of fold, flip and Neimark-Sacker.
+   pure subroutine stability_values(family, unknowns, course, values, spectrum)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+      !> The period, with its derivatives.
+      type(course_type), intent(in) :: course
+      !> The numbers; 0 where an impact has no approach speed.
+      real(wp), intent(out) :: values(3)
+      !> The multipliers.
+      type(spectrum_type), intent(out) :: spectrum
+      real(wp), allocatable :: p(:, :), re(:), im(:), work(:)
+      real(wp) :: continued, unused(1, 1)
+      integer :: info, n
+
+      values = 0
+      n = 2*size(course%run%structure%mass, 1)
+      allocate (p(n, n), re(n), im(n), work(66*n))
+      call monodromy(family%rests, course, p, spectrum%regular)
+      if (.not. spectrum%regular) return
+      call geev('N', 'N', n, p, n, re, im, unused, 1, unused, 1, work, size(work), info)
+      spectrum%regular = info == 0
+      if (.not. spectrum%regular) return
+      spectrum%multipliers = cmplx(re, im, wp)
+      ! where an approach speed passes zero, a multiplier passes infinity and another one zero
+      continued = product(sign(1.0_wp, pack(course%speeds, family%rests%kinds /= release)))
+      call numbers_of(spectrum%multipliers, continued, values)
+      ! a multiplier approaches 1 where the motion repeats itself, as the square of the distance
+      do info = 1, size(family%repetitions)
+         values(fold) = values(fold)/max(0.1_wp*family%apart, distance(family, &
+            family%repetitions(info), unknowns))**2
+      end do
+   end subroutine stability_values
+
+   !> The distance of a motion from one that repeats itself, in load phase (rad).
+   pure real(wp) function distance(family, way, unknowns)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The way.
+      type(repetition_type), intent(in) :: way
+      !> Unknowns of the motion.
+      real(wp), intent(in) :: unknowns(:)
+
+      distance = norm2(family%image_of(way, unknowns) - unknowns)
+   end function distance
+
+   !> The load phases of the image of a motion, which begins half a period later; its state is not
+   !! that of the image.
+   pure function image_of(family, way, unknowns) result(image)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The way of repeating itself.
+      type(repetition_type), intent(in) :: way
+      !> The motion.
+      real(wp), intent(in) :: unknowns(:)
+      real(wp) :: image(size(unknowns))
+      integer :: half, n
+
+      half = size(family%rests%kinds)/2
+      n = size(unknowns) - 2*half
+      image = unknowns
+      image(n + 1:n + half) = unknowns(n + half + 1:) - way%phase
+      image(n + half + 1:) = unknowns(n + 1:n + half) + way%phase
+   end function image_of
+
+   !> The least gap, or contact force, after a symbol and before the next one.
+   pure subroutine least_of_symbol(family, course, touch, value)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The period.
+      type(course_type), intent(in) :: course
+      !> In: with the symbol. Out: what is least, with its side, the number of the flight as its
+      !! bound, and the share of it.
+      type(condition_type), intent(inout) :: touch
+      !> The value.
+      real(wp), intent(out) :: value
+      type(condition_type) :: here
+      real(wp) :: least
+      integer :: i
+
+      value = wide
+      do i = 1, course%parts
+         associate (part => course%segments(i))
+            if (part%symbol /= touch%index) cycle
+            if (part%number == 0 .and. family%rests%kinds(touch%index) == first .and. &
+               part%ends /= family%rests%gaps(touch%index)) then
+               ! the next event is not the release
+               least = course%run%load%frequency*part%duration
+               if (least < value) then
+                  value = least
+                  touch = condition_type(grazing, touch%index, share=1.0_wp, bound=real( &
+                     exchange, wp))
+                  touch%side = course%run%structure%channel(part%ends)* &
+                     course%run%structure%wall(part%ends)
+               end if
+            end if
+            if (.not. part%duration > 0) cycle
+            here = condition_type(grazing, touch%index, bound=real(part%number, wp))
+            call least_gap(course%run%regimes(part%regime), part%x, part%v, part%time, &
+               part%duration, part%begins, part%ends, family%rests%length, here, least)
+            if (least < value) then
+               value = least
+               touch = here
+            end if
+            here = condition_type(rest_splits, touch%index, bound=real(part%number, wp))
+            call least_force(family, course, part, here, least)
+            if (least < value) then
+               value = least
+               touch = here
+            end if
+         end associate
+      end do
+   end subroutine least_of_symbol
+
+   !> The least contact force of a rest, or, of a gap that is released at its end, the least ratio
+   !! of its force to the time that is left.
+   pure subroutine least_force(family, course, part, touch, value)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The period.
+      type(course_type), intent(in) :: course
+      !> The rest.
+      type(segment_type), intent(in) :: part
+      !> In and out: side and share are set; the side is the number of channels plus the gap.
+      type(condition_type), intent(inout) :: touch
+      !> The value; `wide` where nothing rests.
+      real(wp), intent(out) :: value
+      !> Nodes per time unit of the structure, and limits on their number.
+      integer, parameter :: density = 4, fewest = 16, most_nodes = 4000
+      real(wp) :: before, ratio, share, slope, unit, low, high
+      logical :: ends
+      integer :: j, k, nodes, pass, row
+
+      value = wide
+      associate (regime => course%run%regimes(part%regime), structure => course%run%structure, &
+         frequency => course%run%load%frequency)
+         if (size(regime%resting) == 0 .or. .not. part%duration > 0) return
+         nodes = max(fewest, min(most_nodes, ceiling(density*part%duration/regime%unit)))
+         do j = 1, size(regime%resting)
+            row = structure%channels + j
+            ends = regime%resting(j) == part%ends
+            unit = structure%effective(regime%resting(j))*family%rests%speed*frequency
+            if (ends) unit = unit*frequency
+            before = -1
+            do k = 0, nodes
+               call at(k/real(nodes, wp), ratio, slope)
+               if ((k == 0 .or. k == nodes) .and. ratio < value) then
+                  value = ratio
+                  touch%side = structure%channels + regime%resting(j)
+                  touch%share = k/real(nodes, wp)
+                  ! at the release itself this is no exchange of events
+                  if (ends) touch%share = 0.5_wp*touch%share
+               end if
+               if (k > 0 .and. before < 0 .and. slope > 0) then
+                  low = (k - 1)/real(nodes, wp)
+                  high = k/real(nodes, wp)
+                  do pass = 1, 50
+                     share = 0.5_wp*(low + high)
+                     call at(share, ratio, slope)
+                     if (slope < 0) low = share
+                     if (.not. slope < 0) high = share
+                  end do
+                  if (ratio < value) then
+                     value = ratio
+                     touch%side = structure%channels + regime%resting(j)
+                     touch%share = share
+                  end if
+                  call at(k/real(nodes, wp), ratio, slope)
+               end if
+               before = slope
+            end do
+         end do
+      end associate
+   contains
+      !> The force, or its ratio to the time that is left, and a number with the sign of its rate.
+      pure subroutine at(share, ratio, slope)
+         !> Share of the duration.
+         real(wp), intent(in) :: share
+         !> The results.
+         real(wp), intent(out) :: ratio, slope
+         real(wp), dimension(size(course%run%regimes(part%regime)%upper)) :: y, rate
+         real(wp) :: left
+
+         call rows_at(course%run%regimes(part%regime), part%x, part%v, part%time, &
+            share*part%duration, y, rate)
+         ratio = y(row)/unit
+         slope = rate(row)
+         if (.not. ends) return
+         left = (1 - share)*part%duration
+         slope = rate(row)*left + y(row)
+         if (share < 1) then
+            ratio = ratio/left
+         else
+            ratio = -rate(row)/unit
+            slope = 0
+         end if
+      end subroutine at
+   end subroutine least_force
+
+   !> The load phases of all impacts that are symbols.
+   pure function whole_of(family, unknowns) result(whole)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      real(wp), allocatable :: whole(:)
+      integer :: m
+
+      associate (s => family%rests)
+         m = size(s%kinds)
+         ! the release that begins the period is last, and no impact
+         whole = pack(unknowns(size(unknowns) - m + 2:), s%kinds(:m - 1) /= release)
+         whole = [spread(0.0_wp, 1, size(whole)), whole]
+      end associate
+   end function whole_of
+
+   !> No motion: load phases of impacts do not give one.
+   pure function part_of(family, c, whole) result(unknowns)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The parameters.
+      real(wp), intent(in) :: c(:)
+      !> What a table tells of a motion.
+      real(wp), intent(in) :: whole(:)
+      real(wp), allocatable :: unknowns(:)
+
+      associate (not_used => c, nor => whole)
+         allocate (unknowns(family%unknown_count()), source=0.0_wp)
+      end associate
+   end function part_of
+
+   !> Whether the period at a place has other symbols than the family: all values are -1 at once.
+   pure logical function has_other_symbols(family, values)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The values of all conditions there.
+      real(wp), intent(in) :: values(:)
+
+      has_other_symbols = count(values <= -1) > size(family%rests%kinds)
+   end function has_other_symbols
+
+end module vi_structure_resting_family

@@ -1,0 +1,701 @@
+!> One period of a motion of a structure with rests, for given load phases of its impacts and
+!! releases.
+!!
+!! The period begins just after a release. A symbol is an impact; the first of impacts that
+!! accumulate on one gap, with all that follow and the rest there; or a release. Positions and
+!! velocities at the start and the load phases of all symbols are unknown. The equations state that
+!! each gap is closed at its phase, that each contact force is zero at the phase of its release, and
+!! that the state at the end is that at the start. Impacts within an accumulation are simulated.
+!!
+!! So the equations stay smooth where a gap is touched during a flight, where an approach speed
+!! falls to zero and where a contact force touches zero before its release. An accumulation that
+!! just fails to complete is still treated as complete, at the impact where it comes nearest to that.
+!!
+!! Without restitution (R = 0) the first impact of an accumulation is also the last one.
+module vi_structure_rests
+   use vi_channels, only: leaving_type, row_derivatives
+   use vi_columns, only: solve_columns
+   use vi_kinds, only: two_pi, wp
+   use vi_modes, only: advance
+   use vi_rest_family, only: critical
+   use vi_status, only: stat
+   use vi_structure, only: load_type, regime_type, restitution_of, state_of, structure_type, &
+      to_pairs
+   use vi_structure_map, only: accelerations, apply_flight, from_coordinates, to_coordinates
+   use vi_structure_motion, only: impulse_of
+   use vi_structure_path, only: changed, structure_path_type
+   use vi_structure_run, only: find_regime, impact_event, new_run, run_event_type, run_state_type, &
+      run_type, simulate_structure, stick_event, whole_periods
+   use vi_structure_variation, only: tangent_type, through_event
+   implicit none (type, external)
+   private
+
+   public :: follow_period, monodromy, symbols_to_state
+
+   !> Kinds of symbols: an impact, the first impact of an accumulation, a release.
+   integer, parameter, public :: single = 1, first = 2, release = 3
+
+   !> Largest number of impacts in one accumulation.
+   integer, parameter :: most_bounces = 2000
+
+   !> What the motions of a family with rests have in common.
+   type, public :: rests_type
+      type(structure_path_type) :: path
+      integer :: cycles = 1
+      !> (N) Kind and gap of each symbol, the release that begins the period last.
+      integer, allocatable :: kinds(:), gaps(:)
+      !> The gaps that rest when the period begins.
+      integer, allocatable :: resting(:)
+      !> Units of length and of speed.
+      real(wp) :: length = 1, speed = 1
+   end type rests_type
+
+   !> A flight or a rest between two events.
+   type, public :: segment_type
+      !> The symbol that it belongs to, and its number there: 0 of the only one of a symbol; 1, 2 ..
+      !! of the flights within an accumulation, 0 of the rest.
+      integer :: symbol = 0, number = 0
+      !> The regime, time and pairs at its beginning, and its duration.
+      integer :: regime = 1
+      real(wp) :: time = 0, duration = 0
+      real(wp), allocatable :: x(:), v(:)
+      !> The gaps in contact at its beginning and at its end besides those that rest, or 0.
+      integer :: begins = 0, ends = 0
+   end type segment_type
+
+   !> A period.
+   type, public :: course_type
+      type(run_type) :: run
+      !> (2n + N) Residuals: positions and velocities, gaps and forces, in units of the family; and
+      !! the derivative (i, j) of residual j by unknown i.
+      real(wp), allocatable :: residuals(:), slopes(:, :)
+      !> (N) Approach speeds and impulses of the symbols; 0 of releases.
+      real(wp), allocatable :: speeds(:), impulses(:)
+      !> (N) A measure of the rest after an accumulation, negative where the accumulation is not
+      !! completed; 1 for other symbols.
+      real(wp), allocatable :: rests(:)
+      !> (N) Load phases (rad) at which the rests begin.
+      real(wp), allocatable :: begins(:)
+      !> The flights and rests in order.
+      type(segment_type), allocatable :: segments(:)
+      integer :: parts = 0
+      !> Whether the symbols can be followed, so that the other components are defined.
+      logical :: exists = .false.
+   end type course_type
+
+   !> Where a period has got to.
+   type :: here_type
+      integer :: regime = 1
+      real(wp) :: phase = 0
+      real(wp), allocatable :: x(:), v(:)
+      !> (2m, unknowns) Changes of the pairs at this instant.
+      real(wp), allocatable :: d(:, :)
+      !> The next segment.
+      integer :: symbol = 0, begins = 0
+   end type here_type
+
+contains
+
+   !> One period.
+   pure subroutine follow_period(s, unknowns, shares, sloped, course)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> (2n + N) Positions and velocities just after the release that begins the period, in units
+      !! of the family; the load phases of it and of all other symbols in their order (rad).
+      real(wp), intent(in) :: unknowns(:)
+      !> Each parameter, as a share of the way between its bounds.
+      real(wp), intent(in) :: shares(:)
+      !> Whether the derivatives by the unknowns are wanted.
+      logical, intent(in) :: sloped
+      !> The period.
+      type(course_type), intent(out) :: course
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(here_type) :: here
+      real(wp), allocatable, dimension(:) :: q, rate, acceleration, unit, at_end
+      real(wp), allocatable :: p(:, :)
+      integer, allocatable :: after(:)
+      integer :: columns, i, m, n
+      logical :: good
+
+      call prepare(s, shares, structure, load, course%run, after, good)
+      if (.not. good) return
+      n = size(structure%mass, 1)
+      m = size(s%kinds)
+      columns = 0
+      if (sloped) columns = 2*n + m
+      unit = [spread(s%length, 1, n), spread(s%speed, 1, n)]
+      q = s%length*unknowns(:n)
+      rate = s%speed*unknowns(n + 1:2*n)
+      allocate (course%residuals(2*n + m), course%slopes(columns, 2*n + m), acceleration(n))
+      allocate (course%speeds(m), course%impulses(m), course%begins(m), source=0.0_wp)
+      allocate (course%rests(m), source=1.0_wp)
+      allocate (course%segments(4*m))
+      here%regime = after(0)
+      here%phase = unknowns(2*n + 1)
+      here%symbol = m
+      here%begins = s%gaps(m)
+      associate (regime => course%run%regimes(here%regime))
+         allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), here%d(2*size( &
+            regime%xq, 1), columns), p(2*n, columns))
+         call to_pairs(regime, here%phase, q, rate, here%x, here%v)
+         call accelerations(regime, here%phase, here%x, here%v, acceleration)
+         p = 0
+         if (sloped) then
+            do i = 1, 2*n
+               p(i, i) = unit(i)
+            end do
+            p(:, 2*n + 1) = -[rate, acceleration]/regime%frequency
+         end if
+         call from_coordinates(regime, p, here%d)
+      end associate
+      do i = 1, m
+         associate (phase => unknowns(2*n + 1 + modulo(i, m)) + merge(two_pi*s%cycles, 0.0_wp, &
+            i == m), column => 2*n + 1 + modulo(i, m))
+            call next_symbol(s, i, phase, column, after(i), here, course, good)
+         end associate
+         if (.not. good) return
+      end do
+      allocate (at_end(2*n))
+      associate (regime => course%run%regimes(here%regime))
+         call state_of(regime, here%phase, here%x, here%v, q, rate)
+         at_end = [q, rate]
+         course%residuals(:2*n) = at_end/unit - unknowns(:2*n)
+         if (sloped) then
+            call to_coordinates(regime, here%d, p)
+            call accelerations(regime, here%phase, here%x, here%v, acceleration)
+            p(:, 2*n + 1) = p(:, 2*n + 1) + [rate, acceleration]/regime%frequency
+            do i = 1, 2*n
+               course%slopes(:, i) = p(i, :)/unit(i)
+               course%slopes(i, i) = course%slopes(i, i) - 1
+            end do
+         end if
+      end associate
+      course%exists = all(abs(course%residuals) <= huge(1.0_wp))
+   end subroutine follow_period
+
+   !> The state just after the release that ends a period, from the state after a symbol.
+   pure subroutine symbols_to_state(s, phases, shares, symbol, q, rate, unknowns, good)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> (0:N) The load phases of the symbols (rad), that of the last one also at the beginning.
+      real(wp), intent(in) :: phases(0:)
+      !> The parameters, as shares.
+      real(wp), intent(in) :: shares(:)
+      !> The symbol, an impact or the first impact of an accumulation.
+      integer, intent(in) :: symbol
+      !> (n) Coordinates and velocities just after it.
+      real(wp), intent(in) :: q(:), rate(:)
+      !> (2n + N) The unknowns.
+      real(wp), intent(out) :: unknowns(:)
+      !> Whether the symbols can be followed.
+      logical, intent(out) :: good
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(course_type) :: course
+      type(here_type) :: here
+      real(wp), dimension(size(q)) :: q_end, rate_end
+      integer, allocatable :: after(:)
+      integer :: i, m, n
+
+      unknowns = 0
+      call prepare(s, shares, structure, load, course%run, after, good)
+      if (.not. good) return
+      n = size(q)
+      m = size(s%kinds)
+      allocate (course%residuals(2*n + m), course%slopes(0, 2*n + m))
+      allocate (course%speeds(m), course%impulses(m), course%begins(m), course%rests(m), &
+         source=0.0_wp)
+      allocate (course%segments(4*m))
+      here%regime = after(symbol - 1)
+      here%phase = phases(symbol)
+      here%symbol = symbol
+      here%begins = s%gaps(symbol)
+      associate (regime => course%run%regimes(here%regime))
+         allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), here%d(2*size( &
+            regime%xq, 1), 0))
+         call to_pairs(regime, here%phase, q, rate, here%x, here%v)
+      end associate
+      if (s%kinds(symbol) == first) then
+         associate (direction => structure%directions(:, s%gaps(symbol)))
+            call settle_down(s, symbol, max(0.0_wp, -dot_product(direction, rate)), &
+               after(symbol), here, course, good)
+         end associate
+         if (.not. good) return
+      end if
+      do i = symbol + 1, m
+         call next_symbol(s, i, phases(i), 1, after(i), here, course, good)
+         if (.not. good) return
+      end do
+      call state_of(course%run%regimes(here%regime), here%phase, here%x, here%v, q_end, rate_end)
+      unknowns(:2*n) = [q_end/s%length, rate_end/s%speed]
+      unknowns(2*n + 1:) = phases(:m - 1)
+   end subroutine symbols_to_state
+
+   !> The structure with its load, and the regime after each symbol.
+   pure subroutine prepare(s, shares, structure, load, run, after, good)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The parameters, as shares.
+      real(wp), intent(in) :: shares(:)
+      !> The structure and its load.
+      type(structure_type), intent(out) :: structure
+      !> As in `structure`.
+      type(load_type), intent(out) :: load
+      !> The structure under its load, with all regimes.
+      type(run_type), intent(out) :: run
+      !> (0:N) The numbers of the regimes.
+      integer, allocatable, intent(out) :: after(:)
+      !> False if there is none.
+      logical, intent(out) :: good
+      integer, allocatable :: resting(:)
+      integer :: i, status
+
+      good = .false.
+      call changed(s%path, shares, structure, load)
+      if (.not. load%frequency > 0) return
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      structure = run%structure
+      run%pair%known = .false.
+      allocate (after(0:size(s%kinds)))
+      resting = s%resting
+      do i = 0, size(s%kinds)
+         if (i > 0) then
+            associate (gap => s%gaps(i))
+               if (s%kinds(i) == first) resting = [pack(resting, resting < gap), gap, &
+                  pack(resting, resting > gap)]
+               if (s%kinds(i) == release) resting = pack(resting, resting /= gap)
+            end associate
+         end if
+         call find_regime(run, resting, after(i), status)
+         if (status /= stat%ok) return
+      end do
+      do i = 1, size(run%regimes)
+         run%regimes(i)%frequency = load%frequency
+      end do
+      good = .true.
+   end subroutine prepare
+
+   !> Advances to a symbol and through it.
+   pure subroutine next_symbol(s, symbol, phase, column, after, here, course, good)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> Its number.
+      integer, intent(in) :: symbol
+      !> Its load phase (rad), and the number of the unknown that it is.
+      real(wp), intent(in) :: phase
+      integer, intent(in) :: column
+      !> The regime after it.
+      integer, intent(in) :: after
+      !> In and out: where the period has got to.
+      type(here_type), intent(inout) :: here
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      !> Whether it can be followed.
+      logical, intent(out) :: good
+      real(wp), dimension(size(course%run%structure%mass, 1)) :: q, rate, acceleration, closing
+      real(wp), allocatable, dimension(:) :: x, v, by
+      real(wp), allocatable :: p(:, :)
+      real(wp) :: d(0:3), impulse, restitution, slope, time, unit
+      integer :: columns, equation, gap, i, n, row
+
+      n = size(q)
+      columns = size(here%d, 2)
+      gap = s%gaps(symbol)
+      equation = 2*n + symbol
+      good = .false.
+      associate (run => course%run, regime => course%run%regimes(here%regime), &
+         structure => course%run%structure, frequency => course%run%load%frequency)
+         time = (phase - here%phase)/frequency
+         ! beyond an exchange of two events, and where a rest has vanished, it is negative
+         if (.not. (time > -0.25_wp*run%period .and. time < (s%cycles + 1)*run%period)) return
+         allocate (x, source=here%x)
+         allocate (v, source=here%v)
+         call add_segment(course, here, 0, time, gap)
+         call advance(regime%modes, time, here%x, here%v, x, v)
+         if (columns > 0) call apply_flight(regime, time, here%d)
+         call state_of(regime, phase, x, v, q, rate)
+         call accelerations(regime, phase, x, v, acceleration)
+         allocate (p(2*n, columns))
+         here%phase = phase
+         here%symbol = symbol
+         here%begins = gap
+         if (s%kinds(symbol) == release) then
+            row = structure%channels + findloc(regime%resting, gap, dim=1)
+            call row_derivatives(regime, x, v, phase, row, d)
+            unit = structure%effective(gap)*s%speed*frequency
+            course%residuals(equation) = d(0)/unit
+            if (columns > 0) then
+               by = matmul(regime%position(row, :), here%d(:size(x), :)) + matmul( &
+                  regime%velocity(row, :), here%d(size(x) + 1:, :))
+               by(column) = by(column) + d(1)/frequency
+               course%slopes(:, equation) = by/unit
+            end if
+            call measure_rest(s, symbol, phase, course)
+         end if
+         call to_coordinates(regime, here%d, p)
+         if (columns > 0) p(:, column) = p(:, column) + [rate, acceleration]/frequency
+         restitution = 0
+         if (s%kinds(symbol) /= release) then
+            associate (direction => structure%directions(:, gap), mobility => &
+               structure%mobility(:, gap))
+               course%residuals(equation) = (dot_product(direction, q) - structure%openings(gap)) &
+                  /s%length
+               course%speeds(symbol) = dot_product(direction, rate)
+               associate (speed => course%speeds(symbol))
+                  call impulse_of(structure, gap, speed, impulse, slope)
+                  call restitution_of(structure, gap, max(0.0_wp, speed), restitution, d(0))
+               end associate
+               course%impulses(symbol) = impulse
+               rate = rate - impulse*mobility
+               if (columns > 0) course%slopes(:, equation) = matmul(direction, p(:n, :))/s%length
+               do i = 1, columns
+                  p(n + 1:, i) = p(n + 1:, i) - slope*dot_product(direction, p(n + 1:, i))*mobility
+               end do
+               if (s%kinds(symbol) == first) then
+                  ! an accumulation begins exactly at its wall
+                  closing = structure%effective(gap)*mobility
+                  q = q - closing*(dot_product(direction, q) - structure%openings(gap))
+                  do i = 1, columns
+                     p(:n, i) = p(:n, i) - closing*dot_product(direction, p(:n, i))
+                  end do
+               end if
+            end associate
+         end if
+      end associate
+      if (s%kinds(symbol) /= first) here%regime = after
+      associate (regime => course%run%regimes(here%regime), frequency => &
+         course%run%load%frequency)
+         deallocate (here%x, here%v, here%d)
+         allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), &
+            here%d(2*size(regime%xq, 1), columns))
+         call to_pairs(regime, phase, q, rate, here%x, here%v)
+         call accelerations(regime, phase, here%x, here%v, acceleration)
+         if (columns > 0) p(:, column) = p(:, column) - [rate, acceleration]/frequency
+         call from_coordinates(regime, p, here%d)
+      end associate
+      good = .true.
+      if (s%kinds(symbol) == first) call settle_down(s, symbol, restitution*course%speeds(symbol), &
+         after, here, course, good)
+   end subroutine next_symbol
+
+   !> Notes the flight or rest that begins here.
+   pure subroutine add_segment(course, here, number, duration, ends)
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      !> Where it begins.
+      type(here_type), intent(in) :: here
+      !> Its number within its symbol, and its duration.
+      integer, intent(in) :: number
+      real(wp), intent(in) :: duration
+      !> The gap in contact at its end.
+      integer, intent(in) :: ends
+      type(segment_type), allocatable :: more(:)
+
+      if (course%parts == size(course%segments)) then
+         allocate (more(2*course%parts + 8))
+         more(:course%parts) = course%segments
+         call move_alloc(more, course%segments)
+      end if
+      course%parts = course%parts + 1
+      course%segments(course%parts) = segment_type(here%symbol, number, here%regime, here%phase/ &
+         course%run%load%frequency, duration, here%x, here%v, here%begins, ends)
+   end subroutine add_segment
+
+   !> From just after the first impact of an accumulation to the beginning of the rest.
+   pure subroutine settle_down(s, symbol, departure, after, here, course, good)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The symbol.
+      integer, intent(in) :: symbol
+      !> The departure speed.
+      real(wp), intent(in) :: departure
+      !> The regime of the rest.
+      integer, intent(in) :: after
+      !> In and out: where the period has got to.
+      type(here_type), intent(inout) :: here
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      !> Whether the accumulation is completed, or nearly.
+      logical, intent(out) :: good
+      !> An accumulation comes near to completion if what is left of it changes the state by less
+      !! than this, in units of length.
+      real(wp), parameter :: coarse = 1.0e-6_wp
+      type(run_type) :: alone
+      type(run_state_type) :: state
+      type(run_event_type), allocatable :: events(:)
+      type(tangent_type) :: tangent
+      real(wp) :: cost, end_time, least, speed, unused
+      integer :: best, gap, i, n, number, status
+
+      good = .false.
+      gap = s%gaps(symbol)
+      if (departure < 0) return
+      number = here%regime
+      allocate (events(0:64))
+      associate (run => course%run)
+         state%cycle = whole_periods(run, here%phase/run%load%frequency)
+         state%elapsed = here%phase/run%load%frequency - real(state%cycle, wp)*run%period
+         state%regime = number
+         state%x = here%x
+         state%v = here%v
+         allocate (state%q(size(run%structure%mass, 1)), state%rate(size(run%structure%mass, 1)))
+         call state_of(run%regimes(number), here%phase, here%x, here%v, state%q, state%rate)
+         events(0) = run_event_type(impact_event, gap, number, state%cycle, state%elapsed, &
+            departure, 0.0_wp, state%x, state%v, state%q, state%rate)
+         best = 0
+         n = 0
+         if (departure > 0) then
+            alone = run
+            call watch_one(run%structure, gap, alone%regimes(number))
+            state%leaving = leaving_type(run%structure%channel(gap), run%structure%wall(gap), &
+               departure)
+            least = huge(1.0_wp)
+            do
+               call cost_of(run, events(n), gap, merge(departure, 0.0_wp, n == 0), cost)
+               if (cost < least) then
+                  least = cost
+                  best = n
+               end if
+               ! it was nearly completed, and now the bounces become longer again
+               if (least <= coarse*s%length .and. 1.0e-3_wp*cost > least) exit
+               if (n == most_bounces .or. seconds(events(0), events(n)) > s%cycles*run%period) exit
+               if (n == ubound(events, 1)) call grow(events)
+               end_time = state%elapsed
+               call simulate_structure(alone, state, state%cycle + s%cycles + 1, end_time, &
+                  events(n + 1:n + 1), i, status)
+               if (.not. (i == 1 .and. (status == stat%more_events .or. status == stat%ok))) exit
+               n = n + 1
+               if (events(n)%kind == stick_event) then
+                  best = n
+                  exit
+               end if
+               if (events(n)%kind /= impact_event .or. events(n)%gap /= gap) return
+            end do
+            if (events(best)%kind /= stick_event .and. .not. least <= coarse*s%length) return
+         end if
+         n = best
+         if (events(n)%kind /= stick_event) then
+            ! the rest begins at once
+            if (n == ubound(events, 1)) call grow(events)
+            n = n + 1
+            events(n) = events(n - 1)
+            events(n)%kind = stick_event
+            events(n)%regime = after
+            associate (mobility => run%structure%mobility(:, gap), rate => events(n)%rate)
+               rate = rate - mobility*run%structure%effective(gap)*dot_product( &
+                  run%structure%directions(:, gap), rate)
+            end associate
+            associate (regime => run%regimes(after))
+               deallocate (events(n)%x, events(n)%v)
+               allocate (events(n)%x(size(regime%xq, 1)), events(n)%v(size(regime%xq, 1)))
+               call to_pairs(regime, run%load%frequency*events(n)%elapsed, events(n)%q, &
+                  events(n)%rate, events(n)%x, events(n)%v)
+            end associate
+         end if
+         events(n)%regime = after
+         if (size(here%d, 2) > 0) then
+            tangent%number = number
+            tangent%cycle = events(0)%cycle
+            tangent%elapsed = events(0)%elapsed
+            tangent%x = here%x
+            tangent%v = here%v
+            tangent%d = here%d
+            allocate (tangent%later(size(here%d, 2)), source=0.0_wp)
+            do i = 1, n
+               call through_event(run, events(i), tangent, status)
+               if (status /= stat%ok) return
+            end do
+            call move_alloc(tangent%d, here%d)
+         else
+            deallocate (here%d)
+            allocate (here%d(2*size(events(n)%x), 0))
+         end if
+         do i = 1, n - 1
+            call add_segment(course, here, i, seconds(events(i - 1), events(i)), gap)
+            call go_to(run, events(i), here)
+         end do
+         ! what remains of the accumulation is no flight of its own
+         call go_to(run, events(n), here)
+         here%regime = after
+         course%begins(symbol) = here%phase
+         ! the last departure speed, over that of the critical accumulation: see `measure_rest`
+         speed = 0
+         if (n > 1 .or. departure > 0) then
+            i = n - 1
+            if (i == 0) then
+               speed = departure
+            else
+               call restitution_of(run%structure, gap, events(i)%speed, speed, unused)
+               speed = speed*events(i)%speed
+            end if
+            call closing_of(run, events(i), gap, unused)
+            if (unused > 0) speed = speed/unused
+            if (.not. unused > 0) return
+         end if
+         course%rests(symbol) = speed
+      end associate
+      good = .true.
+   contains
+      !> Time from one event to the next one.
+      pure real(wp) function seconds(from, to)
+         !> The events.
+         type(run_event_type), intent(in) :: from, to
+
+         seconds = real(to%cycle - from%cycle, wp)*course%run%period + (to%elapsed - from%elapsed)
+      end function seconds
+
+      !> What is left of an accumulation after an impact: the change of the state by cutting it off.
+      pure subroutine cost_of(run, event, gap, start, cost)
+         !> The run.
+         type(run_type), intent(in) :: run
+         !> The impact; for the first one its departure speed is `start`.
+         type(run_event_type), intent(in) :: event
+         integer, intent(in) :: gap
+         real(wp), intent(in) :: start
+         !> A length.
+         real(wp), intent(out) :: cost
+         real(wp) :: closing, restitution, slope, speed
+
+         call restitution_of(run%structure, gap, event%speed, restitution, slope)
+         speed = restitution*event%speed
+         if (start > 0) speed = start
+         call closing_of(run, event, gap, closing)
+         cost = huge(1.0_wp)
+         if (closing > 1.0e-12_wp*speed/run%regimes(event%regime)%unit) cost = speed*(speed/ &
+            closing)**2/max(1.0e-3_wp, 1 - restitution**3)
+      end subroutine cost_of
+
+      !> Makes room for more events.
+      pure subroutine grow(events)
+         !> In and out: the events.
+         type(run_event_type), allocatable, intent(inout) :: events(:)
+         type(run_event_type), allocatable :: more(:)
+
+         allocate (more(0:4*ubound(events, 1)))
+         more(:ubound(events, 1)) = events
+         call move_alloc(more, events)
+      end subroutine grow
+   end subroutine settle_down
+
+   !> Sets the place to an event.
+   pure subroutine go_to(run, event, here)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> In and out: the place; its changes are not moved.
+      type(here_type), intent(inout) :: here
+
+      here%phase = (real(event%cycle, wp)*run%period + event%elapsed)*run%load%frequency
+      here%x = event%x
+      here%v = event%v
+   end subroutine go_to
+
+   !> The acceleration with which a gap closes after an impact on it.
+   pure subroutine closing_of(run, event, gap, closing)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The impact.
+      type(run_event_type), intent(in) :: event
+      !> The gap.
+      integer, intent(in) :: gap
+      !> The acceleration.
+      real(wp), intent(out) :: closing
+      real(wp) :: d(0:3)
+
+      call row_derivatives(run%regimes(event%regime), event%x, event%v, &
+         run%load%frequency*event%elapsed, run%structure%channel(gap), d)
+      closing = run%structure%wall(gap)*d(2)
+   end subroutine closing_of
+
+   !> Has all gaps but one ignored, and contact forces as well.
+   pure subroutine watch_one(structure, gap, regime)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gap.
+      integer, intent(in) :: gap
+      !> In and out: the regime.
+      type(regime_type), intent(inout) :: regime
+      integer :: row
+
+      do row = 1, size(regime%upper)
+         if (row /= structure%channel(gap) .or. structure%wall(gap) < 0) then
+            if (regime%upper_gap(row) /= gap) regime%upper(row) = huge(1.0_wp)
+         end if
+         if (row /= structure%channel(gap) .or. structure%wall(gap) > 0) then
+            if (regime%lower_gap(row) /= gap) regime%lower(row) = -huge(1.0_wp)
+         end if
+      end do
+   end subroutine watch_one
+
+   !> The measure of the rest that ends with a release.
+   !!
+   !! It is a power of its duration, times a number that falls through zero where the accumulation
+   !! just fails to complete: with both it passes zero almost linearly.
+   pure subroutine measure_rest(s, symbol, phase, course)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The release, and its load phase (rad).
+      integer, intent(in) :: symbol
+      real(wp), intent(in) :: phase
+      !> In and out: the period; the measure of the accumulation is set.
+      type(course_type), intent(inout) :: course
+      real(wp) :: duration, left, limit, power, restitution, slope
+      integer :: i
+
+      do i = symbol - 1, 1, -1
+         if (s%kinds(i) == first .and. s%gaps(i) == s%gaps(symbol)) exit
+      end do
+      if (i == 0) return
+      associate (frequency => course%run%load%frequency)
+         call restitution_of(course%run%structure, s%gaps(symbol), 0.0_wp, restitution, slope)
+         duration = phase - course%begins(i)
+         ! time that the last departure speed would need, over the closing acceleration
+         left = frequency*course%rests(i)
+         if (.not. restitution > 0) then
+            course%rests(i) = duration
+            return
+         end if
+         call critical(restitution, limit, power)
+         if (.not. duration > 0) then
+            course%rests(i) = -abs(duration)**power
+         else
+            course%rests(i) = (1 - left/duration/limit)*duration**power
+         end if
+      end associate
+   end subroutine measure_rest
+
+   !> The derivative of the map of a period at fixed times, in units of the family.
+   pure subroutine monodromy(s, course, p, good)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The period, with its derivatives.
+      type(course_type), intent(in) :: course
+      !> (2n, 2n)
+      real(wp), intent(out) :: p(:, :)
+      !> False where an approach speed is zero.
+      logical, intent(out) :: good
+      real(wp), allocatable :: by(:, :), events(:, :)
+      integer :: i, m, n, status
+
+      n = size(p, 1)
+      m = size(s%kinds)
+      good = course%exists
+      if (.not. good) return
+      p = transpose(course%slopes(:n, :n))
+      do i = 1, n
+         p(i, i) = p(i, i) + 1
+      end do
+      if (m == 1) return
+      ! the phases of all symbols but the last follow from the state at the start
+      allocate (by(m - 1, n), events(m - 1, m - 1))
+      by = transpose(course%slopes(:n, n + 1:n + m - 1))
+      events = transpose(course%slopes(n + 2:, n + 1:n + m - 1))
+      call solve_columns(events, by, status)
+      good = status == stat%ok
+      if (good) p = p - matmul(transpose(course%slopes(n + 2:, :n)), by)
+   end subroutine monodromy
+
+end module vi_structure_rests
