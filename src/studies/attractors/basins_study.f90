@@ -565,8 +565,8 @@ contains
          call needs_frequency(case, 'max_cycles')
          if (len(s%fault) > 0 .or. .not. s%has('axes')) return
          places = [(place_in_state(s%word('axes', i), case%coordinates), i=1, 2)]
-         if (any(places == 0) .or. places(1) == places(2)) call s%refuse('axes', 'there are '// &
-            counted(case%coordinates, 'coordinate'))
+         if (any(places == 0) .or. places(1) == places(2)) call s%refuse('axes', &
+            'the structure has '//counted(case%coordinates, 'coordinate'))
          call check_product(s, 'values', s%whole_numbers('values'), 'together at most '// &
             whole(most_numbers)//' states')
       end associate

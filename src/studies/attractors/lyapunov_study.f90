@@ -165,7 +165,8 @@ contains
             if (.not. study%has('directions')) call study%set('directions', [2.0_wp* &
                case%coordinates])
             if (study%whole_number('directions') > 2*case%coordinates) call &
-               study%refuse('directions', 'there are '//whole(case%coordinates)//' coordinates')
+               study%refuse('directions', 'the structure has '//counted( &
+               case%coordinates, 'coordinate'))
             return
          end if
          call check_points(case)

@@ -59,18 +59,20 @@ contains
       end do
    end subroutine project_out
 
-   !> Standard errors of exponents from their batches; directions that are lost have exponent -inf.
+   !> Standard errors of exponents from their batches, and the greatest exponent first; directions
+   !! that are lost have exponent -inf.
    pure subroutine scatter(each, rank, exponents, deviations)
       !> (n, batches) The exponents of each batch.
       real(wp), intent(in) :: each(:, :)
       !> Number of directions that are not lost.
       integer, intent(in) :: rank
-      !> (n) In: the exponents over all batches together. Out: -inf where the direction is lost.
+      !> (n) In: the exponents over all batches together. Out: in order, -inf where the direction is
+      !! lost.
       real(wp), intent(inout) :: exponents(:)
       !> (n) Their standard errors.
       real(wp), intent(out) :: deviations(:)
-      real(wp) :: mean(size(exponents))
-      integer :: i, batches
+      real(wp) :: mean(size(exponents)), pair(2)
+      integer :: i, j, batches
 
       batches = size(each, 2)
       mean = sum(each, dim=2)/batches
@@ -81,6 +83,17 @@ contains
       deviations = sqrt(deviations/(batches - 1))/sqrt(real(batches, wp))
       exponents(rank + 1:) = ieee_value(1.0_wp, ieee_negative_inf)
       deviations(rank + 1:) = 0
+      ! equal exponents, as of a pair of multipliers, change places by the error of the average
+      do i = 2, rank
+         pair = [exponents(i), deviations(i)]
+         do j = i, 2, -1
+            if (.not. exponents(j - 1) < pair(1)) exit
+            exponents(j) = exponents(j - 1)
+            deviations(j) = deviations(j - 1)
+         end do
+         exponents(j) = pair(1)
+         deviations(j) = pair(2)
+      end do
    end subroutine scatter
 
    !> The dimension of Kaplan and Yorke: the number of directions whose volume does not shrink, and

@@ -154,7 +154,7 @@ contains
          columns = size(numbers)
          why = ' of acts_on'
          if (any(numbers >= n) .or. any([(count(numbers == numbers(i)) > 1, i=1, columns)])) then
-            call load%refuse('acts_on', 'there are '//counted(n, 'coordinate'))
+            call load%refuse('acts_on', 'the structure has '//counted(n, 'coordinate'))
          end if
       end if
    end subroutine count_columns
