@@ -345,8 +345,10 @@ def find(
     simulated state counts as settled only where Newton's method confirms a stable motion.
 
     Of a structure: for each order of up to max_impacts impacts on the gaps, in up to max_cycles load cycles,
-    Newton's method starts from random impact times; it also finds unstable motions. Motions with accumulation and
-    rest come from the simulations.
+    Newton's method starts from random impact times; it also finds unstable motions. Each motion without rest is
+    followed along the lines of constant amplitude and of constant frequency of the load through the point, and
+    mirror images are added where the structure has them. Motions with accumulation and rest come from the
+    simulations.
 
     Parameters
     ----------
@@ -362,8 +364,8 @@ def find(
         Amplitude of the load of an oscillator.
     guesses : int
         Guesses for each pattern. A smaller number also shortens the search along lines: each pattern gets at most
-        the square of this number of steps (and 3000). Of a structure: sets of impact times for each order and
-        number of cycles, 1 to 10000, by default 48.
+        the square of this number of steps (and 3000), and so does each motion of a structure. Of a structure: sets
+        of impact times for each order and number of cycles, 1 to 10000, by default 48.
     states : int
         Initial states simulated; of an oscillator every second one in a box whose size follows from the resonance
         of both masses moving together; of a structure 0 to 100000, the first one at rest at q = 0 if that is

@@ -353,8 +353,7 @@ contains
       call periodic_structure(own, load, gaps, phases, cycles, exact, found%motion, status)
    end subroutine try_order
 
-   !> Number of orders of at most `most` impacts up to rotation, without those that repeat a shorter
-   !! one: the necklaces of Moreau.
+   !> Number of orders of at most `most` impacts up to rotation: the necklaces of Moreau.
    pure real(wp) function count_orders(gaps, most) result(number)
       !> Numbers of gaps, and of impacts.
       integer, intent(in) :: gaps, most
@@ -363,16 +362,18 @@ contains
 
       number = 0
       do n = 1, most
-         ! words that do not repeat a shorter one
+         ! words that do not repeat a shorter one, each of which has n rotations
          words(n) = real(gaps, wp)**n
          do d = 1, n - 1
             if (modulo(n, d) == 0) words(n) = words(n) - words(d)
          end do
-         number = number + words(n)/n
+         ! and those that repeat one of them
+         number = number + words(n)/n*(most/n)
       end do
    end function count_orders
 
-   !> All orders of impacts up to rotation, without those that repeat a shorter one.
+   !> All orders of impacts up to rotation. Of those that repeat a shorter one, as after a flip, the
+   !! times do not.
    pure subroutine list_orders(gaps, most, orders, lengths)
       !> Numbers of gaps, and of impacts.
       integer, intent(in) :: gaps, most
@@ -404,7 +405,7 @@ contains
       end do
    end subroutine list_orders
 
-   !> Whether a word comes before all its rotations.
+   !> Whether none of the rotations of a word comes before it.
    pure logical function is_first(word)
       !> The word.
       integer, intent(in) :: word(:)
@@ -414,8 +415,7 @@ contains
       do i = 1, size(word) - 1
          turned = cshift(word, i)
          j = findloc(turned /= word, .true., 1)
-         is_first = j > 0
-         if (is_first) is_first = turned(j) > word(j)
+         if (j > 0) is_first = turned(j) > word(j)
          if (.not. is_first) return
       end do
    end function is_first

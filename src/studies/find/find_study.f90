@@ -18,6 +18,7 @@ module vi_find_study
    use vi_structure_found, only: found_columns, found_list_type, put_found
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: needs_frequency
+   use vi_structure_lines, only: follow_lines
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, whole
@@ -374,6 +375,7 @@ contains
          call search_orders(structure, load, orders_type(s%whole_number('max_impacts'), &
             s%whole_number('max_cycles'), s%whole_number('guesses'), s%whole_number('seed'), &
             threads), list, failures, progress)
+         call follow_lines(structure, load, s%whole_number('guesses'), list, progress)
       end associate
       settled = [settled, spread(0, 1, list%n - size(settled))]
       reached = count(status /= stat%not_computed)

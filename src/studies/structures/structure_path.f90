@@ -10,8 +10,8 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, changed_whole, is_odd, new_change, new_function, rates_of, reduce, same_law, &
-      set_entry, value_at
+   public :: changed, changed_whole, is_odd, new_change, new_function, opposite_gap, rates_of, &
+      reduce, same_law, set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
    !! load.
@@ -602,8 +602,7 @@ contains
       type(structure_type) :: structure
       type(load_type) :: load
       real(wp), parameter :: shares(2) = [0.23_wp, 0.81_wp]
-      logical :: found
-      integer :: h, i, j, k
+      integer :: h, i, k
 
       odd = .true.
       do k = 1, size(shares)
@@ -612,18 +611,24 @@ contains
          do h = 2, size(load%sine, 2), 2
             odd = odd .and. .not. any(abs(load%sine(:, h)) + abs(load%cosine(:, h)) > 0)
          end do
-         do i = 1, size(structure%openings)
-            found = .false.
-            do j = 1, size(structure%openings)
-               if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
-               if (abs(structure%openings(i) - structure%openings(j)) > 0) cycle
-               if (.not. same_law(structure, i, j)) cycle
-               found = .true.
-            end do
-            odd = odd .and. found
-         end do
+         odd = odd .and. all([(opposite_gap(structure, i) > 0, i=1, size(structure%openings))])
       end do
    end function is_odd
+
+   !> The last gap of opposite direction with the same opening and law as a given one; 0 if there is
+   !! none.
+   pure integer function opposite_gap(structure, i) result(j)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gap.
+      integer, intent(in) :: i
+
+      do j = size(structure%openings), 1, -1
+         if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
+         if (abs(structure%openings(i) - structure%openings(j)) > 0) cycle
+         if (same_law(structure, i, j)) return
+      end do
+   end function opposite_gap
 
    !> Whether two gaps have the same law of restitution.
    pure logical function same_law(structure, i, j) result(same)

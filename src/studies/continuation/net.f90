@@ -48,14 +48,14 @@ module vi_net
       !> Where lines pass a flip (a pitchfork of symmetric motions); noted if there is room.
       type(start_type), allocatable :: flips(:)
       integer :: n_flips = 0
-      !> Steps made.
-      integer :: steps = 0
+      !> Steps made, and their largest number.
+      integer :: steps = 0, most_steps = 4000000
       !> Whether something was left out because one of the limits was reached.
       logical :: full = .false.
    end type net_type
 
-   !> Room for nodes and borders, and largest number of steps.
-   integer, parameter :: capacity = 40000, border_capacity = 20000, most_steps = 4000000
+   !> Room for nodes and borders.
+   integer, parameter :: capacity = 40000, border_capacity = 20000
    !> Room for flips.
    integer, parameter :: flip_capacity = 4000
 
@@ -285,7 +285,7 @@ contains
       taken = 0
       leaving = share < 0.8_wp .and. &
          any(now%values < 0 .and. now%conditions%kind == repetition)
-      do while (net%steps < most_steps)
+      do while (net%steps < net%most_steps)
          if (is_stopped(progress)) return
          stride%longest = share*line_spacing(net%lines, direction, now%point(size(now%point)))
          call take_step(line, none, stride, now, next, good)

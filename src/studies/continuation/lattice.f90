@@ -9,7 +9,8 @@ module vi_lattice
    implicit none (type, external)
    private
 
-   public :: density, even_lattice, lattice_type, new_lattice, nearest_lines, line_spacing
+   public :: density, even_lattice, lattice_of, lattice_type, line_spacing, nearest_lines, &
+      new_lattice
 
    !> Coordinates of lines in increasing order, 0 at the lower end of the window.
    type :: axis_type
@@ -56,6 +57,16 @@ contains
          lattice%axes(i)%at = even(lines)
       end do
    end function even_lattice
+
+   !> The two lines through a place.
+   pure function lattice_of(at) result(lattice)
+      !> Its coordinates.
+      real(wp), intent(in) :: at(2)
+      type(lattice_type) :: lattice
+
+      lattice%axes(1)%at = [at(1)]
+      lattice%axes(2)%at = [at(2)]
+   end function lattice_of
 
    !> Places of the lines of constant r from 0 to 1: evenly spaced if that is dense enough,
    !! otherwise evenly in the integral of the density.
@@ -160,7 +171,8 @@ contains
       place = [(minloc(abs(lattice%axes(i)%at - q(i)), dim=1), i=1, 2)]
    end function nearest_lines
 
-   !> The distance between the lines on both sides of a coordinate.
+   !> The distance between the lines on both sides of a coordinate; of a single line, some share of
+   !! the unit square.
    pure real(wp) function line_spacing(lattice, direction, q)
       !> The lattice.
       type(lattice_type), intent(in) :: lattice
@@ -168,9 +180,12 @@ contains
       integer, intent(in) :: direction
       !> The coordinate, in the units of the lines.
       real(wp), intent(in) :: q
+      real(wp), parameter :: single = 0.125_wp
       integer :: i
 
+      line_spacing = single
       associate (at => lattice%axes(direction)%at)
+         if (size(at) == 1) return
          i = count(at(2:size(at) - 1) <= q) + 1
          line_spacing = at(i + 1) - at(i)
       end associate
