@@ -116,7 +116,7 @@ def settled(
 @overload
 def exact(
     osc: Oscillator, r: float, clearance: float, guess: Motion | Trajectory | tuple[Any, Pattern | str],
-    load: float = 1.0,
+    load: float | Load = 1.0,
 ) -> Motion: ...  # fmt: skip
 @overload
 def exact(
@@ -133,7 +133,7 @@ def exact(
     r: float,
     clearance: float,
     guess: Motion | Trajectory | tuple[Any, Pattern | str],
-    load: float = 1.0,
+    load: float | Load = 1.0,
 ) -> Motion:
     """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
 

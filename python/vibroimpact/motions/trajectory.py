@@ -884,7 +884,7 @@ def _refuse_opening(structure: Structure, arguments: tuple[Any, ...], q: _Array)
 @overload
 def simulate(
     osc: Oscillator, r: float, clearance: float, cycles: float, state: Mapping[str, float] | None = None,
-    load: float = 1.0, discard: float = 0, max_events: int = 10_000_000,
+    load: float | Load = 1.0, discard: float = 0, max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Trajectory: ...  # fmt: skip
 @overload
@@ -906,7 +906,7 @@ def simulate(
     clearance: float,
     cycles: float,
     state: Mapping[str, float] | None = None,
-    load: float = 1.0,
+    load: float | Load = 1.0,
     discard: float = 0,
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,

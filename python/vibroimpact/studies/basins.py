@@ -289,7 +289,7 @@ def basins_structure(
 @overload
 def basins(
     osc: Oscillator, r: float, clearance: float, plane: tuple[Any, Any] | None = None,
-    states: int | ArrayLike | None = None, fixed: Mapping[str, float] | None = None, load: float = 1.0,
+    states: int | ArrayLike | None = None, fixed: Mapping[str, float] | None = None, load: float | Load = 1.0,
     cycles: int = 1000, probes: int = 200, max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000,
     threads: int | None = None, progress: Callable[[float, str], None] | None = None,
 ) -> Basins: ...  # fmt: skip
@@ -316,7 +316,7 @@ def basins(
     plane: tuple[Any, Any] | None = None,
     states: int | ArrayLike | None = None,
     fixed: Mapping[str, float] | None = None,
-    load: float = 1.0,
+    load: float | Load = 1.0,
     cycles: int = 1000,
     probes: int = 200,
     max_cycles: int = 16,

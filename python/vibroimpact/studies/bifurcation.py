@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, overload
 
@@ -16,7 +17,7 @@ from ..base.status import NOT_COMPUTED, sentence
 from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.parameters import Parameter, checked_pair, keys_of_parameter
-from ..results.states import NEEDED, checked_state
+from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
@@ -306,12 +307,12 @@ class BifurcationDiagram(
         return f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {found}{cut}>"
 
 
-def ends(values: ArrayLike) -> _Array:
+def ends(values: ArrayLike, name: str = "values") -> _Array:
     """Ascending, evenly spaced values."""
     wanted = "at least two evenly spaced numbers in ascending order"
-    array = np.asarray(checks.real_array(values, "values", wanted), dtype=np.float64)
+    array = np.asarray(checks.real_array(values, name, wanted), dtype=np.float64)
     if array.ndim != 1 or array.size < 2 or spacing_of(array) != "linear" or array[0] >= array[-1]:
-        raise ParameterError(f"values of shape {array.shape}: must be {wanted}")
+        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
     return array
 
 
@@ -346,11 +347,62 @@ def bifurcation_structure(
     return door.run_structure(BifurcationDiagram, structure, load, keys, None, progress, ENDS)
 
 
+def first_point(given: dict[str, Any], r: float) -> None:
+    """Begins at a frequency ratio, which a load takes as its frequency."""
+    given["r"], load = r, given.get("load")
+    if isinstance(load, Load):
+        given["load"] = Load(r, load.sine, load.cosine, load.constant)
+
+
+def _along_parameter(given: dict[str, Any]) -> None:
+    """Turns the arguments for an oscillator into those of its first point and of the diagram of a structure."""
+    osc: Oscillator = given["osc"]
+    name: Any = given.get("parameter")
+    checks.choice(name, "parameter", NAMES)
+    values = ends(given.get("values", ()))
+    if name in ("r", "clearance"):
+        if given.get(name) is not None:
+            raise ParameterError(f"{name} = {given[name]!r}: must be left out, it is the parameter")
+        given[name] = float(values[0])
+    if name == "r":
+        first_point(given, given["r"])
+    point = {
+        each: given[each] for each in ("r", "clearance", "load") if given.get(each) is not None
+    }
+    for fixed, value in point.items():
+        if np.ndim(value):
+            raise ParameterError(
+                f"{fixed} = {value!r}: must be a number where the oscillator is treated as a structure"
+            )
+    walls = {"R1": (0,), "R2": (1,), "restitution": (0, 1)}.get(name, ())
+    for wall in walls:
+        if not isinstance(osc.restitution[wall], float):
+            raise ParameterError(
+                f"parameter = {name!r}: must not be a coefficient that depends on the speed"
+            )
+
+    def at(value: float) -> tuple[Structure, Load]:
+        there, changes = dict(point), dict[str, Any]({name: value})
+        if walls:
+            restitution = [value if i in walls else each for i, each in enumerate(osc.restitution)]
+            changes = {"restitution": tuple(restitution)}
+        if name == "clearance":
+            there |= changes
+            changes = {}
+        found = replace(osc, **changes).at(**there)
+        return found.structure, found.load
+
+    given["parameter"] = "frequency" if name == "r" else at
+    state_by_coordinates(given)
+    if not given.get("start", 1):
+        del given["start"]
+
+
 @overload
 def bifurcation_diagram(
     osc: Oscillator, parameter: str, values: ArrayLike, r: ArrayLike | None = None,
     clearance: ArrayLike | None = None, sweep: str = "both", states: int = 12,
-    state: Mapping[str, float] | None = None, load: float = 1.0, settling: int = 300, keep: int = 33,
+    state: Mapping[str, float] | None = None, load: float | Load = 1.0, settling: int = 300, keep: int = 33,
     points: int = 100, max_events: int = 10_000_000, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram: ...  # fmt: skip
@@ -367,7 +419,7 @@ def bifurcation_diagram(
 
 
 @physical_arguments
-@every_system(bifurcation_structure)
+@every_system(bifurcation_structure, of_law=_along_parameter)
 def bifurcation_diagram(
     osc: Oscillator,
     parameter: str,
@@ -377,7 +429,7 @@ def bifurcation_diagram(
     sweep: str = "both",
     states: int = 12,
     state: Mapping[str, float] | None = None,
-    load: float = 1.0,
+    load: float | Load = 1.0,
     settling: int = 300,
     keep: int = 33,
     points: int = 100,
@@ -392,7 +444,9 @@ def bifurcation_diagram(
     initial states, which shows attractors that no sweep reaches. Coordinates of a structure that a changed gap
     does not admit are moved towards q = 0.
 
-    The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`.
+    The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`. An
+    oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated as a structure: values
+    are evenly spaced, and `r` and `clearance` numbers.
 
     Parameters
     ----------

@@ -300,9 +300,9 @@ def find_structure(
 
 @overload
 def find(
-    osc: Oscillator, r: float, clearance: float, max_impacts: int = 6, max_cycles: int = 2, load: float = 1.0,
-    guesses: int = 96, states: int = 24, settling: int = 600, releases: int = 32, max_events: int = 10_000_000,
-    progress: Callable[[float, str], None] | None = None,
+    osc: Oscillator, r: float, clearance: float, max_impacts: int = 6, max_cycles: int = 2,
+    load: float | Load = 1.0, guesses: int = 96, states: int = 24, settling: int = 600, releases: int = 32,
+    max_events: int = 10_000_000, progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions: ...  # fmt: skip
 @overload
 def find(
@@ -324,7 +324,7 @@ def find(
     clearance: float,
     max_impacts: int = 6,
     max_cycles: int = 2,
-    load: float = 1.0,
+    load: float | Load = 1.0,
     guesses: int = 96,
     states: int = 24,
     settling: int = 600,

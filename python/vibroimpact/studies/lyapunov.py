@@ -152,7 +152,7 @@ def lyapunov_structure(
 @overload
 def lyapunov(
     osc: Oscillator, r: ArrayLike, clearance: ArrayLike, cycles: int = 10_000,
-    state: Mapping[str, float] | None = None, load: float = 1.0, discard: int = 1000, batches: int = 20,
+    state: Mapping[str, float] | None = None, load: float | Load = 1.0, discard: int = 1000, batches: int = 20,
     max_events: int = 10_000_000, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov: ...  # fmt: skip
@@ -175,7 +175,7 @@ def lyapunov(
     clearance: ArrayLike,
     cycles: int = 10_000,
     state: Mapping[str, float] | None = None,
-    load: float = 1.0,
+    load: float | Load = 1.0,
     discard: int = 1000,
     batches: int = 20,
     max_events: int = 10_000_000,

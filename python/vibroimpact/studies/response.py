@@ -12,8 +12,9 @@ from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
+from ..systems.units import positive
 from ..systems.verbs import every_system, physical_arguments
-from .bifurcation import ENDS, SettledMotions, cell, ends
+from .bifurcation import ENDS, SettledMotions, cell, ends, first_point
 
 __all__ = ["Response", "response"]
 
@@ -150,10 +151,23 @@ def response_structure(
     return door.run_structure(Response, structure, load, keys, threads, progress, ENDS)
 
 
+def _along_frequency(given: dict[str, Any]) -> None:
+    """Turns the arguments for an oscillator into those of its first point and of the response of a structure."""
+    values = given["values"] = ends(given.get("r", ()), "r")
+    first_point(given, float(values[0]))
+    inverse = given.pop("inverse_clearance", None)
+    if inverse is not None:
+        if given.get("clearance") is not None:
+            raise ParameterError(
+                f"clearance = {given['clearance']!r}, inverse_clearance = {inverse!r}: must be one of them"
+            )
+        given["clearance"] = 1 / positive(inverse, "inverse_clearance")
+
+
 @overload
 def response(
     osc: Oscillator, r: ArrayLike, clearance: ArrayLike | None = None,
-    inverse_clearance: ArrayLike | None = None, states: int = 24, load: float = 1.0, settling: int = 600,
+    inverse_clearance: ArrayLike | None = None, states: int = 24, load: float | Load = 1.0, settling: int = 600,
     keep: int = 33, max_events: int = 10_000_000, threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response: ...  # fmt: skip
@@ -168,14 +182,14 @@ def response(point: Point, /, r: ArrayLike, **options: Any) -> Response: ...
 
 
 @physical_arguments
-@every_system(response_structure, along=("r", "inverse_clearance"))
+@every_system(response_structure, of_law=_along_frequency, along=("r", "inverse_clearance"))
 def response(
     osc: Oscillator,
     r: ArrayLike,
     clearance: ArrayLike | None = None,
     inverse_clearance: ArrayLike | None = None,
     states: int = 24,
-    load: float = 1.0,
+    load: float | Load = 1.0,
     settling: int = 600,
     keep: int = 33,
     max_events: int = 10_000_000,
@@ -193,7 +207,8 @@ def response(
     over all flights and rests.
 
     The system is `osc`, with a clearance, or `structure, load`, or a point from `Oscillator.at`, whose clearance
-    and load are used.
+    and load are used. An oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated
+    as a structure: r is evenly spaced and clearance is one number.
 
     Parameters
     ----------

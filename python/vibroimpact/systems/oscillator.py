@@ -65,8 +65,8 @@ class Oscillator:
     restitution : float, PowerLaw or TabulatedRestitution, or two of them
         Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law over the
         approach speed in F0 omega/K; one stands for both. An oscillator with a law is treated as
-        `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov` and `basins` take it and give the results
-        of a `Structure`; all others ask for numbers.
+        `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov`, `basins`, `response` and
+        `bifurcation_diagram` take it and give the results of a `Structure`; all others ask for numbers.
     M, K, F0 : float, optional
         Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
         All results of the oscillator and their files keep them. They are not part of the dimensionless
@@ -381,7 +381,7 @@ class Oscillator:
             self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
         )
 
-    def at(self, r: float | str, clearance: float | str, load: float | str = 1.0) -> Point:
+    def at(self, r: float | str, clearance: float | str, load: float | str | Load = 1.0) -> Point:
         """The oscillator at a point, which verbs take in place of the oscillator, r, clearance and load.
 
         Parameters
@@ -391,8 +391,10 @@ class Oscillator:
             rpm or rad/s), as "19.5 Hz".
         clearance : float, str or pint.Quantity
             d K/F0 > 0, or a length d, as "4 mm".
-        load : float, str or pint.Quantity
-            Amplitude of the load over F0, or a force, as "6 N".
+        load : float, str, pint.Quantity or Load
+            Amplitude of the load over F0, or a force, as "6 N"; or a load of the frequency r on the primary mass
+            and the free mass over F0, with further harmonics or a constant force. Verbs then treat the oscillator
+            as a structure.
 
         Returns
         -------
@@ -419,15 +421,20 @@ class Oscillator:
         ...     M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
         ... )
         >>> rig.at("19.5 Hz", "4 mm")
-        <Oscillator(xi=0.011, mu=0.0407407, restitution=(0.75, 0.75)) at r = 0.982359, d K/F0 = 28>
+        <Oscillator(xi=0.011, mu=0.0407407, restitution=(0.75, 0.75)) at r = 0.982362, d K/F0 = 28>
         """
         ratio, gap, force = (
             dimensionless(self, name, value)
             for name, value in (("r", r), ("clearance", clearance), ("load", load))
         )
-        return Point(
-            self, checks.frequency_ratio(ratio, self.xi), positive(gap, "clearance"), checks.number(force, "load")
-        )  # fmt: skip
+        ratio, gap = checks.frequency_ratio(ratio, self.xi), positive(gap, "clearance")
+        if not isinstance(force, Load):
+            return Point(self, ratio, gap, checks.number(force, "load"))
+        if force.constant.size != 2 or not math.isclose(force.frequency, ratio, rel_tol=1e-12):
+            raise ParameterError(
+                f"load = {force!r}: must have the frequency r = {ratio!r} and 2 coordinates"
+            )
+        return Point(self, ratio, gap, force)
 
     @property
     def _has_law(self) -> bool:
@@ -463,14 +470,14 @@ class Point:
     osc : Oscillator
     r, clearance : float
         Frequency ratio, and d K/F0.
-    amplitude : float
-        Amplitude of the load over F0.
+    amplitude : float or Load
+        Amplitude of the load over F0, or the whole load.
     """
 
     osc: Oscillator
     r: float
     clearance: float
-    amplitude: float = 1.0
+    amplitude: float | Load = 1.0
 
     @property
     def structure(self) -> Structure:
@@ -480,6 +487,8 @@ class Point:
     @property
     def load(self) -> Load:
         """The load on the structure."""
+        if isinstance(self.amplitude, Load):
+            return self.amplitude
         return Load(self.r, sine=[self.amplitude, 0])
 
     @property
@@ -501,10 +510,18 @@ class Point:
     def _repr_html_(self) -> str:
         """The representation in Jupyter."""
         facts = {"r": self.r, "d K/F0": self.clearance, "load over F0": self.amplitude}
-        return facts_html(repr(self.osc), {name: f"{value:.10g}" for name, value in facts.items()})
+        shown = {
+            name: repr(value) if isinstance(value, Load) else f"{value:.10g}"
+            for name, value in facts.items()
+        }
+        return facts_html(repr(self.osc), shown)
 
     def __repr__(self) -> str:
-        load = f", load {self.amplitude:.6g}" if self.amplitude != 1 else ""
+        load = ""
+        if isinstance(self.amplitude, Load):
+            load = f", {self.amplitude!r}"
+        elif self.amplitude != 1:
+            load = f", load {self.amplitude:.6g}"
         return f"<{self.osc!r} at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}{load}>"
 
 
@@ -612,8 +629,9 @@ def of_numbers(osc: Any, name: str = "osc") -> None:
     checks.instance(osc, name, Oscillator)
     if osc._has_law:
         raise ParameterError(
-            f"restitution = {osc.restitution!r} of {name}: must be numbers here; simulate, exact, find, lyapunov "
-            "and basins take laws, and so does all that takes a Structure (Oscillator.structure)"
+            f"restitution = {osc.restitution!r} of {name}: must be numbers here; simulate, exact, find, lyapunov, "
+            "basins, response and bifurcation_diagram take laws, and so does all that takes a Structure "
+            "(Oscillator.structure)"
         )
 
 

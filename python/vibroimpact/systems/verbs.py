@@ -9,7 +9,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from ..base.errors import ParameterTypeError
 from .oscillator import Oscillator, Point
-from .structure import Structure
+from .structure import Load, Structure
 from .units import ARGUMENTS, OF_PARAMETER, PLAIN, dimensionless, has_unit
 
 #: Texts that verbs take as arguments.
@@ -44,8 +44,8 @@ def every_system(
     kind : type, optional
         The class of its first argument, which tells its system, if that is not `Structure`.
     of_law : callable, optional
-        Oscillators whose restitution depends on the speed are handed over, too; it turns further arguments, by
-        name, into those for structures.
+        Oscillators whose restitution depends on the speed, or whose load is a `Load`, are handed over, too; it
+        turns the arguments, by name, into those of a point and those for structures.
     along : tuple of str
         The parameter that the procedure varies, and others that a point makes superfluous. A point stands for the
         oscillator and the other arguments that it has.
@@ -79,7 +79,10 @@ def every_system(
             if isinstance(first, Point):
                 kwargs = spread_out(first, args[1:], kwargs)
                 args = ()
-            if of_law and getattr(args[0] if args else kwargs.get("osc"), "_has_law", False):
+            if of_law and (
+                getattr(args[0] if args else kwargs.get("osc"), "_has_law", False)
+                or isinstance(kwargs.get("load"), Load)
+            ):
                 return handed_over(named(parameters, args, kwargs))
             return of_oscillator(*args, **kwargs)
 
@@ -129,14 +132,14 @@ def every_system(
             return of_point | found
 
         def handed_over(given: dict[str, Any]) -> Any:
+            assert of_law
+            of_law(given)
             missing = [key for key in ("r", "clearance") if key not in given]
             if missing:
                 raise TypeError(f"{name}(): missing a required argument: {missing[0]!r}")
             point = given.pop("osc").at(**{
                 key: given.pop(key) for key in list(OF_POINT)[1:] if key in given
             })  # fmt: skip
-            assert of_law
-            of_law(given)
             (_, _, *known) = inspect.signature(of_structure).parameters
             for key, value in list(given.items()):
                 if key in known:
@@ -146,7 +149,7 @@ def every_system(
                     del given[key]
                     continue
                 raise ParameterTypeError(
-                    f"{key} = {value!r}: must be left out where restitution depends on the speed; further "
+                    f"{key} = {value!r}: must be left out where the oscillator is treated as a structure; further "
                     f"arguments are {', '.join(known)}"
                 )
             return of_structure(point.structure, point.load, **given)
