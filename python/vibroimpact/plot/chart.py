@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..systems.units import Units
+from .branch import parameter_label
 from .style import (
     ONE_COLUMN,
     PRIMARY,
@@ -77,22 +78,33 @@ def draw_chart(
         raise ParameterTypeError(
             f"data = {type(data).__name__}: must be a dataset from vibroimpact.chart"
         )
-    if "r" not in data.variables:
+    of_structure = "x" in data.variables
+    if not of_structure and "r" not in data.variables:
         raise ParameterError(
             "data in physical units: must be the dataset from vibroimpact.chart; give the units as `units`"
+        )
+    if of_structure and inverse:
+        raise ParameterError("inverse = True: must be False for a chart of a structure")
+    if of_structure and color == "attenuation":
+        raise ParameterError(
+            "color = 'attenuation': must be 'multiplier' or None for a chart of a structure"
         )
     if color is not None:
         checks.choice(color, "color", tuple(COLORS))
     plt = pyplot()
     plane = Plane(units, inverse)
-    x, y = plane.r(data["r"].values), plane.gap(data["clearance"].values)
+    if of_structure:
+        x, y = data["x"].values, data["y"].values
+    else:
+        x, y = plane.r(data["r"].values), plane.gap(data["clearance"].values)
     kind = classes(data)
     with plt.rc_context({**SETTINGS, "hatch.linewidth": 0.4}):
         if ax is None:
             _, ax = plt.subplots(figsize=(ONE_COLUMN, 3.4), layout="constrained")
-            names = ("xi", "mu", "R1", "R2")
-            head = f"{data.attrs['sides']}/{data.attrs['cycles']}"
-            identify(ax, plane.given({name: data.attrs[name] for name in names}), head)
+            if not of_structure:
+                names = ("xi", "mu", "R1", "R2")
+                head = f"{data.attrs['sides']}/{data.attrs['cycles']}"
+                identify(ax, plane.given({name: data.attrs[name] for name in names}), head)
         mesh = _edges(x), _edges(y)
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
@@ -116,7 +128,11 @@ def draw_chart(
             ax.figure.colorbar(image, ax=ax, label=COLORS[color][1])
         if is_geometric(y):
             log_scale(ax, "y")
-        plane.label_axes(ax)
+        if of_structure:
+            ax.set_xlabel(parameter_label(data["x"].attrs["long_name"]))
+            ax.set_ylabel(parameter_label(data["y"].attrs["long_name"]))
+        else:
+            plane.label_axes(ax)
         none = CLASSES[-1][3] if data.attrs.get("complete", 1) else "not reached, or no motion"
         patches = [
             Patch(

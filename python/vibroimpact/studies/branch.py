@@ -491,7 +491,7 @@ def branch_structure(
 
 def run_from(
     motion: Motion, noun: type[_Found], keys: dict[str, Any], names: dict[str, str],
-    progress: door.Progress | None,
+    progress: door.Progress | None, threads: int | None = None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
     if motion.consistent is False:
@@ -508,7 +508,7 @@ def run_from(
     else:
         start |= {"gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()}
     groups = [*motion.structure._groups(), *motion.load._groups(), ("motion", start)]
-    return door.run_groups(noun, groups, keys, True, None, progress, names)
+    return door.run_groups(noun, groups, keys, True, threads, progress, names)
 
 
 @overload

@@ -1,9 +1,9 @@
-"""Charts: the motions of one pattern on a grid of frequency ratios and clearances."""
+"""Charts: the motions of one pattern on a grid of two parameters."""
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +12,16 @@ from ..base import checks
 from ..base.errors import StudyInterrupted
 from ..base.libraries import xarray
 from ..base.status import status_text
+from ..motions.motion import Motion
 from ..results import door
 from ..results.namelist import symmetric_word
-from ..results.noun import Noun
+from ..results.noun import column
+from ..results.parameters import Parameter
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.units import GAP
-from ..systems.verbs import physical_arguments
+from ..systems.verbs import every_system, physical_arguments
+from .branch import Followed, run_from
+from .zone import keys_of_plane
 
 __all__ = ["Chart", "chart"]
 
@@ -33,58 +37,75 @@ class Variable(NamedTuple):
     attrs: dict[str, Any]
 
 
-class Chart(Noun, study="chart"):
+class Chart(Followed, study="chart"):
     """The motions of one pattern on a grid, as the core found them; `to_xarray` labels them.
 
     `vibroimpact.chart` gives the dataset itself; this is what `vibroimpact.load` and `Case.run` give.
 
     Attributes
     ----------
+    osc : Oscillator
     pattern : Pattern
+        Of an oscillator.
+    structure, load : Structure, Load
+        Of a structure, at the motion that the chart starts from.
+    gaps : ndarray (N,) of int
+        Of a structure: the gaps of the impacts, from 0.
+    cycles : int
+        Load cycles in a period.
+    x, y : ndarray
+        Of a structure: the values of both parameters.
     variables : dict of Variable
         What the dataset has, without xarray: (dims, values, attrs) by name.
     attrs : dict
     """
 
-    __slots__ = ("__dict__",)
+    __slots__ = ()
+    _of_start = "motion"
+    x = column("abscissas")
+    y = column("ordinates")
 
     @property
     def pattern(self) -> Pattern:
+        if self.of_structure:
+            raise AttributeError(self._lack("pattern", "gaps"))
         return Pattern(self.keys["sides"], self.keys["cycles"])
 
     @property
     def attrs(self) -> dict[str, Any]:
         from .. import __version__
 
-        keys, osc = self.keys, self.osc
+        keys = self.keys
+        common = {
+            "source": f"vibroimpact {__version__}", "result": "Chart", "complete": int(self.complete),
+            "case": self.case, "Conventions": "CF-1.11",
+        }  # fmt: skip
+        if self.of_structure:
+            return {
+                "title": "motions of a structure with impacts", "gaps": self.gaps.tolist(), "cycles": self.cycles,
+                **common,
+            }  # fmt: skip
+        osc = self.osc
         right, left = osc.restitution
         return {
             "title": f"motions {keys['sides']}/{keys['cycles']} of a vibrating system with impacts",
             "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "sides": keys["sides"],
             "cycles": keys["cycles"], "load": 1.0,
             "units": "length in F0/K, time in 1/omega, angles in radians",
-            "source": f"vibroimpact {__version__}", "result": "Chart",
             "motions": {"yes": "symmetric", "no": "not symmetric", "both": "all"}[keys["symmetric"]],
-            **{name: keys[name] for name in ("slots", "guesses", "seeds")},
-            "complete": int(self.complete), "case": self.case, "Conventions": "CF-1.11",
+            **{name: keys[name] for name in ("slots", "guesses", "seeds")}, **common,
         }  # fmt: skip
 
     @cached_property
     def variables(self) -> dict[str, Variable]:
         tables = self._result.tables
-        grid, flags = ("motion", "clearance", "r"), np.array([1, 0, -1], np.int8)
+        plane = ("y", "x") if self.of_structure else ("clearance", "r")
+        grid, flags = ("motion", *plane), np.array([1, 0, -1], np.int8)
         columns = {
             name: np.moveaxis(item.values, (0, 1, 2), (-1, -2, -3))
             for name, item in tables["motions"].columns.items()
         }
-        r, clearance = (
-            tables["ratios"].columns["r"].values,
-            tables["clearances"].columns["clearance"].values,
-        )
-        with np.errstate(divide="ignore", over="ignore"):
-            a = 1 / np.hypot((1 - r) * (1 + r), 2 * self.osc.xi * r)
         multipliers, codes = columns["multipliers"], np.unique(columns["status"])
-        attenuation = np.maximum(-columns["x_min"], columns["x_max"]) / a
         moduli = np.hypot(multipliers.real, multipliers.imag)
         variables: dict[str, tuple[Any, Any, str, str]] = {
             "multiplier_modulus": (
@@ -94,23 +115,10 @@ class Chart(Noun, study="chart"):
             "multiplier_angle": (
                 ("multiplier", *grid), np.angle(multipliers), "rad", "angle of the multipliers",
             ),
-            "x_min": (grid, columns["x_min"], "F0/K", "least position of the primary mass"),
-            "x_max": (grid, columns["x_max"], "F0/K", "greatest position of the primary mass"),
-            "attenuation": (grid, attenuation, "1", "greatest |x| over the amplitude without impacts"),
-            "tau": (grid, columns["tau"], "rad", "phase of the forced motion at the first impact"),
-            "alpha": (
-                ("impact", *grid), columns["phases"], "rad", "phase of each impact from the first one on",
-            ),
-            "X": (
-                ("impact", *grid), columns["X"], "F0/K", "position of the primary mass at each impact",
-            ),
-            "A": (("r",), a, "F0/K", "amplitude without impacts"),
             "found": (
-                ("clearance", "r"), tables["points"].columns["found"].values.T, "1",
-                "motions found at the point",
+                plane, tables["points"].columns["found"].values.T, "1", "motions found at the point",
             ),
-            "r": (("r",), r, "1", "frequency ratio Omega/omega"),
-            "clearance": (("clearance",), clearance, "F0/K", GAP),
+            **self._own_variables(columns, grid),
         }  # fmt: skip
         found = {
             name: Variable(
@@ -129,11 +137,51 @@ class Chart(Noun, study="chart"):
             "flag_meanings": "; ".join(map(status_text, codes.tolist())),
         }  # fmt: skip
         found["status"] = Variable(grid, columns["status"], about)
+        if self.of_structure:
+            found["gap"] = Variable(("impact",), self.gaps, {"long_name": "gap of the impact"})
+            return found
         walls = np.array(self.pattern.symbols)
         found["side"] = Variable(
             ("impact",), walls, {"long_name": "wall of the impact, right or left"}
         )
         return found
+
+    def _own_variables(
+        self, columns: dict[str, Any], grid: tuple[str, ...]
+    ) -> dict[str, tuple[Any, Any, str, str]]:
+        """The variables that charts of its system have, each with dimensions, values, unit and meaning."""
+        if self.of_structure:
+            names = {axis: str(self.keys[axis]) for axis in "xy"}
+            return {
+                "q_min": (("coordinate", *grid), columns["q_min"], "", "least value of each coordinate"),
+                "q_max": (("coordinate", *grid), columns["q_max"], "", "greatest value of each coordinate"),
+                "phases": (("impact", *grid), columns["phases"], "rad", "load phase of each impact"),
+                "speeds": (("impact", *grid), columns["speeds"], "", "approach speed of each impact"),
+                "x": (("x",), self.x, "", names["x"]), "y": (("y",), self.y, "", names["y"]),
+            }  # fmt: skip
+        tables = self._result.tables
+        r, clearance = (
+            tables["ratios"].columns["r"].values,
+            tables["clearances"].columns["clearance"].values,
+        )
+        with np.errstate(divide="ignore", over="ignore"):
+            a = 1 / np.hypot((1 - r) * (1 + r), 2 * self.osc.xi * r)
+        attenuation = np.maximum(-columns["x_min"], columns["x_max"]) / a
+        return {
+            "x_min": (grid, columns["x_min"], "F0/K", "least position of the primary mass"),
+            "x_max": (grid, columns["x_max"], "F0/K", "greatest position of the primary mass"),
+            "attenuation": (grid, attenuation, "1", "greatest |x| over the amplitude without impacts"),
+            "tau": (grid, columns["tau"], "rad", "phase of the forced motion at the first impact"),
+            "alpha": (
+                ("impact", *grid), columns["phases"], "rad", "phase of each impact from the first one on",
+            ),
+            "X": (
+                ("impact", *grid), columns["X"], "F0/K", "position of the primary mass at each impact",
+            ),
+            "A": (("r",), a, "F0/K", "amplitude without impacts"),
+            "r": (("r",), r, "1", "frequency ratio Omega/omega"),
+            "clearance": (("clearance",), clearance, "F0/K", GAP),
+        }  # fmt: skip
 
     def __getitem__(self, name: str) -> Variable:
         return self.variables[name]
@@ -145,23 +193,71 @@ class Chart(Noun, study="chart"):
 
     def to_xarray(self) -> Any:
         own = {name: tuple(item) for name, item in self.variables.items()}
-        coords = {name: own.pop(name) for name in ("r", "clearance", "side")}
+        names = ("x", "y", "gap") if self.of_structure else ("r", "clearance", "side")
+        coords = {name: own.pop(name) for name in names}
         return xarray("charts").Dataset(own, coords, self.attrs)
 
     def plot(self, ax: Any = None, color: str | None = None, inverse: bool = False) -> Any:
-        """Draw where the motions are stable, unstable, inadmissible or absent; see `plot.draw_chart`."""
+        """Draw where the motions are stable, unstable, inadmissible or absent; see `plot.draw_chart`.
+
+        `inverse` is for charts of an oscillator.
+        """
         return self._draw(ax, color, inverse)
 
     def __repr__(self) -> str:
         sizes = self._result.tables["points"].dims
         cut = "" if self.complete else f"; cut short, {self.cut}"
+        if self.of_structure:
+            return (
+                f"<Chart of {self.gaps.size} impacts: {sizes['x']} values of {self.keys['x']}, "
+                f"{sizes['y']} of {self.keys['y']}{cut}>"
+            )
         return (
             f"<Chart of {self.pattern.sides}/{self.pattern.cycles}: {sizes['r']} frequency ratios, "
             f"{sizes['clearance']} clearances{cut}>"
         )
 
 
+def chart_structure(
+    motion: Motion,
+    x: tuple[Parameter, float, float],
+    y: tuple[Parameter, float, float],
+    points: int | tuple[int, int] = 33,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+    x_at: float | None = None,
+    y_at: float | None = None,
+) -> Any:
+    """As `chart`, of a motion of a structure."""
+    xarray("charts")
+    both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
+    keys, names = keys_of_plane(motion, (x, y), (x_at, y_at))
+    keys |= {"x_points": both[0], "y_points": both[1]}
+    names |= {"x_points": "points", "y_points": "points"}
+    try:
+        return run_from(motion, Chart, keys, names, progress, threads).to_xarray()
+    except StudyInterrupted as stop:
+        raise StudyInterrupted(stop.result.to_xarray()) from None
+
+
+@overload
+def chart(
+    osc: Oscillator, pattern: Pattern | str, r: ArrayLike, clearance: ArrayLike, symmetric: bool | None = None, *,
+    multipliers: bool = True, slots: int = 4, guesses: int = 32, seeds: int = 12, threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Any: ...  # fmt: skip
+@overload
+def chart(
+    motion: Motion, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    points: int | tuple[int, int] = 33, threads: int | None = None, progress: door.Progress | None = None,
+    x_at: float | None = None, y_at: float | None = None,
+) -> Any: ...  # fmt: skip
+
+
 @physical_arguments
+@every_system(
+    chart_structure, Motion, no_point="give its osc, a pattern, and values of r and clearance"
+)
 def chart(
     osc: Oscillator,
     pattern: Pattern | str,
@@ -178,15 +274,26 @@ def chart(
 ) -> Any:
     """The motions of a pattern at every point of a grid, as a labelled dataset (extra `data`).
 
-    Two equally spaced impacts with equal restitution (the pattern RL, k odd) have a closed form.
+    Of an oscillator: two equally spaced impacts with equal restitution (the pattern RL, k odd) have a closed form.
     All other motions are found by Newton's method: a search at some points of the grid, then from
     each solved point to its neighbours.
+
+    Of a motion of a structure: the motions with its impacts over the plane of any two parameters. The lines of the
+    grid are followed through it and through each motion where two lines cross, as by `zone`, also where they are
+    unstable or not admissible. Sheets that are not connected to the motion have charts of their own.
 
     Parameters
     ----------
     osc : Oscillator
     pattern : Pattern or str
         Without rest.
+    motion : Motion
+        Of a structure, in place of the oscillator and the pattern; as of `zone`.
+    x, y : (parameter, float, float)
+        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
+        value. With a function, `x_at` or `y_at` is its value at the motion.
+    points : int or (int, int)
+        Of a structure: number of values of x and of y, 2 to 129.
     r, clearance : array_like
         Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether; d is the whole
         travel of m between the walls.
@@ -226,6 +333,10 @@ def chart(
         ones. Where there are more motions than `slots`, a slot may change from one to another; no
         admissible and stable motion is left out for one that is not.
 
+        Of a structure the dimensions are `motion`, `y` and `x`; in place of X, tau and the like there are `q_min`,
+        `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`). At each point the
+        motion with the least leading multiplier comes first.
+
     Raises
     ------
     ParameterError, ParameterTypeError
@@ -248,6 +359,15 @@ def chart(
     2
     >>> int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
     107
+
+    The motion of a mass that hits one wall, over the frequency and the amplitude of the load:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> load = vi.Load(1.0, cosine=[1])
+    >>> motion = vi.exact(wall, load, vi.simulate(wall, load, cycles=300))
+    >>> data = vi.chart(motion, ("frequency", 0.8, 1.2), ("load", 0.5, 2), points=(9, 7))
+    >>> data.stable.dims, int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
+    (('motion', 'y', 'x'), 61)
     """
     xarray("charts")
     options = {"slots": slots, "guesses": guesses, "seeds": seeds}

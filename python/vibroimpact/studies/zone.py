@@ -605,9 +605,20 @@ def zone_structure(
     y_at: float | None = None,
 ) -> Zone:
     """As `zone`, of a motion of a structure."""
+    keys, names = keys_of_plane(motion, (x, y), (x_at, y_at))
+    keys |= {"lines": lines, "max_points": max_points}
+    found = run_from(motion, Zone, keys, names, progress)
+    found.require()
+    return found
+
+
+def keys_of_plane(
+    motion: Motion, axes: tuple[Any, Any], at: tuple[float | None, float | None]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """The keys of the plane of two parameters, and the caller's names of them."""
     keys: dict[str, Any] = {}
     names: dict[str, str] = {}
-    for name, axis, start in (("x", x, x_at), ("y", y, y_at)):
+    for name, axis, start in zip("xy", axes, at, strict=True):
         wanted = "(parameter, lowest, highest)"
         if not isinstance(axis, tuple) or len(axis) != 3:
             raise ParameterError(f"{name} = {axis!r}: must be {wanted}")
@@ -615,10 +626,7 @@ def zone_structure(
             motion.structure, motion.load, axis[0], axis[1:], start, name, f"{name}_"
         )
         names |= {name: f"{name}[0]", f"{name}_low": f"{name}[1]", f"{name}_high": f"{name}[2]"}
-    keys |= {"lines": lines, "max_points": max_points}
-    found = run_from(motion, Zone, keys, names, progress)
-    found.require()
-    return found
+    return keys, names
 
 
 @overload

@@ -1,16 +1,30 @@
 !> The study &chart: the motions of a pattern on a grid.
 module vi_chart_study
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_branch_study, only: check_structure_start
    use vi_common_keys, only: most_numbers, cycles_key, symmetric_key, window_keys
+   use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
-   use vi_kinds, only: wp
+   use vi_kinds, only: two_pi, wp
+   use vi_lattice, only: even_lattice, nearest_lines
+   use vi_motion, only: unknown, yes
+   use vi_motion_family, only: condition_type
+   use vi_net, only: cover, cover_from, net_type, new_net
    use vi_pattern, only: new_pattern, pattern_type, side_symbols
-   use vi_motion, only: yes
+   use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_spacing, only: even, spaced
    use vi_status, only: stat
-   use vi_text, only: whole
+   use vi_structure_parameter, only: x_function_keys, y_function_keys
+   use vi_structure_path, only: value_at
+   use vi_structure_period, only: structure_motion_type
+   use vi_structure_start, only: motion_at, phases_at
+   use vi_text, only: counted, whole
    use vi_chart_grid, only: compute_chart, chart_type, most_points, chart_grid_type
-   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, &
-      of_oscillator, result_type, study_type, values_type, verdicts, wholes
+   use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
+      list_for, of_oscillator, of_structure, result_type, study_type, values_type, verdicts, wholes
+   use vi_zone, only: place_at_node
+   use vi_zone_study, only: check_plane, plane_columns, plane_keys, plane_type, put_plane, &
+      start_surface
    implicit none (type, external)
    private
 
@@ -59,10 +73,21 @@ module vi_chart_study
       key_type('multipliers', a_word, words='yes no', may_miss=.true., &
       meaning='''no'' leaves out those of equispaced motions, which take most of the time')]
 
+   !> Largest number of points along an axis of a structure.
+   integer, parameter :: most_lines = 129
+   type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('x_points', a_whole, default='33', low=2.0_wp, high=real(most_lines, wp), &
+      option='x', meaning='number of values of x, evenly spaced'), &
+      key_type('y_points', a_whole, default='33', low=2.0_wp, high=real(most_lines, wp), &
+      option='y', meaning='number of values of y, evenly spaced')]
+
    type(column_type), parameter :: chart_columns(*) = [ &
-      column_type('ratios', 'r', meaning='frequency ratio'), &
+      column_type('ratios', 'r', meaning='frequency ratio', model=of_oscillator), &
       column_type('clearances', 'clearance', unit='F0/K', &
-      meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
+      meaning='clearance d K/F0; d is the whole travel of m between the walls', &
+      model=of_oscillator), &
+      column_type('abscissas', 'x', meaning='parameter of the abscissa', model=of_structure), &
+      column_type('ordinates', 'y', meaning='parameter of the ordinate', model=of_structure), &
       column_type('slots', 'slot', wholes, meaning='number of the motion at its point'), &
       column_type('motions', 'consistent', verdicts, meaning='whether it solves all equations'), &
       column_type('motions', 'admissible', verdicts, &
@@ -73,14 +98,21 @@ module vi_chart_study
       column_type('motions', 'multipliers', complexes, each='multiplier', listed=.false., &
       meaning='eigenvalues of [P], in order of decreasing modulus'), &
       column_type('motions', 'x_min', unit='F0/K', listed=.false., &
-      meaning='least displacement of the primary mass'), &
+      meaning='least displacement of the primary mass', model=of_oscillator), &
       column_type('motions', 'x_max', unit='F0/K', &
-      meaning='greatest displacement of the primary mass'), &
-      column_type('motions', 'tau', unit='rad', listed=.false., meaning='phase of equation (4)'), &
+      meaning='greatest displacement of the primary mass', model=of_oscillator), &
+      column_type('motions', 'tau', unit='rad', listed=.false., meaning='phase of equation (4)', &
+      model=of_oscillator), &
+      column_type('motions', 'q_min', each='coordinate', label='q_min_#', listed=.false., &
+      meaning='least value of each coordinate', model=of_structure), &
+      column_type('motions', 'q_max', each='coordinate', label='q_max_#', &
+      meaning='greatest value of each coordinate', model=of_structure), &
       column_type('motions', 'phases', each='impact', unit='rad', listed=.false., &
-      meaning='load phases of the impacts, from the first one'), &
+      meaning='load phases of the impacts, of an oscillator from the first one'), &
       column_type('motions', 'X', each='impact', unit='F0/K', listed=.false., &
-      meaning='displacements of the primary mass at the impacts'), &
+      meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
+      column_type('motions', 'speeds', each='impact', listed=.false., &
+      meaning='approach speeds of the impacts', model=of_structure), &
       column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
       meaning='code of what failed; 0: none'), &
       column_type('points', 'found', wholes, listed=.false., &
@@ -97,12 +129,22 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = chart_keys
-      if (present(columns)) columns = chart_columns
+      if (present(keys)) then
+         call list_for(of_oscillator, chart_keys, keys)
+         call list_for(of_structure, plane_keys, keys)
+         call list_for(of_structure, structure_keys, keys)
+         call list_for(of_structure, x_function_keys, keys)
+         call list_for(of_structure, y_function_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(every_model, chart_columns, columns)
+         call list_for(of_structure, plane_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'chart'
-      study%models = of_oscillator
-      study%meaning = 'compute all motions of a pattern on a grid of r and d K/F0'
+      study%meaning = 'compute the motions of a pattern on a grid of two parameters'
+      study%starts_from(of_structure) = 'motion'
+      study%check_start => check_structure_start
       study%row = 'motions'
       study%check => check_chart
       study%memory => chart_memory
@@ -119,6 +161,10 @@ contains
       integer :: n
 
       if (len(case%study%fault) > 0) return
+      if (case%model == of_structure) then
+         call check_plane(case)
+         return
+      end if
       pattern = chart_pattern(case%study)
       n = size(pattern%sides)
       if (n < 2 .or. n > most_impacts .or. any(pattern%sides == 0) .or. abs(sum(pattern%sides)) &
@@ -235,6 +281,12 @@ contains
       type(pattern_type) :: pattern
 
       associate (s => case%study)
+         if (case%model == of_structure) then
+            ! a few motions at each point, with their derivatives
+            bytes = 4.0_wp*s%number('x_points')*s%number('y_points')*(4000 + 100.0_wp* &
+               case%coordinates**2)
+            return
+         end if
          pattern = chart_pattern(s)
          bytes = 3.0_wp*points_of(s, 'r')*points_of(s, 'clearance')*(s%whole_number('slots') + 2)* &
             (16*size(pattern%sides) + 150)
@@ -257,6 +309,10 @@ contains
       character(:), allocatable :: what
       integer :: i, slots, m, n, reached
 
+      if (case%model == of_structure) then
+         call run_structure(case, threads, result, progress)
+         return
+      end if
       pattern = chart_pattern(case%study)
       grid = chart_grid_of(case%study)
       call compute_chart(case%osc, pattern, grid, threads, chart, progress)
@@ -301,5 +357,163 @@ contains
             all(chart%verdicts == yes, 1)))//' admissible and stable')
       end if
    end subroutine run_chart
+
+   !> Finds the motions of a structure on a grid: where the lines of a lattice cross on the surface
+   !! of motions about a given one.
+   subroutine run_structure(case, threads, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(plane_type) :: plane
+      type(curve_type) :: surface
+      type(net_type) :: net
+      type(structure_motion_type), allocatable :: motions(:)
+      real(wp), allocatable :: start(:), extremes(:, :, :)
+      logical :: at_node, mirrored
+      integer :: i, m
+
+      call add_expected_work(2, progress)
+      call start_surface(case, plane, surface, start, mirrored, result, progress)
+      if (.not. allocated(start)) return
+      m = size(start) - 2
+      call new_net(surface, even_lattice(case%study%whole_number('x_points'), &
+         case%study%whole_number('y_points')), net, .false.)
+      call place_at_node(net, start(m + 1:), start(:m), nearest_lines(net%lines, start(m + 1:)), &
+         at_node)
+      if (at_node) then
+         call cover(net, 1, progress)
+      else
+         call cover_from(net, start(m + 1:), start(:m), progress)
+      end if
+      call add_done_work(1, progress)
+      allocate (motions(net%n), extremes(case%coordinates, 2, net%n))
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads)
+      do i = 1, net%n
+         call motion_at(surface, point_of(net, i), condition_type(), motions(i), extremes(:, :, i))
+      end do
+      !$omp end parallel do
+      call add_done_work(1, progress)
+      if (is_stopped(progress)) result%cut = 'motions were found at '//whole(count(net%head > 0)) &
+         //' of '//whole(size(net%head))//' points so far'
+      result%empty = net%n == 0
+      if (net%full) call result%remark('there are more motions than could be kept')
+      if (result%empty) then
+         call result%fail('no line of the grid passes a motion of this family')
+         return
+      end if
+      call put_motions(plane, net, motions, extremes, result)
+      call put_plane(plane, result)
+      call result%add_note(counted(net%n, 'motion')//' at '//whole(count(net%head > 0))//' of '// &
+         whole(size(net%head))//' points, '//whole(count([(motions(i)%verdicts%admissible == yes &
+         .and. motions(i)%verdicts%stable == yes, i=1, net%n)]))//' admissible and stable')
+   end subroutine run_structure
+
+   !> The point of the surface at a node of a net.
+   pure function point_of(net, node) result(point)
+      !> The net.
+      type(net_type), intent(in) :: net
+      !> Number of the node.
+      integer, intent(in) :: node
+      real(wp) :: point(size(net%unknowns, 1) + 2)
+
+      associate (place => net%lattice(:, node))
+         point = [net%unknowns(:, node), net%lines%axes(1)%at(place(1)), &
+            net%lines%axes(2)%at(place(2))]
+      end associate
+   end function point_of
+
+   !> Puts the motions at the nodes of a net into the result, those of least leading multiplier
+   !! first.
+   subroutine put_motions(plane, net, motions, extremes, result)
+      !> The plane.
+      type(plane_type), intent(in) :: plane
+      !> The net.
+      type(net_type), intent(in) :: net
+      !> (nodes) The motions.
+      type(structure_motion_type), intent(in) :: motions(:)
+      !> (coordinates, 2, nodes) Least and greatest coordinates.
+      real(wp), intent(in) :: extremes(:, :, :)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      real(wp), allocatable, dimension(:, :, :, :) :: q_min, q_max, phases, speeds
+      real(wp), allocatable :: leading(:, :, :), of_node(:)
+      complex(wp), allocatable :: multipliers(:, :, :, :)
+      integer, allocatable :: verdicts_of(:, :, :, :), status(:, :, :), found(:, :), slot(:)
+      real(wp) :: nan
+      integer :: i, impacts, j, m, n, slots
+
+      nan = ieee_value(1.0_wp, ieee_quiet_nan)
+      n = size(net%head, 1)
+      m = size(net%head, 2)
+      impacts = size(plane%motion%gaps)
+      allocate (of_node(net%n), slot(net%n))
+      do i = 1, net%n
+         of_node(i) = abs(motions(i)%verdicts%multipliers(1))
+         if (.not. of_node(i) >= 0) of_node(i) = huge(1.0_wp)
+      end do
+      allocate (found(m, n), source=0)
+      do i = 1, net%n
+         slot(i) = 1
+         j = net%head(net%lattice(1, i), net%lattice(2, i))
+         do while (j > 0)
+            if (of_node(j) < of_node(i) .or. (j < i .and. .not. of_node(j) > of_node(i))) slot(i) &
+               = slot(i) + 1
+            j = net%follower(j)
+         end do
+         associate (at => net%lattice(:, i))
+            found(at(2), at(1)) = found(at(2), at(1)) + 1
+         end associate
+      end do
+      slots = maxval(slot)
+      associate (modes => size(motions(1)%verdicts%multipliers), k => size(extremes, 1))
+         allocate (multipliers(modes, slots, m, n), source=cmplx(nan, nan, wp))
+         allocate (q_min(k, slots, m, n), q_max(k, slots, m, n), source=nan)
+      end associate
+      allocate (phases(impacts, slots, m, n), speeds(impacts, slots, m, n), source=nan)
+      allocate (leading(slots, m, n), source=nan)
+      allocate (verdicts_of(3, slots, m, n), source=unknown)
+      allocate (status(slots, m, n), source=stat%no_motion)
+      do i = 1, net%n
+         associate (x => net%lattice(1, i), y => net%lattice(2, i), s => slot(i), &
+            v => motions(i)%verdicts)
+            multipliers(:, s, y, x) = v%multipliers
+            leading(s, y, x) = abs(v%multipliers(1))
+            verdicts_of(:, s, y, x) = [v%consistent, v%admissible, v%stable]
+            q_min(:, s, y, x) = extremes(:, 1, i)
+            q_max(:, s, y, x) = extremes(:, 2, i)
+            associate (at => phases_at(net%surface, point_of(net, i)))
+               phases(:, s, y, x) = at - two_pi*floor(minval(at)/two_pi)
+            end associate
+            speeds(:, s, y, x) = motions(i)%speeds
+            status(s, y, x) = stat%ok
+         end associate
+      end do
+      call result%open('abscissas', 'x', [n])
+      call result%put('abscissas', 'x', [(value_at(plane%changes(1), net%lines%axes(1)%at(i)), &
+         i=1, n)])
+      call result%open('ordinates', 'y', [m])
+      call result%put('ordinates', 'y', [(value_at(plane%changes(2), net%lines%axes(2)%at(i)), &
+         i=1, m)])
+      call result%open('slots', 'slot', [slots])
+      call result%put('slots', 'slot', [(i, i=1, slots)])
+      call result%open('motions', 'slot y x', [slots, m, n])
+      call result%put('motions', 'consistent', [verdicts_of(1, :, :, :)])
+      call result%put('motions', 'admissible', [verdicts_of(2, :, :, :)])
+      call result%put('motions', 'stable', [verdicts_of(3, :, :, :)])
+      call result%put('motions', 'leading', [leading])
+      call result%put('motions', 'multipliers', [multipliers])
+      call result%put('motions', 'q_min', [q_min])
+      call result%put('motions', 'q_max', [q_max])
+      call result%put('motions', 'phases', [phases])
+      call result%put('motions', 'speeds', [speeds])
+      call result%put('motions', 'status', [status])
+      call result%open('points', 'y x', [m, n])
+      call result%put('points', 'found', [found])
+   end subroutine put_motions
 
 end module vi_chart_study

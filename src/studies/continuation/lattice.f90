@@ -47,15 +47,16 @@ contains
    end function new_lattice
 
    !> The evenly spaced lattice of the unit square.
-   pure function even_lattice(lines) result(lattice)
+   pure function even_lattice(lines, rows) result(lattice)
       !> Number of lines in each direction, at least 2.
       integer, intent(in) :: lines
+      !> Another number of those along which the second coordinate is constant.
+      integer, intent(in), optional :: rows
       type(lattice_type) :: lattice
-      integer :: i
 
-      do i = 1, 2
-         lattice%axes(i)%at = even(lines)
-      end do
+      lattice%axes(1)%at = even(lines)
+      lattice%axes(2)%at = lattice%axes(1)%at
+      if (present(rows)) lattice%axes(2)%at = even(rows)
    end function even_lattice
 
    !> The two lines through a place.

@@ -27,7 +27,8 @@ module vi_zone
    implicit none (type, external)
    private
 
-   public :: count_zone, find_zone, release_type, simulate_nodes, zone_around, zone_type
+   public :: count_zone, find_zone, place_at_node, release_type, simulate_nodes, zone_around, &
+      zone_type
 
    !> Units of work of one zone in the progress counters.
    integer, parameter, public :: zone_work = 1000

@@ -30,7 +30,7 @@ module vi_zone_study
    implicit none (type, external)
    private
 
-   public :: declare_zone
+   public :: check_plane, declare_zone, put_plane, start_surface
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, &
@@ -61,7 +61,8 @@ module vi_zone_study
       column_type('open_seeds', 'clearance', unit='F0/K', listed=.false., &
       meaning='clearance of a seed around which no boundary could be closed')]
 
-   type(key_type), parameter :: structure_keys(*) = [ &
+   !> The plane of two parameters of a structure.
+   type(key_type), parameter, public :: plane_keys(*) = [ &
       key_type('x', a_word, takes=parameter_takes, meaning='parameter of the abscissa'), &
       key_type('x_low', takes='a number, at most the value that the motion has', option='x', &
       meaning='lower bound of x'), &
@@ -86,12 +87,23 @@ module vi_zone_study
       meaning='load phases of the impacts'), &
       column_type('rings', 'x', listed=.false., &
       meaning='abscissa along a closed loop, counter-clockwise around a zone'), &
-      column_type('rings', 'y', listed=.false., meaning='ordinate along a closed loop'), &
+      column_type('rings', 'y', listed=.false., meaning='ordinate along a closed loop')]
+
+   !> The columns of the motion at the start, and of the structure there.
+   type(column_type), parameter, public :: plane_columns(*) = [ &
       column_type('motion', 'gaps', wholes, each='impact', listed=.false., &
       meaning='gaps of the impacts, from 0'), &
       column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
       column_type('motion', 'frequency', listed=.false., &
       meaning='circular frequency of the load at the start'), path_columns, structure_columns]
+
+   !> A motion of a structure, and two parameters that change.
+   type, public :: plane_type
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(settled_type) :: motion
+      type(change_type) :: changes(2)
+   end type plane_type
 
 contains
 
@@ -106,7 +118,7 @@ contains
 
       if (present(keys)) then
          call list_for(of_oscillator, zone_keys, keys)
-         call list_for(of_structure, structure_keys, keys)
+         call list_for(of_structure, plane_keys, keys)
          call list_for(every_model, [lines_key], keys)
          call list_for(of_oscillator, [guesses_key], keys)
          call list_for(every_model, [vertices_key], keys)
@@ -123,6 +135,7 @@ contains
          call list_for(of_oscillator, vertex_columns, columns)
          call list_for(of_oscillator, seed_columns, columns)
          call list_for(of_structure, structure_vertex_columns, columns)
+         call list_for(of_structure, plane_columns, columns)
          call list_for(every_model, family_columns, columns)
       end if
       if (.not. present(study)) return
@@ -145,7 +158,7 @@ contains
 
       if (len(case%study%fault) > 0) return
       if (case%model == of_structure) then
-         call check_structure_zone(case)
+         call check_plane(case)
          return
       end if
       pattern = zone_pattern(case%study)
@@ -348,8 +361,8 @@ contains
       if (.not. found%closed) call result%fail(not_closed)
    end subroutine tell_pieces
 
-   !> Checks both parameters.
-   subroutine check_structure_zone(case)
+   !> Checks both parameters of a plane.
+   subroutine check_plane(case)
       !> The case, with `start`.
       type(case_type), intent(inout) :: case
       type(structure_type) :: structure
@@ -373,7 +386,64 @@ contains
          end do
       end if
       case%study = group
-   end subroutine check_structure_zone
+   end subroutine check_plane
+
+   !> The surface of motions over a plane of two parameters, which is the unit square.
+   subroutine start_surface(case, plane, surface, start, mirrored, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> The motion at the start, with its structure.
+      type(plane_type), intent(out) :: plane
+      !> The surface.
+      type(curve_type), intent(out) :: surface
+      !> Unknowns and parameters of the motion; not allocated if there is none.
+      real(wp), allocatable, intent(out) :: start(:)
+      !> As of `start_curve`.
+      logical, intent(out) :: mirrored
+      !> The result, empty so far; says why there is none.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      character(:), allocatable :: message
+      integer :: status
+
+      result%empty = .true.
+      mirrored = .false.
+      associate (structure => plane%structure, load => plane%load, motion => plane%motion, &
+         changes => plane%changes)
+call find_structure_motion(case, case%start, .true., structure, load, motion, status, &
+            progress)
+         if (status == stat%not_computed) then
+            result%cut = 'it was stopped before a motion was reached'
+            return
+         end if
+         if (status /= stat%ok) then
+            call result%fail(status_text(status))
+            return
+         end if
+         call parameter_change(case%study, 'x', 'x_', structure, load, changes(1), message)
+         call parameter_change(case%study, 'y', 'y_', structure, load, changes(2), message)
+         call start_curve(structure, load, motion, changes, surface, start, mirrored, message)
+         if (len(message) == 0) return
+      end associate
+      if (allocated(start)) deallocate (start)
+      call result%fail(message)
+   end subroutine start_surface
+
+   !> Puts the motion at the start and its structure into the result.
+   subroutine put_plane(plane, result)
+      !> The motion and its structure.
+      type(plane_type), intent(in) :: plane
+      !> The result.
+      type(result_type), intent(inout) :: result
+
+      call result%open('motion', 'one', [1])
+      call result%put('motion', 'gaps', plane%motion%gaps - 1)
+      call result%put('motion', 'cycles', [plane%motion%cycles])
+      call result%put('motion', 'frequency', [plane%load%frequency])
+      call put_path(result, plane%changes)
+      call put_structure(result, plane%structure, plane%load)
+   end subroutine put_plane
 
    !> Finds the zone of a motion of a structure.
    subroutine run_structure(case, result, progress)
@@ -383,39 +453,18 @@ contains
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(structure_type) :: structure
-      type(load_type) :: load
-      type(settled_type) :: motion
-      type(change_type) :: changes(2)
+      type(plane_type) :: plane
       type(curve_type) :: surface
       type(zone_request_type) :: request
       type(zone_type) :: zone
       type(pieces_type) :: found, families(1)
       character(*), parameter :: columns_of_vertices(4) = ['x     ', 'y     ', 'speeds', 'phases']
       real(wp), allocatable :: start(:)
-      character(:), allocatable :: message
       logical :: mirrored
-      integer :: status
 
       call add_expected_work(zone_work, progress)
-      result%empty = .true.
-      call find_structure_motion(case, case%start, .true., structure, load, motion, status, &
-         progress)
-      if (status == stat%not_computed) then
-         result%cut = 'it was stopped before a motion was reached'
-         return
-      end if
-      if (status /= stat%ok) then
-         call result%fail(status_text(status))
-         return
-      end if
-      call parameter_change(case%study, 'x', 'x_', structure, load, changes(1), message)
-      call parameter_change(case%study, 'y', 'y_', structure, load, changes(2), message)
-      call start_curve(structure, load, motion, changes, surface, start, mirrored, message)
-      if (len(message) > 0) then
-         call result%fail(message)
-         return
-      end if
+      call start_surface(case, plane, surface, start, mirrored, result, progress)
+      if (.not. allocated(start)) return
       ! the window is the unit square; zones have a logarithmic ordinate
       request = zone_request_type(symmetric=surface%family%symmetric, r=[0.0_wp, 1.0_wp], &
          clearance=exp([0.0_wp, 1.0_wp]), lines=case%study%whole_number('lines'), &
@@ -426,16 +475,11 @@ contains
          return
       end if
       call add_pieces(zone, request, mirrored, found)
-      call in_parameters(case, surface, changes, found)
+      call in_parameters(case, surface, plane%changes, found)
       call result%open('families', 'family', [1])
       families(1) = found
       call put_pieces(families, result, columns_of_vertices)
-      call result%open('motion', 'one', [1])
-      call result%put('motion', 'gaps', motion%gaps - 1)
-      call result%put('motion', 'cycles', [motion%cycles])
-      call result%put('motion', 'frequency', [load%frequency])
-      call put_path(result, changes)
-      call put_structure(result, structure, load)
+      call put_plane(plane, result)
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       result%empty = found%n == 0
       call tell_pieces(found, '', 'no zone: no motion of this family is both stable and admissible &
