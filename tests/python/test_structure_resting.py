@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 import vibroimpact as vi
 from vibroimpact.base.errors import SingularError
 from vibroimpact.motions.exact import settled
@@ -74,7 +73,9 @@ def test_points_are_those_of_simulations(start, path):
         agrees(path, i)
     # the start is the motion itself
     i = int(abs(path.values - start.load.frequency).argmin())
-    assert np.sort(abs(path.multipliers[:, i])) == pytest.approx(np.sort(abs(start.multipliers)), abs=1e-9)
+    assert np.sort(abs(path.multipliers[:, i])) == pytest.approx(
+        np.sort(abs(start.multipliers)), abs=1e-9
+    )
 
 
 def test_multipliers_are_those_of_the_simulated_period(path):
@@ -86,9 +87,7 @@ def test_multipliers_are_those_of_the_simulated_period(path):
     t, state = phase / load.frequency, np.concatenate([q, rate])
 
     def image(s):
-        run = vi.simulate(
-            structure, load, cycles=path.cycles, state=(s[:2], s[2:]), start=t
-        )
+        run = vi.simulate(structure, load, cycles=path.cycles, state=(s[:2], s[2:]), start=t)
         return np.concatenate(run.final_state)
 
     h = 1e-6 * np.array([abs(q).max()] * 2 + [abs(rate).max()] * 2)
@@ -163,7 +162,9 @@ def random_structure(seed):
         gaps += [vi.Gap(s * direction, opening, float(g.uniform(0, 0.6))) for s in (1, -1)]
     force = np.zeros(n)
     force[g.integers(0, hosts)] = 1
-    return vi.Structure(mass, damping, stiffness, gaps), vi.Load(float(g.uniform(0.5, 1.6)), sine=force)
+    return vi.Structure(mass, damping, stiffness, gaps), vi.Load(
+        float(g.uniform(0.5, 1.6)), sine=force
+    )
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -177,7 +178,9 @@ def test_random_structures(seed):
     if not len(motion.rests) or len(motion.rests) > 4:
         return
     try:
-        branch = vi.branch(motion, "frequency", bounds=(0.95 * load.frequency, 1.05 * load.frequency))
+        branch = vi.branch(
+            motion, "frequency", bounds=(0.95 * load.frequency, 1.05 * load.frequency)
+        )
     except SingularError as error:
         assert "can be followed" in str(error) or "cannot be followed" in str(error)  # noqa: PT017
         return

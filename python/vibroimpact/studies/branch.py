@@ -354,7 +354,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         q, rate = (self._values("points", name)[i] for name in ("q", "q_dot"))
         if not self.admissible[i]:
             raise SingularError(
-                f"point {i}: this motion with rests is not admissible, and cannot be simulated; the columns have it"
+                f"point {i}: this motion with rests is not admissible and cannot be simulated; the columns have it"
             )
         start = float(self.phases[0, i]) / load.frequency
         found = settled(structure, load, start, (q, rate), cycles=self.cycles)
