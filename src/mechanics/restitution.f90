@@ -1,10 +1,14 @@
-!> The coefficient of restitution R as a function of the approach speed v.
+!> What happens where a gap closes: the coefficient of restitution R as a function of the approach
+!! speed v, or an elastic stop.
 !!
 !! Power law: R(v) = R0 (1 + (v/v0)^k)^(-p/k). Far below the speed v0 it tends to R0, and far above
 !! to R0 (v/v0)^(-p). p = 1/4 is the exponent of plastic contact of spheres (K. L. Johnson, Contact
 !! mechanics, 1985, section 11.5). A large k approaches the law min(R0, R0 (v/v0)^(-p)), with p =
 !! 0.234 for ice at low temperature (F. G. Bridges, A. Hatzes and D. N. C. Lin, Nature 309, 1984).
 !! k = 1/5 and R0 = 1 give 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
+!!
+!! Stop: a spring and a dashpot that press with p = p0 + k d + c d' at a depth d > 0. The contact of
+!! one kind ends where d returns to 0; the other one cannot pull, p = max(0, ..).
 !!
 !! Table: a monotone piecewise cubic interpolant with continuous slope (F. N. Fritsch and J.
 !! Butland, SIAM J. Sci. Stat. Comput. 5, 1984). Outside the table R keeps its first and its last
@@ -17,12 +21,13 @@ module vi_restitution
    public :: greatest_below, new_restitution, restitution_at
 
    !> Kinds of laws.
-   integer, parameter, public :: constant_law = 0, power_law = 1, table_law = 2
+   integer, parameter, public :: constant_law = 0, power_law = 1, table_law = 2, &
+      stop_law = 3, pushing_law = 4
 
    !> A law.
    type, public :: restitution_type
       integer :: kind = constant_law
-      !> Power law: R0, v0, p and k. Constant: R first.
+      !> Power law: R0, v0, p and k. Constant: R first. Stop: k, c and p0.
       real(wp) :: numbers(4) = 1
       !> Table: speeds in ascending order, values, and slopes there.
       real(wp), allocatable :: speeds(:), values(:), slopes(:)
@@ -35,7 +40,7 @@ contains
       !> Its kind, as a whole number.
       real(wp), intent(in) :: kind
       !> Constant: R. Power law: R0, v0, p, k. Table: the number of points, their speeds, and their
-      !! values. More numbers do not count.
+      !! values. Stop: k, c, p0. More numbers do not count.
       real(wp), intent(in) :: numbers(:)
       type(restitution_type) :: law
       integer :: n
@@ -51,6 +56,8 @@ contains
          allocate (law%slopes(n))
          call monotone_slopes(law%speeds, law%values, law%slopes)
          law%numbers(1) = law%values(1)
+      case (stop_law, pushing_law)
+         law%numbers(:3) = numbers(:3)
       case default
          law%numbers(1) = numbers(1)
       end select

@@ -1,8 +1,10 @@
-!> A linear structure with gaps under a load, and its motion while given gaps are closed.
+!> A linear structure with gaps and elastic stops under a load, and its motion while given ones are
+!! closed.
 !!
 !! M q'' + C q' + K q = f(t) + g with q in R^n; all bodies are treated alike. Gap j stays open: e_j
 !! - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has one
-!! coordinate fewer for each, and each pushes back with a force p_j >= 0.
+!! coordinate fewer for each, and each pushes back with a force p_j >= 0. A stop is a gap that can
+!! be less than closed: it adds k G_j G_j^T to K and c G_j G_j^T to C while it presses.
 module vi_structure
    use vi_columns, only: solve_columns
    use vi_decoupling, only: decouple, decoupled_type
@@ -10,13 +12,14 @@ module vi_structure
    use vi_kinds, only: wp
    use vi_modes, only: interval_type, levels, modes_type, new_interval, new_steps, prepare, &
       steady_response, steps_type
-   use vi_restitution, only: constant_law, new_restitution, restitution_at, restitution_type
+   use vi_restitution, only: constant_law, new_restitution, pushing_law, restitution_at, &
+      restitution_type, stop_law
    use vi_rows, only: add_harmonic, free_values, new_rows, rows_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: check_structure, find_narrow, inputs_of, is_extreme, new_load, new_regime, &
+   public :: check_structure, find_narrow, inputs_of, is_extreme, is_stop, new_load, new_regime, &
       new_structure, project, restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
@@ -47,8 +50,14 @@ module vi_structure
       !> The other gaps whose speed an impulse on gap j changes: coupled(coupled_begins(j):
       !! coupled_begins(j + 1) - 1).
       integer, allocatable :: coupled_begins(:), coupled(:)
-      !> Number of channels: directions along which one gap or two opposite ones lie.
-      integer :: channels = 0
+      !> Number of channels: directions along which a stop, one gap or two opposite ones lie, and
+      !! then the forces of stops that cannot pull; number of the former.
+      integer :: channels = 0, positions = 0
+      !> (gaps) Whether each is an elastic stop, and whether any is.
+      logical, allocatable :: elastic(:)
+      logical :: has_stops = .false.
+      !> (gaps) The channel of the force of each stop that cannot pull; else 0.
+      integer, allocatable :: push(:)
    end type structure_type
 
    !> A load f(t) = sum over h of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
@@ -65,7 +74,7 @@ module vi_structure
       real(wp) :: step = 0
    end type load_type
 
-   !> The structure while a set of gaps is at rest; free if the set is empty.
+   !> The structure while a set of gaps is at rest and a set of stops presses; free without any.
    !!
    !! A row is a channel or the force of a closed gap, as a sum over the pairs (x, v), the harmonics
    !! of the load and a constant. Rows are watched: a channel must stay between its walls and a
@@ -73,6 +82,11 @@ module vi_structure
    type, public :: regime_type
       !> The gaps at rest, in ascending order.
       integer, allocatable :: resting(:)
+      !> These and the stops that press, and -j for a stop j that is closed without a force, in
+      !! ascending order.
+      integer, allocatable :: closed(:)
+      !> Number of channels that are positions.
+      integer :: positions = 0
       !> The pairs.
       type(modes_type) :: modes
       !> q = offset + qx x + qv v + steady part, and q' likewise: (n, m).
@@ -140,8 +154,17 @@ contains
             structure%laws(j) = new_restitution(gap_values(2, j), gap_values(3:, j))
          end if
          structure%restitution(j) = structure%laws(j)%numbers(1)
+         if (is_stop(structure%laws(j))) structure%restitution(j) = 0
       end do
    end function new_structure
+
+   !> Whether a law is that of an elastic stop.
+   elemental logical function is_stop(law)
+      !> The law.
+      type(restitution_type), intent(in) :: law
+
+      is_stop = law%kind == stop_law .or. law%kind == pushing_law
+   end function is_stop
 
    !> The coefficient of restitution of a gap at an approach speed, and its derivative.
    pure subroutine restitution_of(structure, gap, speed, value, slope)
@@ -191,7 +214,7 @@ contains
       status = stat%ok
       if (allocated(structure%channel)) deallocate (structure%channel, structure%wall, &
          structure%begins, structure%at, structure%part, structure%coupled_begins, &
-         structure%coupled)
+         structure%coupled, structure%push)
       if (any([(is_extreme(structure%mass(i, i)), i=1, size(structure%mass, 1))])) status = &
          stat%extreme_units
       if (status /= stat%ok) return
@@ -201,12 +224,16 @@ contains
       if (status /= stat%ok) return
       associate (gaps => size(structure%directions, 2))
          structure%effective = 1/sum(structure%directions*structure%mobility, 1)
+         structure%elastic = is_stop(structure%laws)
+         structure%has_stops = any(structure%elastic)
          allocate (structure%channel(gaps), structure%wall(gaps))
+         allocate (structure%push(gaps), source=0)
          structure%channels = 0
          do i = 1, gaps
             structure%wall(i) = 1
             structure%channel(i) = 0
             do j = 1, i - 1
+               if (structure%elastic(i) .or. structure%elastic(j)) cycle
                if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
                if (count(structure%channel(:i - 1) == structure%channel(j)) > 1) cycle
                structure%channel(i) = structure%channel(j)
@@ -216,6 +243,14 @@ contains
             if (structure%channel(i) > 0) cycle
             structure%channels = structure%channels + 1
             structure%channel(i) = structure%channels
+         end do
+         structure%positions = structure%channels
+         do i = 1, gaps
+            ! without a dashpot a closed stop always pushes
+            if (structure%laws(i)%kind /= pushing_law) cycle
+            if (.not. structure%laws(i)%numbers(2) > 0) cycle
+            structure%channels = structure%channels + 1
+            structure%push(i) = structure%channels
          end do
       end associate
       call set_lists(structure)
@@ -253,6 +288,9 @@ contains
             end associate
          end do
          speeds(j) = 0
+         ! no impulse acts on a stop
+         if (structure%elastic(j)) speeds = 0
+         where (structure%elastic) speeds = 0
          structure%coupled = [structure%coupled, pack([(i, i=1, gaps)], speeds > no_coupling)]
          structure%coupled_begins(j + 1) = size(structure%coupled) + 1
       end do
@@ -267,16 +305,67 @@ contains
       is_extreme = size > 0 .and. .not. (size >= smallest .and. size <= largest)
    end function is_extreme
 
-   !> The motion of a structure while a set of gaps is at rest.
-   pure subroutine new_regime(structure, load, resting, regime, status, searched)
+   !> The motion of a structure while a set of gaps and stops is closed.
+   pure subroutine new_regime(structure, load, closed, regime, status, searched)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Its load.
       type(load_type), intent(in) :: load
-      !> The gaps at rest, in ascending order.
-      integer, intent(in) :: resting(:)
+      !> The gaps at rest and the stops that are closed, as in `regime_type`.
+      integer, intent(in) :: closed(:)
       !> The motion.
       type(regime_type), intent(out) :: regime
+      !> As of `complete_regime`.
+      integer, intent(out) :: status
+      !> As in `complete_regime`.
+      logical, intent(in), optional :: searched
+      type(structure_type) :: pressed
+      type(load_type) :: pressed_load
+      integer :: i
+
+      regime%closed = closed
+      regime%positions = structure%positions
+      if (.not. structure%has_stops) then
+         regime%resting = closed
+         call complete_regime(structure, load, regime, status, searched)
+         return
+      end if
+      regime%resting = pack(closed, [(closed(i) > 0 .and. .not. structure%elastic(abs( &
+         closed(i))), i=1, size(closed))])
+      pressed = structure
+      pressed_load = load
+      do i = 1, size(closed)
+         if (closed(i) < 0) cycle
+         if (.not. structure%elastic(closed(i))) cycle
+         associate (g => structure%directions(:, closed(i)), law => structure%laws(closed(i)), &
+            opening => structure%openings(closed(i)))
+            pressed%stiffness = pressed%stiffness + law%numbers(1)*outer(g)
+            pressed%damping = pressed%damping + law%numbers(2)*outer(g)
+            pressed_load%constant = pressed_load%constant + g*(law%numbers(1)*opening &
+               - law%numbers(3))
+         end associate
+      end do
+      call complete_regime(pressed, pressed_load, regime, status, searched)
+   end subroutine new_regime
+
+   !> G G^T.
+   pure function outer(g) result(product)
+      !> (n) G.
+      real(wp), intent(in) :: g(:)
+      real(wp) :: product(size(g), size(g))
+
+      product = spread(g, 2, size(g))*spread(g, 1, size(g))
+   end function outer
+
+   !> The motion of a structure with the springs and dashpots of stops that press while gaps are at
+   !! rest.
+   pure subroutine complete_regime(structure, load, regime, status, searched)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> In: which gaps and stops are closed. Out: the motion.
+      type(regime_type), intent(inout) :: regime
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates;
       !! `stat%dependent_rests`; `stat%extreme_units`.
       integer, intent(out) :: status
@@ -290,12 +379,11 @@ contains
       logical :: with_tables
       integer :: h
 
-      regime%resting = resting
       regime%frequency = load%frequency
-      call constraint(structure, resting, basis, inverse, regime%offset, pushes, status)
+      call constraint(structure, regime%resting, basis, inverse, regime%offset, pushes, status)
       if (status == stat%singular) status = stat%dependent_rests
       if (status /= stat%ok) return
-      if (size(resting) == 0) then
+      if (size(regime%resting) == 0) then
          mass = structure%mass
          call decouple(mass, structure%damping, structure%stiffness, parts, status)
       else
@@ -309,7 +397,7 @@ contains
       if (status /= stat%ok) return
       regime%modes%stiffness = parts%stiffness
       regime%modes%damping = parts%damping
-      if (size(resting) == 0) then
+      if (size(regime%resting) == 0) then
          regime%qx = parts%qx
          regime%qv = parts%qv
          regime%dx = parts%dx
@@ -334,7 +422,7 @@ contains
          forces(:, 1) = load%constant - matmul(structure%stiffness, regime%offset)
          forces(:, 2:harmonics + 1) = load%cosine
          forces(:, harmonics + 2:) = load%sine
-         if (size(resting) > 0) forces = matmul(transpose(basis), forces)
+         if (size(regime%resting) > 0) forces = matmul(transpose(basis), forces)
          call inputs_of(mass, parts%xd, parts%vd, forces, drifts, status)
          if (status /= stat%ok) return
          regime%modes%drift = drifts(:, 1)
@@ -379,7 +467,7 @@ contains
       end associate
       if (status /= stat%ok) return
       if (with_tables) call set_tables(regime)
-   end subroutine new_regime
+   end subroutine complete_regime
 
    !> A symmetric matrix between vectors, V^T A V; an entry as small as its rounding error is 0.
    pure subroutine project(matrix, vectors, projected, terms)
@@ -425,6 +513,7 @@ contains
       sizes = max(abs(q), sum(abs(regime%steady), 2), abs(matmul(regime%qx, x) &
          + matmul(regime%qv, v)))
       do gap = 1, size(structure%openings)
+         if (structure%elastic(gap)) cycle
          least = share*dot_product(abs(structure%directions(:, gap)), sizes)
          other = findloc(structure%channel == structure%channel(gap) .and. &
             structure%wall /= structure%wall(gap), .true., 1)
@@ -678,7 +767,7 @@ contains
 
    !> The rows: channels, and forces of closed gaps.
    pure subroutine set_rows(structure, load, pushes, regime, status)
-      !> The structure.
+      !> The structure, with the stops that press.
       type(structure_type), intent(in) :: structure
       !> Its load.
       type(load_type), intent(in) :: load
@@ -689,6 +778,7 @@ contains
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
       real(wp), allocatable :: of_force(:, :), of_q(:, :), of_rate(:, :), gram(:, :)
+      real(wp) :: constant(structure%channels + size(regime%resting))
       integer :: i, j, k, rows, m, h
 
       rows = structure%channels + size(regime%resting)
@@ -699,9 +789,13 @@ contains
       allocate (regime%upper(rows), source=huge(1.0_wp))
       allocate (regime%lower(rows), source=-huge(1.0_wp))
       allocate (regime%upper_gap(rows), regime%lower_gap(rows), source=0)
+      constant = 0
       do j = 1, size(structure%openings)
          i = structure%channel(j)
-         if (structure%wall(j) > 0) then
+         if (structure%elastic(j)) then
+            of_q(i, :) = structure%directions(:, j)
+            call set_stop(structure, j, of_q, of_rate, constant, regime)
+         else if (structure%wall(j) > 0) then
             of_q(i, :) = structure%directions(:, j)
             regime%upper(i) = structure%openings(j)
             regime%upper_gap(i) = j
@@ -738,6 +832,7 @@ contains
       regime%velocity = transpose(sparse_product(transpose(regime%qv), transpose(of_q)) &
          + sparse_product(transpose(regime%dv), transpose(of_rate)))
       regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, load%constant)
+      if (structure%has_stops) regime%row_offset = regime%row_offset + constant
       if (load%step > 0) then
          regime%base_offset = regime%row_offset
          regime%to_rows = of_force
@@ -759,6 +854,43 @@ contains
             + regime%velocity(:, k)*regime%modes%force(k)
       end do
    end subroutine set_rows
+
+   !> The limits of a stop, and the row of its force.
+   pure subroutine set_stop(structure, j, of_q, of_rate, constant, regime)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Number of the stop.
+      integer, intent(in) :: j
+      !> (rows, n) In and out: coefficients of q and q' in the rows.
+      real(wp), intent(inout) :: of_q(:, :), of_rate(:, :)
+      !> (rows) In and out: their constants.
+      real(wp), intent(inout) :: constant(:)
+      !> In and out: the regime, with limits.
+      type(regime_type), intent(inout) :: regime
+
+      associate (row => structure%channel(j), opening => structure%openings(j))
+         if (any(abs(regime%closed) == j)) then
+            regime%lower(row) = opening
+            regime%lower_gap(row) = j
+         else
+            regime%upper(row) = opening
+            regime%upper_gap(row) = j
+         end if
+         if (structure%push(j) == 0) return
+         associate (push => structure%push(j), numbers => structure%laws(j)%numbers)
+            of_q(push, :) = numbers(1)*structure%directions(:, j)
+            of_rate(push, :) = numbers(2)*structure%directions(:, j)
+            constant(push) = numbers(3) - numbers(1)*opening
+            if (any(regime%closed == j)) then
+               regime%lower(push) = 0
+               regime%lower_gap(push) = j
+            else if (any(regime%closed == -j)) then
+               regime%upper(push) = 0
+               regime%upper_gap(push) = j
+            end if
+         end associate
+      end associate
+   end subroutine set_stop
 
    !> The rows for fast evaluation, and the shortest time scale.
    pure subroutine set_rates(regime, coordinates, step)
@@ -820,7 +952,7 @@ contains
       real(wp) :: way, acceleration
       integer :: channels
 
-      channels = size(regime%upper) - size(regime%resting)
+      channels = regime%positions
       associate (upper => regime%upper(:channels), lower => regime%lower(:channels))
          way = maxval([0.0_wp, pack(abs(upper), abs(upper) < never), pack(abs(lower), &
             abs(lower) < never)])

@@ -84,6 +84,8 @@ module vi_status
       integer :: permanent_rest = 36
       !> An opening is so small that rounding errors of the displacements decide when it closes.
       integer :: narrow_gap = 37
+      !> A stop with a preload holds what touches it without a speed.
+      integer :: stop_holds = 38
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -199,6 +201,9 @@ contains
             &another state'
       case (stat%narrow_gap)
          text = 'an opening is below a million times the rounding error of the displacements'
+      case (stat%stop_holds)
+         text = 'a stop is touched without a speed, by a force below its preload, which would hold &
+            &the structure there: give it a speed, or no preload'
       case default
          text = 'unknown status code'
       end select

@@ -101,7 +101,7 @@ def checked(structure: Structure, load: Load | Record | None, parameters: Any) -
         parameters += [f"opening_{j}" for j in each]
         parameters += [
             f"restitution_{j}" for j in each
-            if not isinstance(structure.gaps[j].restitution, TabulatedRestitution)
+            if not isinstance(structure._rigid()[j].restitution, TabulatedRestitution)
         ]  # fmt: skip
     if isinstance(parameters, str) or not isinstance(parameters, Sequence):
         raise ParameterTypeError(f"parameters = {parameters!r}: must be a list of parameters")
@@ -172,6 +172,7 @@ def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
 
 def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
+    run.structure._rigid()
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
     structure, load, n, count = run.structure, run.load, run.structure.coordinates, len(run.events)

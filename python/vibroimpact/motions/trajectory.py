@@ -53,7 +53,7 @@ from ..results.systems import (
 from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
-from ..systems.structure import Load, Structure, check_load
+from ..systems.structure import Gap, Load, Structure, check_load
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -72,8 +72,8 @@ CHUNK, SPAN = 65_536, 1_000_000
 #: Bytes reserved for events of a structure at first; what is not written to takes no memory. With more events the
 #: simulation is run again.
 ROOM = 2**26
-#: Names of the kinds of events 1, 2, 3, and the columns of the events of a structure.
-KINDS = np.array(["impact", "stick", "release"])
+#: Names of the kinds of events 1 to 7, and the columns of the events of a structure.
+KINDS = np.array(["impact", "stick", "release", "touch", "leave", "let_go", "press"])
 EVENTS_OF_STRUCTURE = np.dtype([
     ("time", "f8"), ("kind", "U7"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
 ])  # fmt: skip
@@ -128,7 +128,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         In order of time: ``time`` and ``kind``: "impact", "stick" where accumulating impacts end in rest,
         "release" where the rest ends. Of an oscillator further ``side`` ("R" or "L"), ``phase`` (of the load, in
         [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
-        ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``.
+        ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``. Kinds of a stop are "touch" and "leave", and,
+        where it cannot pull, "let_go" where its force vanishes at a depth and "press" where it pushes again; their
+        ``speed`` is that of the opening.
     states : ndarray (events, 2, n)
         Coordinates and velocities just after each event; of an oscillator those of its two masses.
     start, end : float
@@ -233,7 +235,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
         order = np.argsort(times, kind="stable")
         values, status = _core.sample_structure(
-            *core_arrays(self.structure, self.load), *self._segments(), times[order], parts
+            *core_arrays(self.structure, self.load, True), *self._segments(), times[order], parts
         )
         raise_status(status)
         found = np.empty(values.shape)
@@ -243,7 +245,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     def _resting(self) -> tuple[int, ...]:
         """The gaps of a structure that rest from the start."""
         rests, status = _core.resting_at_start(
-            *core_arrays(self.structure, self.load), np.append(self.start, self.initial_state)
+            *core_arrays(self.structure, self.load, True), np.append(self.start, self.initial_state)
         )
         raise_status(status)
         return tuple(np.flatnonzero(rests).tolist())
@@ -673,6 +675,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         n, m = (int((self.events["kind"] == kind).sum()) for kind in ("impact", "stick"))
         impacts = f"{n} impact{'s' * (n != 1)}"
         rests = f", {m} rest{'s' * (m != 1)}" if m else ""
+        touches = int((self.events["kind"] == "touch").sum())
+        rests += f", {touches} contact{'s' * (touches != 1)} with stops" if touches else ""
         place = ""
         if self.of_structure:
             rests += "".join(f", gap {gap} rests all the time" for gap in self.permanent)
@@ -749,9 +753,11 @@ def segments_of_events(
 
 
 def core_arrays(
-    structure: Structure, load: Load | Record | None
+    structure: Structure, load: Load | Record | None, stops: bool = False
 ) -> tuple[_Array, _Array, _Array, float, _Array, _Array, float, _Array]:
-    """The arguments of the core for a structure and its load."""
+    """The arguments of the core for a structure, which has stops only where it may, and its load."""
+    if not stops:
+        structure._rigid()
     matrices, directions, values = structure._arrays()
     n = structure.coordinates
     step, record = 0.0, np.zeros((n, 1), order="F")
@@ -777,7 +783,7 @@ def simulate_structure(
     discard: float = 0.0,
 ) -> Trajectory:
     """As `simulate`, of a structure."""
-    check_load(structure, load, kinds=(Load, Record, type(None)))
+    check_load(structure, load, kinds=(Load, Record, type(None)), stops=True)
     n = structure.coordinates
     if isinstance(load, Record) and cycles is None and duration is None:
         begin = [checks.to_float(value, name, "a number") for name, value in
@@ -810,7 +816,7 @@ def simulate_structure(
         raise ParameterError(f"start = {start!r}: must be a number with 0 <= start <= 1e+12")
     max_events = checks.integer(max_events, "max_events", 1, 10**8)
     q, rate = coordinates_of(state, n)
-    arguments = core_arrays(structure, load)
+    arguments = core_arrays(structure, load, True)
     first = np.append(q, rate)
     room = min(ROOM // (8 * (2 * n + 3)), max_events)
     while True:
@@ -831,7 +837,10 @@ def simulate_structure(
         if status == NARROW_GAP:
             _refuse_opening(structure, arguments, q)
         if status == GAP_CLOSED:
-            apart = [gap.opening - gap.direction @ q for gap in structure.gaps]
+            apart = [
+                float(gap.opening - gap.direction @ q) if isinstance(gap, Gap) else math.inf
+                for gap in structure.gaps
+            ]
             i = int(np.argmin(apart))
             raise SingularError(f"{sentence(status)}: gaps[{i}] is {apart[i]:.6g}, must be >= 0")
         structure._raise_status(status)
@@ -873,7 +882,7 @@ def _refuse_opening(structure: Structure, arguments: tuple[Any, ...], q: _Array)
     gap = structure.gaps[number - 1]
     wanted = f"at least {1.06 * least:.1e}, a million times the rounding error of the displacements"
     for i, other in enumerate(structure.gaps):
-        if (other.direction == -gap.direction).all():
+        if isinstance(other, Gap) and (other.direction == -gap.direction).all():
             total = gap.opening + other.opening
             raise ParameterError(
                 f"gaps[{number - 1}].opening + gaps[{i}].opening = {total!r}: must be {wanted}"

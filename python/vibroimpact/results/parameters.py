@@ -38,7 +38,7 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
         (kind, rows, columns, getattr(structure, name)[rows, columns])
         for kind, name in MATRICES.items()
     ]
-    for j, gap in enumerate(structure.gaps):
+    for j, gap in enumerate(structure._rigid()):
         parts.append((DIRECTION, np.arange(n), np.full(n, j), gap.direction))
         first = at_rest(gap.restitution)
         parts += [(OPENING, [j], [-1], [gap.opening]), (RESTITUTION, [j], [-1], [first])]
@@ -58,7 +58,7 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
 
 def laws_of(structure: Structure) -> list[object]:
     """What a parameter cannot change in the laws of restitution of all gaps."""
-    return [to_columns(gap.restitution) | {"restitution": None} for gap in structure.gaps]
+    return [to_columns(gap.restitution) | {"restitution": None} for gap in structure._rigid()]
 
 
 def with_entries(
@@ -68,7 +68,7 @@ def with_entries(
     matrices = {kind: getattr(structure, name).copy() for kind, name in MATRICES.items()}
     directions = [gap.direction.copy() for gap in structure.gaps]
     openings = [gap.opening for gap in structure.gaps]
-    laws = [gap.restitution for gap in structure.gaps]
+    laws = [gap.restitution for gap in structure._rigid()]
     frequency, constant = load.frequency, load.constant.copy()
     harmonics = {COSINE: load.cosine.copy(), SINE: load.sine.copy()}
     for (kind, i, j), value in zip((places - (0, 1, 1)).tolist(), values.tolist(), strict=True):

@@ -11,8 +11,15 @@ import numpy as np
 from ..base.errors import ParameterError, VibroimpactError
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record
-from ..systems.restitution import Restitution, at_rest, from_columns, to_columns
-from ..systems.structure import Gap, Load, Structure
+from ..systems.restitution import (
+    KINDS,
+    Restitution,
+    TabulatedRestitution,
+    at_rest,
+    from_columns,
+    to_columns,
+)
+from ..systems.structure import Gap, Load, Stop, Structure
 from . import namelist
 from .tables import Result
 
@@ -23,6 +30,9 @@ __all__ = [
 
 #: The numbers of a power law in tables of gaps.
 LAW_NUMBERS = ("law_speed", "law_exponent", "law_sharpness")
+#: Those of a stop, and how the contact of each kind of stops ends.
+STOP_NUMBERS = ("stiffness", "damping", "preload")
+RELEASES = {"stop": "gap", "pushing": "force"}
 
 
 def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
@@ -71,10 +81,7 @@ def from_groups(
 ) -> tuple[Structure, Load | Record | None]:
     """The structure and the load of the groups of a namelist, as the core has completed them."""
     (_, keys), *parts = groups
-    gaps = [
-        Gap(np.atleast_1d(part["direction"]), part["opening"], from_columns(part))
-        for name, part in parts if name == "gap"
-    ]  # fmt: skip
+    gaps = [_contact(name, part) for name, part in parts if name in ("gap", "stop")]
     if "frequencies" in keys:
         omega = np.atleast_1d(keys["frequencies"])
         shapes = np.reshape(keys["shapes"], (-1, len(omega)))
@@ -101,6 +108,14 @@ def from_groups(
         }
         load = Load(part.get("frequency"), **harmonics, constant=constant)
     return structure, load
+
+
+def _contact(name: str, part: Mapping[str, Any]) -> Gap | Stop:
+    """The gap or stop of a group of a namelist."""
+    direction = np.atleast_1d(part["direction"])
+    if name == "stop":
+        return Stop(**{**part, "direction": direction})
+    return Gap(direction, part["opening"], from_columns(part))
 
 
 def check_gap_numbers(result: Result, structure: Structure) -> None:
@@ -133,11 +148,17 @@ def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]
     n = s.coordinates
     nothing = np.zeros((0, n))
     periodic = load if isinstance(load, Load) else None
-    laws = [to_columns(gap.restitution) for gap in s.gaps]
+    laws: list[dict[str, Any]] = []
+    for gap in s.gaps:
+        if isinstance(gap, Gap):
+            laws.append(to_columns(gap.restitution))
+        else:
+            kind, *numbers = gap._law()
+            laws.append({"law": KINDS[int(kind)], **dict(zip(LAW_NUMBERS, numbers, strict=True))})
     return {
         "gaps": (("number",), {
             "opening": [gap.opening for gap in s.gaps],
-            "restitution": [at_rest(gap.restitution) for gap in s.gaps],
+            "restitution": [at_rest(getattr(gap, "restitution", 0.0)) for gap in s.gaps],
             "law": [law.get("law", "constant") for law in laws],
             "law_numbers": np.reshape([[law.get(key, 0.0) for key in LAW_NUMBERS] for law in laws], (-1, 3)),
             "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
@@ -159,7 +180,11 @@ def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]
 
 def with_owners(s: Structure, result: Result) -> Result:
     """A result in which the points of tables of restitution know their gaps."""
-    owners = [i for i, gap in enumerate(s.gaps) for _ in getattr(gap.restitution, "speeds", ())]
+    owners = [
+        i for i, gap in enumerate(s.gaps)
+        if isinstance(gap, Gap) and isinstance(gap.restitution, TabulatedRestitution)
+        for _ in gap.restitution.speeds
+    ]  # fmt: skip
     points = result.tables["law_points"]
     owned = replace(points, parent="gaps", owners=np.array(owners, np.int32))
     return replace(result, tables=result.tables | {"law_points": owned})
@@ -172,11 +197,11 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
         return [result.column(table, name).decoded() for name in names]
 
     gaps = [
-        Gap(direction, opening, law)
+        Gap(direction, opening, law) if not isinstance(law, dict) else Stop(direction, opening, **law)
         for direction, opening, law in zip(
             *values("gaps", "direction", "opening"), _laws_of(result), strict=True
         )
-    ]
+    ]  # fmt: skip
     mass, damping, stiffness, constant = values(
         "matrices", "mass", "damping", "stiffness", "constant"
     )
@@ -188,8 +213,8 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     return structure, Load(frequency or None, **own, constant=constant)
 
 
-def _laws_of(result: Result) -> list[Restitution]:
-    """The laws of restitution of the gaps of a result."""
+def _laws_of(result: Result) -> list[Restitution | dict[str, Any]]:
+    """The laws of restitution of the gaps of a result; of a stop its numbers and its release."""
     kinds, lowest, numbers = (
         result.column("gaps", name).decoded() for name in ("law", "restitution", "law_numbers")
     )
@@ -198,7 +223,8 @@ def _laws_of(result: Result) -> list[Restitution]:
     if owners is None:
         raise ParameterError("law_points.owners: must be there; they are missing")
     return [
-        from_columns({
+        dict(zip(STOP_NUMBERS, numbers[i].tolist(), strict=True), release=RELEASES[kind]) if kind in RELEASES
+        else from_columns({
             "law": kind, "restitution": float(lowest[i]), "law_speeds": speeds[owners == i],
             "law_values": values[owners == i], **dict(zip(LAW_NUMBERS, numbers[i].tolist(), strict=True)),
         })

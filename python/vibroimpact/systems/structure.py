@@ -1,10 +1,10 @@
-"""Linear structures with gaps, and their loads."""
+"""Linear structures with gaps and elastic stops, and their loads."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.status import DEFECTIVE, raise_status, sentence
 from .restitution import (
+    KINDS,
     ByValue,
     PowerLaw,
     Restitution,
@@ -22,7 +23,7 @@ from .restitution import (
     to_columns,
 )
 
-__all__ = ["Gap", "Load", "Structure"]
+__all__ = ["Gap", "Load", "Stop", "Structure"]
 
 _Array = NDArray[np.float64]
 #: Largest number of coordinates of a structure, and of gaps.
@@ -42,6 +43,18 @@ def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Ar
         raise ParameterError(f"{name}: must be {wanted}, all of them finite")
     array.flags.writeable = False
     return array
+
+
+def _place(direction: ArrayLike, opening: float) -> tuple[_Array, float]:
+    """The direction and the opening of a gap or a stop, checked."""
+    wanted = "numbers from -1e40 to 1e40, one a coordinate, not all 0"
+    array = _numbers(direction, "direction", wanted, (-1,))
+    if not array.any() or (np.abs(array) > LARGEST_MODAL).any():
+        raise ParameterError(f"direction = {array.tolist()!r}: must be {wanted}")
+    opening = checks.to_float(opening, "opening", "a finite number")
+    if not np.isfinite(opening):
+        raise ParameterError(f"opening = {opening!r}: must be a finite number")
+    return array, opening
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,16 +83,23 @@ class Gap(ByValue):
     def __init__(
         self, direction: ArrayLike, opening: float, restitution: Restitution = 1.0
     ) -> None:
-        wanted = "numbers from -1e40 to 1e40, one a coordinate, not all 0"
-        direction = _numbers(direction, "direction", wanted, (-1,))
-        if not direction.any() or (np.abs(direction) > LARGEST_MODAL).any():
-            raise ParameterError(f"direction = {direction.tolist()!r}: must be {wanted}")
-        opening = checks.to_float(opening, "opening", "a finite number")
-        if not np.isfinite(opening):
-            raise ParameterError(f"opening = {opening!r}: must be a finite number")
+        direction, opening = _place(direction, opening)
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "opening", opening)
         object.__setattr__(self, "restitution", checked(restitution))
+
+    def _along(self, direction: _Array) -> Gap:
+        """The same in another direction."""
+        return Gap(direction, self.opening, self.restitution)
+
+    def _law(self) -> list[float]:
+        """Kind and numbers of its law, for the core."""
+        return numbers_of(self.restitution)
+
+    def _group(self) -> tuple[str, dict[str, Any]]:
+        """The group of a namelist that describes it."""
+        place = {"direction": self.direction.tolist(), "opening": self.opening}
+        return "gap", place | to_columns(self.restitution)
 
     def __repr__(self) -> str:
         r = self.restitution
@@ -88,8 +108,98 @@ class Gap(ByValue):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Stop(ByValue):
+    """An elastic stop: a spring and a dashpot that press where a gap is less than closed.
+
+    At a depth d = direction.q - opening > 0 the force preload + stiffness d + damping d' acts against `direction`.
+
+    Parameters
+    ----------
+    direction : array_like (n,)
+        The coordinates that press it, as of `Gap`.
+    opening : float
+        Its opening at q = 0; negative if it is pressed there.
+    stiffness, damping, preload : float
+        At least 0, one of them above 0. With a preload the force jumps where the stop is touched.
+    release : "gap" or "force"
+        Where contact ends. "gap": where d returns to 0; a dashpot pulls before. "force": the force is never below
+        0, so that contact ends where it vanishes; it begins again where the force rises, even at a depth.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not as described.
+
+    Examples
+    --------
+    A mass that meets a spring a hundred times as stiff as its own:
+
+    >>> import vibroimpact as vi
+    >>> stop = vi.Stop([1], 0.0, stiffness=1e6)
+    >>> mass = vi.Structure(mass=[100], damping=[0], stiffness=[1e4], gaps=[stop])
+    >>> run = vi.simulate(mass, duration=0.1, state=([0], [1]))
+    >>> run.events["kind"].tolist(), run.events["time"].round(8).tolist()
+    (['touch', 'leave'], [0.0, 0.03126002])
+    """
+
+    direction: _Array
+    opening: float
+    stiffness: float
+    damping: float = 0.0
+    preload: float = 0.0
+    release: Literal["gap", "force"] = "gap"
+
+    def __init__(
+        self, direction: ArrayLike, opening: float, stiffness: float, damping: float = 0.0, preload: float = 0.0,
+        release: Literal["gap", "force"] = "gap",
+    ) -> None:  # fmt: skip
+        direction, opening = _place(direction, opening)
+        object.__setattr__(self, "direction", direction)
+        object.__setattr__(self, "opening", opening)
+        wanted = "a number from 0 to 1e100"
+        given = {"stiffness": stiffness, "damping": damping, "preload": preload}
+        for name, value in given.items():
+            number = checks.to_float(value, name, wanted)
+            if not 0 <= number <= LARGEST:
+                raise ParameterError(f"{name} = {number!r}: must be {wanted}")
+            object.__setattr__(self, name, number)
+        if not self.stiffness + self.damping + self.preload > 0:
+            raise ParameterError(
+                f"stiffness = {self.stiffness!r}: must be above 0, or damping or preload must"
+            )
+        if release not in ("gap", "force"):
+            raise ParameterError(f"release = {release!r}: must be 'gap' or 'force'")
+        object.__setattr__(self, "release", release)
+
+    def _along(self, direction: _Array) -> Stop:
+        """The same in another direction."""
+        return Stop(
+            direction, self.opening, self.stiffness, self.damping, self.preload, self.release
+        )
+
+    def _law(self) -> list[float]:
+        """Kind and numbers of its law, for the core."""
+        kind = KINDS.index("stop" if self.release == "gap" else "pushing")
+        return [float(kind), self.stiffness, self.damping, self.preload]
+
+    def _group(self) -> tuple[str, dict[str, Any]]:
+        """The group of a namelist that describes it."""
+        return "stop", {
+            "direction": self.direction.tolist(), "opening": self.opening, "stiffness": self.stiffness,
+            "damping": self.damping, "preload": self.preload, "release": self.release,
+        }  # fmt: skip
+
+    def __repr__(self) -> str:
+        further = {"damping": self.damping, "preload": self.preload}
+        shown = [f"{name}={value:g}" for name, value in further.items() if value]
+        shown += ["release='force'"] if self.release == "force" else []
+        place = f"{self.direction.tolist()}, {self.opening:g}, stiffness={self.stiffness:g}"
+        return f"Stop({', '.join([place, *shown])})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Structure(ByValue):
-    """A linear structure M q'' + C q' + K q = f with gaps.
+    """A linear structure M q'' + C q' + K q = f with gaps and elastic stops.
 
     All bodies are alike, free masses too: a mass between two walls of another body is a coordinate without
     stiffness and two gaps. Units are the user's own, consistent ones.
@@ -99,7 +209,8 @@ class Structure(ByValue):
     mass, damping, stiffness : array_like (n, n)
         Symmetric matrices M (positive definite), C and K (positive semidefinite), of numbers from -1e100 to 1e100.
         A vector (n,) is a diagonal.
-    gaps : sequence of Gap
+    gaps : sequence of Gap or Stop
+        `simulate` takes stops; the other verbs do not, yet.
 
     Raises
     ------
@@ -119,11 +230,12 @@ class Structure(ByValue):
     mass: _Array
     damping: _Array
     stiffness: _Array
-    gaps: tuple[Gap, ...] = field(default=())
+    gaps: tuple[Gap | Stop, ...] = field(default=())
 
     def __init__(
-        self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike, gaps: Sequence[Gap] = ()
-    ) -> None:
+        self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike,
+        gaps: Sequence[Gap | Stop] = (),
+    ) -> None:  # fmt: skip
         matrices = {}
         for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
             matrices[name] = _square(values, name)
@@ -156,7 +268,7 @@ class Structure(ByValue):
         frequencies: ArrayLike,
         damping_ratios: ArrayLike,
         shapes: ArrayLike,
-        gaps: Sequence[Gap] = (),
+        gaps: Sequence[Gap | Stop] = (),
     ) -> Structure:
         """A structure by its modes, whose amplitudes are the coordinates.
 
@@ -167,7 +279,7 @@ class Structure(ByValue):
         damping_ratios : array_like (n,)
         shapes : array_like (points, n)
             Mass-normalised mode shapes at some points.
-        gaps : sequence of Gap
+        gaps : sequence of Gap or Stop
             Their directions refer to the points: `direction` has one number a point.
 
         Examples
@@ -207,7 +319,7 @@ class Structure(ByValue):
                     f"gaps[{i}].direction and shapes give {direction.tolist()!r} for the modes: must be "
                     "numbers from -1e40 to 1e40, not all 0"
                 )
-            modal.append(Gap(direction, gap.opening, gap.restitution))
+            modal.append(gap._along(direction))
         return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
 
     @property
@@ -224,10 +336,11 @@ class Structure(ByValue):
         # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
         gaps = self.gaps or (Gap(np.eye(self.coordinates)[0], 1e300),)
         directions = np.array([gap.direction for gap in gaps]).T
-        if all(isinstance(gap.restitution, float) for gap in gaps):
-            values = np.array([[gap.opening, gap.restitution] for gap in gaps]).T
+        constant = [gap.restitution for gap in gaps if isinstance(gap, Gap)]
+        if len(constant) == len(gaps) and all(isinstance(value, float) for value in constant):
+            values = np.array([[gap.opening for gap in gaps], constant])
         else:
-            columns = [[gap.opening, *numbers_of(gap.restitution)] for gap in gaps]
+            columns = [[gap.opening, *gap._law()] for gap in gaps]
             values = np.zeros((max(map(len, columns)), len(gaps)))
             for j, column in enumerate(columns):
                 values[: len(column), j] = column
@@ -255,7 +368,7 @@ class Structure(ByValue):
         """The groups of a namelist that describe it."""
         if not self.gaps:
             raise ParameterError(
-                f"{self!r}: has no namelist, since a &structure has at least one &gap"
+                f"{self!r}: has no namelist, since a &structure has at least one &gap or &stop"
             )
         matrices = {}
         for name in ("mass", "damping", "stiffness"):
@@ -263,16 +376,25 @@ class Structure(ByValue):
             diagonal = np.diag(matrix)
             plain = diagonal if np.array_equal(matrix, np.diag(diagonal)) else matrix.ravel()
             matrices[name] = plain.tolist()
-        return [("structure", matrices)] + [
-            ("gap", {
-                "direction": gap.direction.tolist(), "opening": gap.opening, **to_columns(gap.restitution),
-            })
-            for gap in self.gaps
-        ]  # fmt: skip
+        return [("structure", matrices), *(gap._group() for gap in self.gaps)]
+
+    def _rigid(self) -> list[Gap]:
+        """Its gaps; ParameterError if one of them is a stop."""
+        found = []
+        for i, gap in enumerate(self.gaps):
+            if isinstance(gap, Stop):
+                raise ParameterError(
+                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate takes stops"
+                )
+            found.append(gap)
+        return found
 
     def __repr__(self) -> str:
-        n, gaps = self.coordinates, len(self.gaps)
-        return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {gaps} gap{'s' if gaps != 1 else ''}>"
+        n, stops = self.coordinates, sum(isinstance(gap, Stop) for gap in self.gaps)
+        gaps = len(self.gaps) - stops
+        parts = [f"{gaps} gap{'s' * (gaps != 1)}"] if gaps or not stops else []
+        parts += [f"{stops} stop{'s' * (stops != 1)}"] if stops else []
+        return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {' and '.join(parts)}>"
 
 
 def _check_size(array: NDArray[Any], name: str) -> None:
@@ -281,8 +403,8 @@ def _check_size(array: NDArray[Any], name: str) -> None:
         raise ParameterError(f"{name} of shape {array.shape}: must be for 1 to {MOST} coordinates")
 
 
-def _list_of_gaps(gaps: Any) -> tuple[Gap, ...]:
-    """Gaps as a tuple."""
+def _list_of_gaps(gaps: Any) -> tuple[Gap | Stop, ...]:
+    """Gaps and stops as a tuple."""
     try:
         found = tuple(gaps)
     except TypeError:
@@ -290,7 +412,8 @@ def _list_of_gaps(gaps: Any) -> tuple[Gap, ...]:
     if len(found) > MOST:
         raise ParameterError(f"gaps: {len(found)} of them; must be at most {MOST}")
     for i, gap in enumerate(found):
-        checks.instance(gap, f"gaps[{i}]", Gap)
+        if not isinstance(gap, Stop):
+            checks.instance(gap, f"gaps[{i}]", Gap)
     return found
 
 
@@ -439,10 +562,14 @@ class Load(ByValue):
 
 
 def check_load(
-    structure: Any, load: Any, frequency: bool = False, kinds: tuple[type, ...] = (Load,)
-) -> None:
-    """Checks that a load of one of some kinds is one for a structure, and has a frequency where it must."""
+    structure: Any, load: Any, frequency: bool = False, kinds: tuple[type, ...] = (Load,),
+    stops: bool = False,
+) -> None:  # fmt: skip
+    """Checks that a load of one of some kinds is one for a structure, and has a frequency where it must; and that
+    the structure has stops only where it may."""
     checks.instance(structure, "structure", Structure)
+    if not stops:
+        structure._rigid()
     if not isinstance(load, kinds):
         checks.instance(load, "load", Load)
     if load is None:

@@ -86,7 +86,7 @@ contains
       if (labels(1, 1) == 0) then
          call find_start(run, starts(:, 1), number, status)
          if (status /= stat%ok) return
-         resting = run%regimes(number)%resting
+         resting = run%regimes(number)%closed
       end if
       sums%numbers = numbers
       sums%numbers(:, 3) = huge(whole)

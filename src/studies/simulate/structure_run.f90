@@ -1,4 +1,4 @@
-!> Event-by-event simulation of a linear structure with gaps.
+!> Event-by-event simulation of a linear structure with gaps and elastic stops.
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_channels, only: bound_second, first_event, leading_term, leaving_type, pace_type, &
@@ -18,8 +18,10 @@ module vi_structure_run
    public :: find_regime, is_far, new_run, simulate_structure, start_at, state_now, time_of, &
       whole_periods
 
-   !> Kinds of events.
-   integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
+   !> Kinds of events. A gap: an impact, and the start and the end of a rest. A stop: it is touched
+   !! and left; one that cannot pull lets go while it is closed, and presses again.
+   integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3, &
+      touch_event = 4, leave_event = 5, let_go_event = 6, press_event = 7
 
    !> A structure under a load, with the regimes met so far.
    type, public :: run_type
@@ -126,7 +128,7 @@ contains
       !> Share of the size of a gap that counts as rounding of a state computed elsewhere.
       real(wp), parameter :: rounding = 1.0e-13_wp
       real(wp) :: gap, phase, speed, scale
-      integer, allocatable :: closed(:), orders(:)
+      integer, allocatable :: closed(:), level(:), orders(:), pressed(:)
       integer :: j, n
 
       n = size(q)
@@ -136,7 +138,7 @@ contains
       end if
       state%cycle = whole_periods(run, time)
       state%elapsed = max(0.0_wp, time - real(state%cycle, wp)*run%period)
-      allocate (closed(0))
+      allocate (closed(0), level(0), pressed(0))
       status = stat%ok
       do j = 1, size(run%structure%openings)
          associate (direction => run%structure%directions(:, j))
@@ -145,19 +147,34 @@ contains
             scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
             if (abs(gap) > rounding*scale) scale = scale + 0.5_wp*sum(abs(direction))* &
                reach_of(run, rate)
-            if (gap < -rounding*scale) status = stat%gap_closed
             if (gap > rounding*scale) cycle
+            if (gap < -rounding*scale .and. run%structure%elastic(j)) pressed = [pressed, j]
+            if (gap < -rounding*scale .and. run%structure%elastic(j)) cycle
+            if (gap < -rounding*scale) status = stat%gap_closed
             ! a state at the end of a simulation that rests has a speed of rounding
             scale = dot_product(abs(direction), abs(rate))
             if (abs(speed) > 8*epsilon(1.0_wp)*scale) scale = scale + sum(abs(direction))* &
                reach_of(run, rate)/time_of_motion(run)
-            if (abs(speed) <= 8*epsilon(1.0_wp)*scale) closed = [closed, j]
+            ! a stop that is met with a speed is touched in the first search
+            if (.not. abs(speed) <= 8*epsilon(1.0_wp)*scale) cycle
+            if (run%structure%elastic(j)) then
+               level = [level, j]
+            else
+               closed = [closed, j]
+            end if
          end associate
       end do
       if (status /= stat%ok) return
       allocate (state%q(n), state%rate(n), orders(size(closed)))
       phase = run%load%frequency*state%elapsed
-      call enter(run, closed, phase, q, rate, state, status)
+      pressed = without_force(run%structure, pressed, q, rate)
+      do j = 1, size(closed)
+         pressed = merged(pressed, closed(j))
+      end do
+      call enter(run, pressed, phase, q, rate, state, status)
+      do j = 1, size(level)
+         if (status == stat%ok) call enter_stop(run, level(j), phase, q, rate, state, status)
+      end do
       if (status /= stat%ok .or. size(closed) == 0) return
       call settle_contacts(run, closed, phase, q, rate, state, orders, status)
       if (status /= stat%ok) return
@@ -165,6 +182,55 @@ contains
       state%touching = closed
       state%unsettled = .true.
    end subroutine start_at
+
+   !> Stops that are closed, as a set in which those that would have to pull are negative.
+   pure function without_force(structure, stops, q, rate) result(closed)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The stops.
+      integer, intent(in) :: stops(:)
+      !> (n) Coordinates and velocities.
+      real(wp), intent(in) :: q(:), rate(:)
+      integer, allocatable :: closed(:)
+      integer :: i, j
+
+      allocate (closed(0))
+      do i = 1, size(stops)
+         j = stops(i)
+         associate (law => structure%laws(j)%numbers, direction => structure%directions(:, j))
+            if (structure%push(j) > 0 .and. law(3) + law(1)*(dot_product(direction, q) &
+               - structure%openings(j)) + law(2)*dot_product(direction, rate) < 0) j = -j
+         end associate
+         closed = merged(closed, j)
+      end do
+   end function without_force
+
+   !> Lets a stop press at which the structure is without a speed, if it is moving into it.
+   pure subroutine enter_stop(run, number, phase, q, rate, state, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> Number of the stop, which is open and at its limit.
+      integer, intent(in) :: number
+      !> The load phase (rad), and (n) coordinates and velocities.
+      real(wp), intent(in) :: phase, q(:), rate(:)
+      !> In and out: regime and pairs.
+      type(run_state_type), intent(inout) :: state
+      !> `stat%ok`, `stat%stop_holds` where it would hold the structure there, or as in
+      !! `new_regime`.
+      integer, intent(out) :: status
+      integer :: order, sense
+
+      status = stat%ok
+      associate (row => run%structure%channel(number))
+         call leading_term(run%regimes(state%regime), state%x, state%v, phase, row, 1, order, sense)
+         if (sense <= 0) return
+         call enter(run, merged(run%regimes(state%regime)%closed, number), phase, q, rate, state, &
+            status)
+         if (status /= stat%ok) return
+         call leading_term(run%regimes(state%regime), state%x, state%v, phase, row, 1, order, sense)
+         if (sense < 0) status = stat%stop_holds
+      end associate
+   end subroutine enter_stop
 
    !> A length of the size of a motion, of which the rounding errors of its coordinates are a share:
    !! at an impact all coordinates may be 0, and with R = 0 all velocities.
@@ -224,11 +290,11 @@ contains
             orders, wrong)
          status = stat%ok
          if (wrong == 0) return
-         associate (resting => run%regimes(state%regime)%resting)
-            if (any(resting == wrong)) then
-               call enter(run, pack(resting, resting /= wrong), phase, q, rate, state, status)
+         associate (closed => run%regimes(state%regime)%closed)
+            if (any(closed == wrong)) then
+               call enter(run, pack(closed, closed /= wrong), phase, q, rate, state, status)
             else
-               call enter(run, merged(resting, wrong), phase, q, rate, state, status)
+               call enter(run, merged(closed, wrong), phase, q, rate, state, status)
             end if
          end associate
          if (status /= stat%ok) return
@@ -281,7 +347,7 @@ contains
    pure subroutine enter(run, closed, phase, q, rate, state, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
-      !> The gaps, in ascending order.
+      !> The gaps and stops, as in `regime_type`.
       integer, intent(in) :: closed(:)
       !> The load phase (rad), and (n) coordinates and velocities.
       real(wp), intent(in) :: phase, q(:), rate(:)
@@ -387,10 +453,11 @@ contains
       real(wp), intent(in) :: phase
       !> In and out: the state.
       type(run_state_type), intent(inout) :: state
-      type(leaving_type) :: leaving(size(gaps))
+      type(leaving_type), allocatable :: leaving(:)
       real(wp) :: d(0:3)
       integer :: i
 
+      allocate (leaving(size(gaps)))
       associate (regime => run%regimes(state%regime), structure => run%structure)
          do i = 1, size(gaps)
             if (any(regime%resting == gaps(i))) then
@@ -405,8 +472,40 @@ contains
             end if
          end do
       end associate
-      state%partings = pack(leaving, orders > 0)
+      leaving = pack(leaving, orders > 0)
+      if (run%structure%has_stops) leaving = [partings_of_stops(run, state), leaving]
+      call move_alloc(leaving, state%partings)
    end subroutine list_partings
+
+   !> The stops that are touched or left at this instant.
+   pure function partings_of_stops(run, state) result(partings)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      type(leaving_type), allocatable :: partings(:)
+      integer :: i
+
+      allocate (partings(0))
+      if (.not. allocated(state%partings)) return
+      associate (regime => run%regimes(state%regime))
+         partings = pack(state%partings, [(is_stop_row(run, regime, state%partings(i)%row, &
+            state%partings(i)%wall), i=1, size(state%partings))])
+      end associate
+   end function partings_of_stops
+
+   !> Whether a limit of a row is that of a stop.
+   pure logical function is_stop_row(run, regime, row, wall) result(is)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> The row, and its upper (+1) or lower (-1) limit.
+      integer, intent(in) :: row, wall
+
+      is = run%structure%has_stops .and. row <= run%structure%channels
+      if (is) is = run%structure%elastic(max(1, gap_of(regime, row, wall)))
+   end function is_stop_row
 
    !> A gap begins or ceases to rest.
    pure subroutine change_contact(run, kind, gap, phase, q, rate, state, event, status)
@@ -423,7 +522,7 @@ contains
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
 
-      associate (before => run%regimes(state%regime)%resting, structure => run%structure)
+      associate (before => run%regimes(state%regime)%closed, structure => run%structure)
          if (kind == release_event) then
             call enter(run, pack(before, before /= gap), phase, q, rate, state, status)
          else
@@ -464,11 +563,11 @@ contains
       if (allocated(state%partings)) deallocate (state%partings)
    end subroutine leave_instant
 
-   !> The number of the regime of a set of closed gaps; the regime is made if it is new.
+   !> The number of the regime of a set of closed gaps and stops; the regime is made if it is new.
    pure subroutine find_regime(run, set, number, status)
       !> In and out: with its regimes.
       type(run_type), intent(inout) :: run
-      !> The set, in ascending order.
+      !> The set, as in `regime_type`.
       integer, intent(in) :: set(:)
       !> Its number.
       integer, intent(out) :: number
@@ -480,7 +579,7 @@ contains
       status = stat%ok
       n = size(run%regimes)
       do number = 1, n
-         associate (known => run%regimes(number)%resting)
+         associate (known => run%regimes(number)%closed)
             if (size(known) /= size(set)) cycle
             if (all(known == set)) return
          end associate
@@ -582,6 +681,9 @@ contains
             call touch_zero(run, state, reached, changed)
             if (changed) cycle
             call release(run, state, reached, events(n + 1), status)
+         else if (is_stop_row(run, run%regimes(state%regime), reached%row, reached%wall)) then
+            call pass_stop(run, state, reached, events(n + 1), changed, status)
+            if (.not. changed .and. status == stat%ok) cycle
          else
             call collide(run, state, reached, events(n + 1), status)
          end if
@@ -733,6 +835,10 @@ contains
          if (closes_another(run, q, rate, gap)) status = stat%coupled_impacts
          if (status /= stat%ok) return
          if (reached%time > 0) call leave_instant(state)
+         ! an impact at the same instant changes how a stop is left
+         if (run%structure%has_stops .and. allocated(state%partings)) state%partings = &
+            pack(state%partings, [(.not. is_stop_row(run, regime, state%partings(j)%row, &
+            state%partings(j)%wall), j=1, size(state%partings))])
          call restitution_of(structure, gap, reached%speed, restitution, slope)
          impulse = (1 + restitution)*structure%effective(gap)*reached%speed
          do j = 1, size(state%x)
@@ -751,6 +857,106 @@ contains
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event)
       end associate
    end subroutine collide
+
+   !> Advances to the limit of a stop, and into the regime beyond it.
+   !!
+   !! With a speed that is nothing but rounding the first derivative that is not 0 decides whether
+   !! the limit is passed at all.
+   pure subroutine pass_stop(run, state, reached, event, passes, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> In: at the start of the flight. Out: at the limit, and beyond it if it is passed.
+      type(run_state_type), intent(inout) :: state
+      !> The limit that is reached.
+      type(reached_type), intent(in) :: reached
+      !> The event.
+      type(run_event_type), intent(inout) :: event
+      !> Whether the limit is passed; otherwise there is no event.
+      logical, intent(out) :: passes
+      !> `stat%ok`, `stat%stop_holds` where the stop would hold the structure at this limit, or as
+      !! in `new_regime`.
+      integer, intent(out) :: status
+      integer, allocatable :: closed(:)
+      real(wp) :: phase
+      integer :: kind, order, sense, number
+      logical :: grazes
+
+      status = stat%ok
+      associate (regime => run%regimes(state%regime), structure => run%structure)
+         number = gap_of(regime, reached%row, reached%wall)
+         grazes = only_touches(run, state, reached)
+         call move(run, state, reached%time)
+         call state_now(run, state, state%q, state%rate)
+         if (reached%time > 0) call leave_instant(state)
+         phase = run%load%frequency*state%elapsed
+         if (grazes) then
+            call leading_term(regime, state%x, state%v, phase, reached%row, 1, order, sense)
+            passes = reached%wall*sense > 0
+            if (.not. passes) then
+               call part(run, state, reached%row, reached%wall, order)
+               return
+            end if
+         end if
+         passes = .true.
+         closed = pack(regime%closed, abs(regime%closed) /= number)
+         if (reached%row /= structure%channel(number)) then
+            kind = merge(press_event, let_go_event, reached%wall > 0)
+            closed = merged(closed, merge(number, -number, kind == press_event))
+         else
+            kind = merge(touch_event, leave_event, reached%wall > 0)
+            if (kind == touch_event) closed = merged(closed, number)
+         end if
+      end associate
+      call enter(run, closed, phase, state%q, state%rate, state, status)
+      if (status /= stat%ok) return
+      ! the limit that was passed is left on its other side
+      associate (regime => run%regimes(state%regime), row => reached%row, &
+         structure => run%structure)
+         if (grazes) then
+            call leading_term(regime, state%x, state%v, phase, row, 1, order, sense)
+            if (reached%wall*sense < 0) status = stat%stop_holds
+            if (status /= stat%ok) return
+            call part(run, state, row, -reached%wall, order)
+         else
+            call part(run, state, row, -reached%wall, 1, reached%speed)
+         end if
+         if (kind == touch_event .and. structure%push(number) > 0) then
+            ! without a preload and a speed the force begins at 0
+            call leading_term(regime, state%x, state%v, phase, structure%push(number), 0, order, &
+               sense)
+            if (order > 0) call part(run, state, structure%push(number), -1, order)
+         end if
+         if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
+         call note(state, kind, number, abs(dot_product(structure%directions(:, number), &
+            state%rate)), 0.0_wp, state%q, state%rate, event)
+         if (row == structure%channel(number)) event%speed = reached%speed
+      end associate
+   end subroutine pass_stop
+
+   !> Lists a row of a stop that leaves its limit.
+   pure subroutine part(run, state, row, wall, order, speed)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The row, its limit, and the order of the first derivative that is not 0.
+      integer, intent(in) :: row, wall, order
+      !> The rate at which it leaves, if it is known.
+      real(wp), intent(in), optional :: speed
+      type(leaving_type) :: leaving
+      real(wp) :: d(0:3)
+
+      leaving = leaving_type(row, wall, 0.0_wp, order)
+      if (present(speed)) then
+         leaving%speed = speed
+      else if (order == 1) then
+         call row_derivatives(run%regimes(state%regime), state%x, state%v, &
+            run%load%frequency*state%elapsed, row, d)
+         leaving%speed = abs(d(1))
+      end if
+      if (.not. allocated(state%partings)) allocate (state%partings(0))
+      state%partings = [pack(state%partings, state%partings%row /= row), leaving]
+   end subroutine part
 
    !> Whether the speed of an impact is nothing but rounding.
    pure logical function only_touches(run, state, reached)
@@ -885,7 +1091,7 @@ contains
          rate = rate - structure%mobility(:, gap)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), rate)
       end associate
-      call enter(run, merged(run%regimes(state%regime)%resting, gap), phase, q, rate, state, status)
+      call enter(run, merged(run%regimes(state%regime)%closed, gap), phase, q, rate, state, status)
       if (status /= stat%ok) return
       state%leaving = leaving_type()
       stuck = .true.

@@ -9,9 +9,9 @@ module vi_structure_trajectory
    use vi_structure_map, only: accelerations
    use vi_structure_record, only: advance_recorded, set_forces
    use vi_structure, only: find_narrow, load_type, regime_type, state_of, structure_type, to_pairs
-   use vi_structure_run, only: find_regime, impact_event, new_run, release_event, run_event_type, &
-      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
-      whole_periods
+   use vi_structure_run, only: find_regime, impact_event, let_go_event, new_run, press_event, &
+      release_event, run_event_type, run_state_type, run_type, simulate_structure, start_at, &
+      state_now, stick_event, time_of, touch_event, whole_periods
    implicit none (type, external)
    private
 
@@ -330,7 +330,7 @@ contains
       !> `stat%ok`, or as in `new_regime` and `start_at`.
       integer, intent(out) :: status
       type(run_type) :: run
-      integer, allocatable :: resting(:)
+      integer, allocatable :: closed(:)
       type(run_state_type) :: state
       integer :: i, j, n, number
       logical :: fresh
@@ -342,14 +342,14 @@ contains
       call find_start(run, starts(:, 1), number, status)
       if (status /= stat%ok) return
       j = 1
-      resting = run%regimes(number)%resting
+      closed = run%regimes(number)%closed
       fresh = .true.
       do i = 1, size(times)
          do while (j < size(starts, 2))
             if (starts(1, j + 1) > times(i)) exit
             j = j + 1
-            call pass_label(labels(:, j), resting)
-            call find_regime(run, resting, number, status)
+            call pass_label(labels(:, j), closed)
+            call find_regime(run, closed, number, status)
             if (status /= stat%ok) return
             fresh = .true.
          end do
@@ -443,15 +443,22 @@ contains
       end do
    end subroutine complete_rests
 
-   !> The gaps that rest after an event.
-   pure subroutine pass_label(label, resting)
+   !> The gaps that rest and the stops that are closed after an event.
+   pure subroutine pass_label(label, closed)
       !> (2) Kind and gap of the event.
       integer, intent(in) :: label(:)
-      !> In and out: the gaps, in ascending order.
-      integer, allocatable, intent(inout) :: resting(:)
+      !> In and out: the set, as in `regime_type`.
+      integer, allocatable, intent(inout) :: closed(:)
 
-      if (label(1) == stick_event) resting = sorted_with(resting, label(2))
-      if (label(1) == release_event) resting = pack(resting, resting /= label(2))
+      if (label(1) == 0 .or. label(1) == impact_event) return
+      closed = pack(closed, abs(closed) /= label(2))
+      select case (label(1))
+      case (stick_event, touch_event, press_event)
+         closed = sorted_with(closed, label(2))
+      case (let_go_event)
+         closed = sorted_with(closed, -label(2))
+      case default
+      end select
    end subroutine pass_label
 
    !> The state at the beginning of a segment under a record.

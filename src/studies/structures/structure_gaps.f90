@@ -1,11 +1,11 @@
-!> The groups &gap of a structure, with their laws of restitution.
+!> The groups &gap of a structure, with their laws of restitution, and its groups &stop.
 module vi_structure_gaps
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
-   use vi_restitution, only: constant_law, power_law, table_law
+   use vi_restitution, only: constant_law, power_law, pushing_law, stop_law, table_law
    use vi_status, only: stat, status_text
-   use vi_structure, only: check_structure, find_narrow, load_type, new_regime, regime_type, &
-      structure_type
+   use vi_structure, only: check_structure, find_narrow, is_stop, load_type, new_regime, &
+      regime_type, structure_type
    use vi_structure_matrices, only: most_coordinates
    use vi_text, only: number_text, shown, whole
    use vi_values, only: values_type
@@ -16,6 +16,8 @@ module vi_structure_gaps
 
    !> Largest modulus of a number of a direction, or of a mode shape.
    real(wp), parameter, public :: most_direction = 1.0e40_wp
+   !> Largest stiffness, damping or preload of a stop.
+   real(wp), parameter :: most_stop = 1.0e100_wp
 
    type(key_type), parameter, public :: gap_keys(*) = [ &
       key_type('direction', most=most_coordinates, low=-most_direction, high=most_direction, &
@@ -39,9 +41,23 @@ module vi_structure_gaps
       only='law=table', takes='one number from 0 to 1 for each of law_speeds', &
       meaning='coefficients of restitution at these speeds')]
 
+   type(key_type), parameter, public :: stop_keys(*) = [ &
+      key_type('direction', most=most_coordinates, low=-most_direction, high=most_direction, &
+      takes=gap_keys(1)%takes, &
+      meaning='the stop is pressed in this direction, by direction.q - opening where it is > 0'), &
+      key_type('opening', &
+      meaning='opening of the stop at q = 0; negative if it is pressed there'), &
+      key_type('stiffness', low=0.0_wp, high=most_stop, meaning='stiffness of its spring'), &
+      key_type('damping', low=0.0_wp, high=most_stop, default='0', &
+      meaning='damping of its dashpot'), &
+      key_type('preload', low=0.0_wp, high=most_stop, default='0', &
+      meaning='force with which it presses at once where it is touched'), &
+      key_type('release', a_word, default='''gap''', words='gap force', &
+      meaning='contact ends where the gap opens, or where the force vanishes: it cannot pull')]
+
 contains
 
-   !> Checks a gap.
+   !> Checks a gap or a stop.
    pure subroutine check_gap(gap, points)
       !> The group.
       type(values_type), intent(inout) :: gap
@@ -54,6 +70,11 @@ contains
       else if (all(abs(gap%numbers('direction')) <= 0)) then
          call gap%refuse('direction')
       end if
+      if (gap%name == 'stop') then
+         if (gap%number('stiffness') + gap%number('damping') + gap%number('preload') > 0) return
+         call gap%refuse('stiffness', 'it, damping or preload must be above 0')
+         return
+      end if
       if (.not. gap%has('law_speeds')) return
       associate (speeds => gap%numbers('law_speeds'))
          if (any(speeds(2:) <= speeds(:size(speeds) - 1))) call gap%refuse('law_speeds')
@@ -62,7 +83,7 @@ contains
       end associate
    end subroutine check_gap
 
-   !> The gaps as `new_structure` takes them.
+   !> The gaps and stops as `new_structure` takes them.
    pure subroutine gaps_of(gaps, n, directions, gap_values, shapes)
       !> The groups.
       type(values_type), intent(in) :: gaps(:)
@@ -103,18 +124,22 @@ contains
 
       most = 0
       do i = 1, size(gaps)
+         if (gaps(i)%name == 'stop') cycle
          if (gaps(i)%has('law_speeds')) most = max(most, size(gaps(i)%numbers('law_speeds')))
       end do
    end function most_points
 
-   !> The law of restitution of a gap, as `new_structure` takes it.
+   !> The law of restitution of a gap, or that of a stop, as `new_structure` takes it.
    pure subroutine law_of(gap, law)
       !> The gap.
       type(values_type), intent(in) :: gap
       !> Kind and numbers.
       real(wp), allocatable, intent(out) :: law(:)
 
-      if (gap%is('law', 'power')) then
+      if (gap%name == 'stop') then
+         law = [real(merge(pushing_law, stop_law, gap%is('release', 'force')), wp), &
+            gap%number('stiffness'), gap%number('damping'), gap%number('preload')]
+      else if (gap%is('law', 'power')) then
          law = [real(power_law, wp), gap%number('restitution'), gap%number('law_speed'), &
             gap%number('law_exponent'), gap%number('law_sharpness')]
       else if (gap%is('law', 'table')) then
@@ -166,6 +191,7 @@ contains
       if (status == stat%gap_closed) then
          apart = structure%openings
          if (size(q) > 0) apart = apart - matmul(q, structure%directions)
+         where (is_stop(structure%laws)) apart = huge(1.0_wp)
          gap = minloc(apart, dim=1)
          text = text//': gap '//whole(gap - 1)//' is '//trim(number_text(apart(gap), .false., 6)) &
             //', must be >= 0'

@@ -1,10 +1,10 @@
-!> The groups of a structure: &structure, its gaps and its load.
+!> The groups of a structure: &structure, its gaps and stops, and its load.
 module vi_structure_groups
    use vi_case, only: case_type
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_structure, only: load_type, new_structure, structure_type
-   use vi_structure_gaps, only: check_gap, gap_keys, gaps_of
+   use vi_structure_gaps, only: check_gap, gap_keys, gaps_of, stop_keys
    use vi_structure_loads, only: check_load, complete_coordinates, complete_record, &
       load_frequency, load_keys, load_of, record_end, record_of
    use vi_structure_matrices, only: check_matrices, find_coordinates, matrices_of, &
@@ -13,8 +13,9 @@ module vi_structure_groups
    implicit none (type, external)
    private
 
-   public :: complete_coordinates, gap_keys, load_frequency, load_keys, most_coordinates, &
-      read_parts, read_structure, record_end, record_of, structure_keys, structure_of
+   public :: complete_coordinates, gap_keys, has_stop, is_gap, load_frequency, load_keys, &
+      most_coordinates, read_parts, read_structure, record_end, record_of, stop_keys, &
+      structure_keys, structure_of
 
 contains
 
@@ -26,20 +27,22 @@ contains
       type(group_type), intent(in) :: groups(:)
       !> In: as read. Out: complete, or with a fault.
       type(values_type), intent(inout) :: structure
-      !> Its gaps and then its load, complete, or the first of them with a fault.
+      !> Its gaps and stops and then its load, complete, or the first of them with a fault.
       type(values_type), allocatable, intent(out) :: parts(:)
       !> Number of coordinates.
       integer, intent(out) :: coordinates
       integer :: order(size(groups)), i, points
       logical :: gaps(size(groups))
 
-      gaps = is_gap(groups)
+      gaps = [(is_gap(groups(i)%name), i=1, size(groups))]
       order = [pack([(i, i=1, size(groups))], gaps), pack([(i, i=1, size(groups))], .not. gaps)]
       allocate (parts(size(groups)))
       do i = 1, size(groups)
          associate (group => groups(order(i)))
             if (group%name == 'gap') then
                call read_values('gap', gap_keys, group, parts(i))
+            else if (group%name == 'stop') then
+               call read_values('stop', stop_keys, group, parts(i))
             else
                call read_values('load', load_keys, group, parts(i))
             end if
@@ -54,7 +57,7 @@ contains
       points = coordinates
       if (structure%has('frequencies')) points = size(structure%numbers('shapes'))/coordinates
       do i = 1, size(parts)
-         if (parts(i)%name == 'gap') then
+         if (is_gap(parts(i)%name)) then
             call check_gap(parts(i), points)
          else
             call check_load(parts(i), coordinates)
@@ -63,15 +66,22 @@ contains
       end do
    end subroutine read_parts
 
-   !> Which groups are gaps.
-   pure function is_gap(groups) result(mask)
-      !> Some groups.
-      type(group_type), intent(in) :: groups(:)
-      logical :: mask(size(groups))
+   !> Whether a group is a gap or a stop.
+   elemental logical function is_gap(name)
+      !> Its name.
+      character(*), intent(in) :: name
+
+      is_gap = name == 'gap' .or. name == 'stop'
+   end function is_gap
+
+   !> Whether a structure has a stop.
+   pure logical function has_stop(case)
+      !> A case with it.
+      type(case_type), intent(in) :: case
       integer :: i
 
-      mask = [(groups(i)%name == 'gap', i=1, size(groups))]
-   end function is_gap
+      has_stop = any([(case%parts(i)%name == 'stop', i=1, size(case%parts))])
+   end function has_stop
 
    !> The structure and the load of a case.
    pure subroutine structure_of(case, structure, load)
@@ -85,7 +95,7 @@ contains
       real(wp), allocatable :: shapes(:, :), directions(:, :), gap_values(:, :)
       integer :: i, gaps
 
-      gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
+      gaps = count([(is_gap(case%parts(i)%name), i=1, size(case%parts))])
       associate (s => case%system, n => case%coordinates)
          call matrices_of(s, n, matrices)
          if (s%has('frequencies')) shapes = reshape(s%numbers('shapes'), &
