@@ -158,6 +158,47 @@ def period_of(rig, impacts):
     return 0, ""
 
 
+def drawn(draw, kind, least=4, widest=40):
+    """A rig of some kind, with a load of at least so many N, and up to some D."""
+    rig = {
+        "xi": draw.uniform(0.007, 0.016), "mu": draw.uniform(0.025, 0.05), "F0": draw.uniform(least, 8),
+        "restitution": (draw.uniform(0.6, 0.8),) * 2, "r": draw.choice([0.9, 0.94, 1.04, 1.06, 1.1]),
+        "D": draw.uniform(15, widest), "noise": draw.choice([0.004, 0.0075, 0.01]),
+    }  # fmt: skip
+    if kind != "abc":
+        rig["rate"] = float(draw.choice([10000, 20000]))
+        rig["duration"] = 2.0 if rig["rate"] > 15000 else 3.0
+        rig["contact"] = float(draw.choice([2e-4, 4e-4, 6e-4, 1e-3]))
+    if kind == "defg" and draw.uniform() < 0.25:
+        rig["ring_share"] = 0.0
+    if kind == "hi":
+        rig["lowpass"] = float(draw.choice([600, 1000, 2000]))
+    if kind == "other":
+        rig["restitution"] = tuple(draw.uniform(0.55, 0.85, 2))
+        rig["before"], rig["skew"] = (
+            float(draw.choice([0.0, 0.4])),
+            float(draw.choice([1, 1.5])),
+        )
+        rig["ringing"], rig["ring_decay"] = draw.uniform(250, 900), draw.uniform(60, 300)
+        rig["offset"] = draw.uniform(-1, 1)
+    return Rig(**rig)
+
+
+def chaotic_rig(seed, kind="abc"):
+    """A rig with impacts on both walls that do not repeat, and a record of it, of the kinds of `random_rig`."""
+    draw = np.random.default_rng([seed, 7, *kind.encode()])
+    while True:
+        rig = drawn(draw, kind, 2, 60)
+        found = flights(rig, 300 / rig.frequency, 300 / rig.frequency + rig.duration)
+        if found is None or found[1].shape[0] < 20 or len(set(found[1][:, 1])) < 2:
+            continue
+        if period_of(rig, found[1])[0]:
+            continue
+        made = record(rig, seed)
+        if made is not None and not period_of(rig, made[3])[0]:
+            return rig, made
+
+
 def random_rig(seed, kind="abc"):
     """A rig with a periodic motion, and a record of it: of kind "abc" at 5 kHz with contacts of 0.4 ms, of kind
     "defg"
@@ -165,28 +206,7 @@ def random_rig(seed, kind="abc"):
     "other" with centred or skewed pulses, an offset and two walls."""
     draw = np.random.default_rng([seed, *kind.encode()])
     while True:
-        rig = {
-            "xi": draw.uniform(0.007, 0.016), "mu": draw.uniform(0.025, 0.05), "F0": draw.uniform(4, 8),
-            "restitution": (draw.uniform(0.6, 0.8),) * 2, "r": draw.choice([0.9, 0.94, 1.04, 1.06, 1.1]),
-            "D": draw.uniform(15, 40), "noise": draw.choice([0.004, 0.0075, 0.01]),
-        }  # fmt: skip
-        if kind != "abc":
-            rig["rate"] = float(draw.choice([10000, 20000]))
-            rig["duration"] = 2.0 if rig["rate"] > 15000 else 3.0
-            rig["contact"] = float(draw.choice([2e-4, 4e-4, 6e-4, 1e-3]))
-        if kind == "defg" and draw.uniform() < 0.25:
-            rig["ring_share"] = 0.0
-        if kind == "hi":
-            rig["lowpass"] = float(draw.choice([600, 1000, 2000]))
-        if kind == "other":
-            rig["restitution"] = tuple(draw.uniform(0.55, 0.85, 2))
-            rig["before"], rig["skew"] = (
-                float(draw.choice([0.0, 0.4])),
-                float(draw.choice([1, 1.5])),
-            )
-            rig["ringing"], rig["ring_decay"] = draw.uniform(250, 900), draw.uniform(60, 300)
-            rig["offset"] = draw.uniform(-1, 1)
-        rig = Rig(**rig)
+        rig = drawn(draw, kind)
         made = record(rig, seed)
         if made is None or made[3].shape[0] < 8:
             continue

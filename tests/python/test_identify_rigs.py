@@ -6,7 +6,7 @@ import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
-from reference_rig import K, M, random_rig
+from reference_rig import K, M, chaotic_rig, random_rig
 
 
 def score(seed, kind):
@@ -41,6 +41,53 @@ def test_what_two_impacts_leave_open_is_named():
     found = vi.identify(rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K})
     assert set(found.undetermined) >= {"mu", "d"}
     assert abs(found.values["xi"] - rig.xi) < 4 * found.errors["xi"]
+
+
+def chaotic_score(seed, kind):
+    """What is found of a rig whose motion does not repeat: errors of all parameters over their stated ones."""
+    rig, (_, load, acceleration, _) = chaotic_rig(seed, kind)
+    found = vi.identify(rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K})
+    true = {
+        "xi": rig.xi, "mu": rig.mu, "R1": rig.restitution[0], "R2": rig.restitution[1], "d": rig.d,
+    }  # fmt: skip
+    off = [(found.values[name] - true[name]) / found.errors[name] for name in true]
+    return rig, found, off
+
+
+@pytest.mark.parametrize("kind", ["abc", "defg", "hi", "other"])
+def test_a_chaotic_record_tells_all_parameters(kind):
+    """Without a motion, from flights between impacts alone, also the free mass: within four stated errors."""
+    rig, found, off = chaotic_score(1, kind)
+    assert (found.status, found.pattern, found.motion) == ("not periodic", None, None)
+    assert found.undetermined == []
+    assert max(map(abs, off)) < 4
+    assert found.misfit == pytest.approx(1, abs=0.5)
+    assert found.errors["d"] < 0.005 * rig.d
+    assert found.oscillator.mu == found.values["mu"]
+
+
+@pytest.mark.slow
+def test_eighty_chaotic_records(share):
+    """Nine of ten tell all parameters, none is wrong without a doubt; intervals cover what they say."""
+    count = share(80)
+    off, vague = [], 0
+    for seed in range(count):
+        try:
+            _, found, errors = chaotic_score(1000 + seed, ("abc", "defg", "hi", "other")[seed % 4])
+        except vi.SingularError:
+            vague += 1
+            continue
+        if found.undetermined or found.doubts:
+            vague += 1
+            continue
+        assert max(map(abs, errors)) < 5, seed
+        off.append(errors)
+    assert vague <= 0.1 * count + 1
+    inside = np.abs(off)
+    # the parameters of a record are about two independent numbers
+    for width, part in ((1.0, 0.683), (1.96, 0.95)):
+        deviation = (part * (1 - part) / (2 * len(off))) ** 0.5
+        assert abs(np.mean(inside < width) - part) < 4 * deviation
 
 
 @pytest.mark.slow

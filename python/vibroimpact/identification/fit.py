@@ -190,6 +190,20 @@ def explained(data: Measured, found: Fit, i: int, share: float) -> float:
     return float(off @ off)
 
 
+def covariance_of(J: _Array, scales: _Array) -> tuple[_Array, set[int], int]:
+    """Covariance of the parameters by the derivatives of weighted residuals, places of those that are not
+    determined,
+    and how many combinations are."""
+    _, s, Vt = np.linalg.svd(J * scales, full_matrices=True)
+    s = np.concatenate([s, np.zeros(Vt.shape[0] - s.size)])
+    determined = s > 1 / VAGUE
+    # what the records do not determine may be wrong by as much as itself, and what depends on it a little by less
+    inverse = 1 / np.maximum(s, 1.0) ** 2
+    covariance: _Array = (Vt.T * inverse) @ Vt * np.outer(scales, scales)
+    vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
+    return covariance, set(vague.tolist()), int(determined.sum())
+
+
 def finished(
     sizes: Sequence[int], freedoms: Sequence[int], records: Sequence[Measured], x: _Array, f: _Array,
     J: _Array, names: list[str], place: dict[str, int], values: dict[str, float], motions: list[Impacting],
@@ -197,17 +211,10 @@ def finished(
 ) -> Fit:  # fmt: skip
     """Covariance, and what is not determined; of each record the numbers of residuals and degrees of freedom."""
     count = len(sizes)
-    scaled = J * scales
-    _, s, Vt = np.linalg.svd(scaled, full_matrices=True)
-    s = np.concatenate([s, np.zeros(Vt.shape[0] - s.size)])
-    determined = s > 1 / VAGUE
-    freedom = max(1, sum(freedoms) - int(determined.sum()))
+    covariance, vague, determined = covariance_of(J, scales)
+    freedom = max(1, sum(freedoms) - determined)
     misfit = float(f @ f) / freedom
-    # what the records do not determine may be wrong by as much as itself, and what depends on it a little by less
-    inverse = 1 / np.maximum(s, 1.0) ** 2
-    covariance = (Vt.T * inverse) @ Vt * np.outer(scales, scales) * max(1.0, misfit)
-    covariance *= max(data.drift * data.colour for data in records)
-    vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
+    covariance *= max(1.0, misfit) * max(data.drift * data.colour for data in records)
     kept = [name for name in names if not name.startswith("phase")]
     undetermined = [name for name in kept if place[name] in vague]
     columns = [place[name] for name in kept]

@@ -22,7 +22,7 @@ from .known import known_values
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
 from .measured import SensorRecord
 from .motions import oscillator_of, verified
-from .stages import searched
+from .stages import identified_by
 from .steps import of_record, of_times
 from .tables import said, tables_of
 
@@ -155,9 +155,9 @@ class Identification(Noun, study="identify"):
     @property
     def oscillator(self) -> Oscillator | None:
         """The identified system."""
-        if self.status != "periodic":
-            return None
         values = self.values
+        if not all(math.isfinite(values.get(name, math.nan)) for name in ("xi", "mu", "d")):
+            return None
         scale: dict[str, Any] = {
             name: values[name]
             for name in ("M", "K", "F0") if math.isfinite(values.get(name, math.nan))
@@ -174,7 +174,8 @@ class Identification(Noun, study="identify"):
     @property
     def restitution(self) -> tuple[Restitution, Restitution] | None:
         """Of the right and of the left wall, over the approach speed in m/s with a power law."""
-        return law_of(self.values).restitution(self.values) if self.status == "periodic" else None
+        values = self.values
+        return law_of(values).restitution(values) if self.oscillator is not None else None
 
     @property
     def osc(self) -> Any:
@@ -408,10 +409,9 @@ class Identification(Noun, study="identify"):
         return identified(records, case=case.text, **options)
 
     def __repr__(self) -> str:
-        if self.status != "periodic":
-            return f"<Identification: {self.status}, {self.impact_times.size} impacts picked>"
         pattern = self.pattern
-        assert pattern is not None
+        if pattern is None and "xi" not in self.errors:
+            return f"<Identification: {self.status}, {self.impact_times.size} impacts picked>"
         fitted = ", ".join(
             said(name, self.values[name], error)
             for name, error in self.errors.items()
@@ -420,7 +420,8 @@ class Identification(Noun, study="identify"):
         left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
         doubtful = "doubtful, see doubts" if self.doubts else ""
         shown = "; ".join(filter(None, (fitted, left, doubtful))) or "all known"
-        return f"<Identification {pattern.sides}/{pattern.cycles} at r = {self.r:.6g}: {shown}>"
+        motion = f"{pattern.sides}/{pattern.cycles}" if pattern else f"({self.status})"
+        return f"<Identification {motion} at r = {self.r:.6g}: {shown}>"
 
 
 def identify(
@@ -617,7 +618,5 @@ def identified(
         steps = [
             of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
         ]
-    found = None
-    if all(step.data is not None for step in steps):
-        steps, found, own = searched(steps, scale, shared, guess, own, law_speed)
+    steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed)
     return Identification(tables_of(steps, found, scale, shared, own, case))

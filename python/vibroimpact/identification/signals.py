@@ -19,6 +19,8 @@ EDGE = 0.4
 #: A sample is a spike above so many standard deviations of the noise, this share of the large ones, and
 #: this share of the largest one beside it; distances, in periods of the lower edge, of two spikes and of "beside".
 LIMIT, SHARE, OWN, APART, SPREAD_OF_SPIKES = 8.0, 0.03, 0.4, 0.8, 3.0
+#: Seconds over which samples are averaged where the bandwidth is not known.
+SHORT = 2e-4
 #: Largest number of load cycles in a period, and the greatest difference of phases, in cycles, of one impact.
 MOST_CYCLES, SAME = 8, 0.02
 #: Largest ratio of the intervals of impacts that accumulate, one after the other.
@@ -162,9 +164,16 @@ def spikes(
 ) -> tuple[_Array, _Array]:
     """Times (0 in the middle) and signs of the spikes of an acceleration, about as exact as a sample.
 
-    A high-pass at some share of the bandwidth takes load, motion and most of the ringing away.
+    A high-pass at some share of the bandwidth takes load, motion and most of the ringing away. Where the bandwidth
+    is not known, contacts may be as long as many samples: then spikes of means over some of them are looked for.
     """
     signal = scipy("signal", "the picking of impacts")
+    each = 1 if bandwidth else max(1, round(rate * SHORT))
+    if each > 1:
+        late = 0.5 * (values.size % each) / rate
+        means = values[: values.size // each * each].reshape(-1, each).mean(axis=1)
+        times, signs = spikes(means, rate / each, omega, 0.4 * rate / each)
+        return times - late, signs
     edge = max(EDGE * (bandwidth or 0.4 * rate), 20 * omega / (2 * math.pi))
     sections = signal.butter(4, min(edge, 0.4 * rate), "highpass", fs=rate, output="sos")
     left = signal.sosfiltfilt(sections, values - values.mean())

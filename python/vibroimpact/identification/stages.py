@@ -11,16 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, SingularError
+from .aperiodic import LEAST_IMPACTS, by_flights, by_laws
 from .fit import Fit, fit
 from .flights import Measured
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
+from .motions import Impacting
+from .signals import no_rhythm
 from .start import start_of, start_of_times
-from .steps import Step, flown
+from .steps import Step, flown, flown_apart
 
 _Array = NDArray[np.float64]
-#: Misfit above which a fit is doubtful.
-DOUBTFUL = 2.0
+#: Misfit above which a fit is doubtful; and standard errors between an impact of the fitted motion and one of the
+#: flights.
+DOUBTFUL, FAR = 2.0, 5.0
 #: Largest ratio of two load amplitudes that should be the same.
 LARGEST_RATIO = 1.5
 #: What a wrong unit changes a record by, for the message.
@@ -101,39 +105,125 @@ def fitted(
     return fit(found, shared, middle, lengths, phases, M, K, law, near), law
 
 
-def searched(
+def identified_by(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
     law: Law, law_speed: float | None,
 ) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
-    """The steps with their flights and the fit of exact motions, if all are periodic.
+    """The steps with their flights and the fit of exact motions, or where records have none, of single flights.
 
-    Where there is none, the weakest impact may be none, or the period may be twice as long.
+    Where there is no exact motion the weakest impact may be none, or the motion not quite periodic, or the period
+    twice as long.
     """
+    given = scale, shared, guess, law, law_speed
     failed: SingularError | None = None
-    for fewer, factor in ((False, 1), (True, 1), (False, 2)):
+    if any(step.data is None for step in steps):
+        return apart(steps, *given)
+    for attempt in ("as it is", "fewer", "apart", "twice"):
         others = [copy(step) for step in steps]
-        measured = [step for step in others if step.data is not None and step.record is not None]
+        measured = [step for step in others if step.record is not None]
         if failed is not None and not measured:
             break
         try:
+            if attempt == "apart":
+                single = apart(steps, *given)
+                if clear(single[1]):
+                    return because(single, str(failed))
+                continue
             for step in measured:
                 assert step.data is not None
-                step.data = replace(step.data, k=factor * step.data.k)
-                if step.data.k > step.most_cycles:
-                    raise SingularError("too few periods")
-                flown(step, scale, shared, guess, fewer)
+                if attempt == "twice":
+                    step.data = replace(step.data, k=2 * step.data.k)
+                    if step.data.k > step.most_cycles:
+                        raise SingularError("too few periods")
+                flown(step, scale, shared, guess, attempt == "fewer")
             if not all(step.rhythm.status == "periodic" for step in others):
+                single = apart(steps, *given)
+                if clear(single[1]):
+                    return because(single, "flights between no impacts describe it")
                 return others, None, law
-            found, own = fitted(others, scale, shared, guess, law, law_speed)
+            found, own = fitted(others, *given)
         except SingularError as error:
             failed = failed or error
             continue
         # what only another pattern makes possible has to be good
-        if failed is None or max(found.misfits) < DOUBTFUL:
-            return others, found, own
+        if failed is not None and max(found.misfits) > DOUBTFUL:
+            continue
+        if far_off(others, found) or max(found.misfits) > DOUBTFUL:
+            single = apart(steps, *given)
+            if clear(single[1]):
+                return because(single, "its exact motion does not describe it")
+        return others, found, own
     with_other_loads(steps, scale, shared, guess)
     assert failed is not None
     raise failed
+
+
+def clear(found: Fit | None) -> bool:
+    """Whether single flights tell all parameters."""
+    return found is not None and max(found.misfits) < DOUBTFUL and not found.undetermined
+
+
+def because(
+    single: tuple[list[Step], Fit | None, Law], why: str
+) -> tuple[list[Step], Fit | None, Law]:
+    """The fit to single flights of a record that seemed to be periodic, with what tells against that."""
+    for step in single[0]:
+        step.notes.insert(
+            0,
+            f"about the same after {step.rhythm.cycles or 1} load cycles, but no periodic motion: {why}",
+        )
+        step.rhythm = no_rhythm("not periodic")
+    return single
+
+
+def far_off(steps: Sequence[Step], found: Fit) -> bool:
+    """Whether an impact of a fitted motion is not where the flights alone have it."""
+    return any(
+        step.data is not None and bool((distances(step.data, motion) > FAR).any())
+        for step, motion in zip(steps, found.motions, strict=True)
+    )
+
+
+def distances(data: Measured, motion: Impacting) -> _Array:
+    """Between impacts of a fitted motion and those of the flights alone, in standard errors of these."""
+    away: _Array = np.abs(motion.angles - data.angles) / data.angle_errors
+    return away
+
+
+def apart(
+    steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float], law: Law,
+    law_speed: float | None,
+) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
+    """The parameters from the single flights of a record that is not periodic, if they tell them."""
+    steps = [not_periodic(step) for step in steps]
+    step = steps[0]
+    if len(steps) > 1 or step.apart is None:
+        return steps, None, law
+    try:
+        flights = flown_apart(step, scale, shared, guess)
+        assert step.windows is not None
+    except SingularError as error:
+        step.notes.append(f"flights between impacts give no parameters: {error}")
+        return steps, None, law
+    try:
+        found, law, lawful = by_laws(step.windows, flights, shared, guess, law, law_speed)
+    except SingularError as error:
+        step.notes.append(f"impacts give no parameters: {error}")
+        # beside rests, in which the masses are one, short flights may be none
+        clean = flights.resolved.sum() >= max(LEAST_IMPACTS, 0.5 * flights.times.size)
+        return steps, by_flights(flights, shared, law) if clean else None, law
+    step.notes.append(
+        f"momentum and restitution at {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
+        "others are beside a flight that is too short, or in which an impact is hidden"
+    )
+    return steps, found, law
+
+
+def not_periodic(step: Step) -> Step:
+    """A step whose record is not taken as periodic."""
+    other = copy(step)
+    other.data, other.notes = None, [*step.notes]
+    return other
 
 
 def with_other_loads(
@@ -150,6 +240,7 @@ def with_other_loads(
                     step.data = replace(step.data, phase=step.data.phase + math.pi)
                 else:
                     step.data = replace(step.data, F0=None)
+                step.known_flights = {}
                 flown(step, scale, shared, guess)
             found = fitted(others, scale, shared, guess, Law(), None)[0]
         except SingularError:

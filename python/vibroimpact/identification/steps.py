@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
+from .aperiodic import Flown, Windows, picked
 from .flights import MOST_MODES, PLACES, Flights, Folded, FreeFit, Measured, beside, folded, onsets
 from .known import HINT
 from .measured import MOTIONS, SensorRecord, delay_of, sensor_response
@@ -60,10 +61,15 @@ class Step:
         self.signs: _Array = np.empty(0)
         self.rhythm = no_rhythm("no impacts")
         self.data: Measured | None = None
+        #: The load, and what its flights are one by one, if the record does not repeat.
+        self.apart: Measured | None = None
+        self.windows: Windows | None = None
         #: Flights with impacts of any times and jumps, and the folded record that they describe; scatter of a
         #: sample.
         self.free: FreeFit | None = None
         self.fold: Folded | None = None
+        #: By the load cycles of a period; copies of a step share them.
+        self.known_flights: dict[int, tuple[FreeFit, Folded]] = {}
         self.noise = math.nan
         #: Largest number of load cycles in a period.
         self.most_cycles = 0
@@ -138,14 +144,15 @@ def of_record(
         step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
     else:
         step.rhythm = no_rhythm("not periodic")
-    if not k or step.rhythm.status in ("accumulation", "rest"):
+    repeats = k and step.rhythm.status not in ("accumulation", "rest")
+    if force is None and not repeats:
         return step
     if force is None:
         # the high harmonics tell the frequency better than the first one
         most = int(min(0.4 * rate * 2 * math.pi / Omega, MOTION_TONES)) * k
         Omega += k * tones(values, rate, Omega / k, most).off
         step.Omega = Omega
-    data = Measured(Omega, k, order=order, colour=colour, drift=drift)
+    data = Measured(Omega, max(k, 1), order=order, colour=colour, drift=drift)
     if step.load is not None:
         # both channels have the same delay, which only shifts the times of the impacts
         size = float(abs(step.load.values[1]))
@@ -169,10 +176,34 @@ def of_record(
         data.shape = np.append(-1j, tone * np.exp(-1j * np.array(clear) * data.phase))
     if "F0" in scale:
         data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+    step.apart = data
+    if not repeats:
+        return step
     step.data = data
     step.noise = noise
     step.most_cycles = most_cycles(cycles)
     return step
+
+
+def known_of(
+    data: Measured, scale: Mapping[str, float], known: Mapping[str, float]
+) -> tuple[float | None, dict[str, tuple[float, float]], tuple[float, float, float] | None]:
+    """The natural frequency if it is known, what is known of other parameters of flights with its errors, and,
+    with a known mass alone, this mass, the load and its error."""
+    omega = known.get("omega")
+    priors: dict[str, tuple[float, float]] = {}
+    stiffness = scale.get("K", scale.get("M", math.nan) * (omega or math.nan) ** 2)
+    if data.F0 is not None and math.isfinite(stiffness):
+        static = data.F0 / stiffness
+        priors["static"] = static, max(data.F0_error / stiffness, 1e-6 * static)
+    if data.phase is not None:
+        priors["phase"] = data.phase, max(data.phase_error, 1e-6)
+    if "xi" in known:
+        priors["xi"] = known["xi"], 1e-9
+    force = None
+    if omega is None and data.F0 is not None and "M" in scale:
+        force = scale["M"], data.F0, max(data.F0_error, 1e-6 * data.F0)
+    return omega, priors, force
 
 
 def flown(
@@ -185,23 +216,14 @@ def flown(
     assert data is not None
     assert record is not None
     values: _Array = getattr(record, step.quantity)
-    starts = onsets(values, record.rate, data.Omega, data.k)
-    omega = known.get("omega")
-    priors: dict[str, tuple[float, float]] = {}
-    stiffness = scale.get("K", scale.get("M", math.nan) * (omega or math.nan) ** 2)
-    if data.F0 is not None and math.isfinite(stiffness):
-        static = data.F0 / stiffness
-        priors["static"] = static, max(data.F0_error / stiffness, 1e-6 * static)
-    if data.phase is not None:
-        priors["phase"] = data.phase, max(data.phase_error, 1e-6)
-    if "xi" in known:
-        priors["xi"] = known["xi"], 1e-9
+    omega, priors, force = known_of(data, scale, known)
     fold = folded(values, record.rate, data.Omega, data.k, PLACES)
-    force = None
-    if omega is None and data.F0 is not None and "M" in scale:
-        force = scale["M"], data.F0, max(data.F0_error, 1e-6 * data.F0)
     flights = Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
-    free = flights.best(starts)
+    if data.k in step.known_flights:
+        free, flights.fold = step.known_flights[data.k]
+    else:
+        free = flights.best(onsets(values, record.rate, data.Omega, data.k))
+        step.known_flights[data.k] = free, flights.fold
     if fewer and free.data.angles.size > 2:
         free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
     if free.misfit > HOPELESS:
@@ -245,6 +267,30 @@ def flown(
         jumps=data.jumps[order], beside=beside(free),
     )  # fmt: skip
     step.rhythm = Rhythm("periodic", data.k, np.empty(0), np.empty(0))
+
+
+def flown_apart(
+    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float]
+) -> Flown:
+    """The flights of a record one by one, from which its impacts are known below the sample."""
+    data, record = step.apart, step.record
+    assert data is not None
+    assert record is not None
+    values: _Array = getattr(record, step.quantity)
+    omega, priors, _ = known_of(data, scale, known)
+    t = centred(len(record), record.rate)
+    static = priors.get(
+        "static", (2 * float(np.std(smooth(values, record.rate, data.order))), 0.0)
+    )[0]
+    step.windows = windows = Windows(
+        t, values, data, picked(values, record.rate, data.Omega, data.order), omega,
+        known.get("xi", guess["xi"]), priors, (static, data.phase or 0.0),
+    )  # fmt: skip
+    found = windows.run()
+    lag = 0.0 if record.bandwidth is None else delay_of(record.bandwidth)
+    step.times = found.times - t[0] + record.start - lag
+    step.signs = np.sign(found.jumps)
+    return found
 
 
 def letters_of(signs: _Array) -> str:

@@ -16,11 +16,9 @@ from .laws import Law
 from .measured import SensorRecord
 from .motions import oscillator_of, verified
 from .signals import centred
-from .stages import DOUBTFUL
+from .stages import DOUBTFUL, FAR, distances
 from .steps import LOAD_TONES, Step
 
-#: Standard errors between an impact of the fitted motion and one of the flights, above which a fit is doubtful.
-FAR = 5.0
 #: What records that are not periodic tell and leave open.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
@@ -88,6 +86,10 @@ def tables_of(
             "misfit": found.misfits[i] if found is not None else math.nan,
         }  # fmt: skip
         first, away = math.nan, np.zeros(1)
+        if found is not None and step.windows is not None:
+            fit_of |= {
+                "r": step.Omega / found.values["omega"], "clearance": found.values["d"] / found.lengths[i],
+            }  # fmt: skip
         if found is not None and data is not None and pattern is not None:
             motion, static = found.motions[i], found.lengths[i]
             r, clearance = step.Omega / found.values["omega"], found.values["d"] / static
@@ -101,7 +103,7 @@ def tables_of(
                 law.restitution(values, values["omega"] * static), harmonics,
             ).multipliers  # fmt: skip
             first = motion.angles[0] / step.Omega + middle + begin
-            away = np.abs(motion.angles - data.angles) / data.angle_errors
+            away = distances(data, motion)
             impacts["number"] += [i + 1] * motion.angles.size
             impacts["side"] += pattern.symbols
             for name, of_impacts in {
@@ -150,9 +152,13 @@ def tables_of(
             notes.append(
                 (
                     True,
-                    f"{said_of}{step.rhythm.status}: {step.times.size} impacts picked"
-                    + (LEFT_OPEN.get(step.rhythm.status, "") if found is None else "")
-                    + "; no motion is fitted",
+                    f"{said_of}{step.rhythm.status}: {step.times.size} impacts "
+                    + (
+                        f"picked{LEFT_OPEN.get(step.rhythm.status, '')}; no motion is fitted"
+                        if found is None
+                        else f"at r = {records['r'][i]:.6g}; flights between them give the parameters, without a "
+                        "motion"
+                    ),
                 )
             )
     if found is not None and found.undetermined:
@@ -199,6 +205,8 @@ def add_samples(
     motion_fit = none
     if found is not None and step.data is not None and step.free is not None:
         motion_fit = modelled(step.data, i, step, found, step.Omega * t)
+    elif found is not None and step.windows is not None:
+        motion_fit = step.windows.at(t)
     samples["number"] += [i + 1] * t.size
     samples["time"] += record.times[here].tolist()
     for name, column_values in (
