@@ -2,7 +2,7 @@
 
 A regime is the set of the states of all elements. In each one the motion is the exponential of the matrix of
 (q, q', 1, cos, sin), and functionals of this vector are watched: where one falls below 0, between two steps that
-are far shorter than any contact, Newton's method between brackets finds the zero. There are no modes and no bounds.
+are far shorter than any contact, Newton's method between brackets finds the zero. It needs no modes and no bounds.
 """
 
 import numpy as np

@@ -592,7 +592,6 @@ class Windows:
         # where they are many, it is not they that are missing
         worst = sorted(found)[-max(1, self.own.size // 8) :]
         return [time for _, time in worst]
-        return found
 
 
 def picked(values: _Array, rate: float, Omega: float, order: int) -> _Array:

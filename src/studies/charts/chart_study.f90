@@ -394,7 +394,13 @@ contains
       allocate (motions(net%n), extremes(case%coordinates, 2, net%n))
       !$omp parallel do schedule(dynamic, 1) num_threads(threads)
       do i = 1, net%n
-         call motion_at(surface, point_of(net, i), condition_type(), motions(i), extremes(:, :, i))
+         block
+            !> What a chart does not show of a motion.
+            real(wp), allocatable :: rests(:, :)
+
+            call motion_at(surface, point_of(net, i), condition_type(), motions(i), &
+               extremes(:, :, i), rests)
+         end block
       end do
       !$omp end parallel do
       call add_done_work(1, progress)
