@@ -133,7 +133,8 @@ def test_random_states_begin_alike():
     counts = [
         int((many.labels == i).sum()) for i, item in enumerate(many.attractors) if item.motion
     ]
-    assert list(motions.settled) == counts
+    # `find` follows lines through the point to further motions, on which no state settled
+    assert [n for n in motions.settled if n] == counts
 
 
 @pytest.mark.parametrize("extension", ["json", "nc", "mat"])
