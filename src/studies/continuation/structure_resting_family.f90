@@ -96,11 +96,45 @@ contains
          a(:m, :m) = course%slopes
       end associate
       do j = 1, size(conditions)
+         if (conditions(j)%kind /= edge) call value_in(family, point(:m), course, conditions(j), &
+            b(1, m + j))
+      end do
+      do j = 1, size(conditions)
          if (conditions(j)%kind == edge) cycle
-         call value_in(family, point(:m), course, conditions(j), b(1, m + j))
-         call set_differences(family, coordinates, conditions(j), point, 1, a(:size(point), m + j))
+         call set_differences(family, coordinates, conditions(j), point, m + 1, a(:size(point), &
+            m + j))
+         ! the parameters are those of the period
+         call by_unknowns(family, point(:m), c(:size(shares)), conditions(j), course, a(:m, m + j))
       end do
    end subroutine set_equations
+
+   !> The derivatives of a condition by the unknowns, by central differences.
+   pure subroutine by_unknowns(family, unknowns, shares, condition, course, slope)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Unknowns of the motion, and the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), shares(:)
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> In and out: a period at these parameters; another one on return.
+      type(course_type), intent(inout) :: course
+      !> The derivatives.
+      real(wp), intent(out) :: slope(:)
+      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp) :: moved(size(unknowns)), both(2)
+      integer :: i, j
+
+      do j = 1, size(unknowns)
+         moved = unknowns
+         do i = 1, 2
+            moved(j) = unknowns(j) + (3 - 2*i)*h
+            call follow_period(family%rests, moved, shares, condition%kind <= neimark_sacker, course)
+            both(i) = ieee_value(1.0_wp, ieee_quiet_nan)
+            if (course%exists) call value_in(family, moved, course, condition, both(i))
+         end do
+         slope(j) = (both(1) - both(2))/(2*h)
+      end do
+   end subroutine by_unknowns
 
    !> Number of conditions.
    pure integer function condition_count(family)

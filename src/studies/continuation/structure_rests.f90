@@ -9,7 +9,7 @@
 !!
 !! So the equations stay smooth where a gap is touched during a flight, where an approach speed
 !! falls to zero and where a contact force touches zero before its release. An accumulation that
-!! just fails to complete is still treated as complete, at the impact where it comes nearest to that.
+!! just fails to complete is still treated as complete, at the impact that comes nearest to that.
 !!
 !! Without restitution (R = 0) the first impact of an accumulation is also the last one.
 module vi_structure_rests
@@ -65,7 +65,10 @@ module vi_structure_rests
 
    !> A period.
    type, public :: course_type
+      !> The structure under its load at these parameters, and the regime after each symbol (0:N).
+      real(wp), allocatable :: shares(:)
       type(run_type) :: run
+      integer, allocatable :: after(:)
       !> (2n + N) Residuals: positions and velocities, gaps and forces, in units of the family; and
       !! the derivative (i, j) of residual j by unknown i.
       real(wp), allocatable :: residuals(:), slopes(:, :)
@@ -107,31 +110,25 @@ contains
       real(wp), intent(in) :: shares(:)
       !> Whether the derivatives by the unknowns are wanted.
       logical, intent(in) :: sloped
-      !> The period.
-      type(course_type), intent(out) :: course
-      type(structure_type) :: structure
-      type(load_type) :: load
+      !> In: a period at any parameters, or none. Out: the period.
+      type(course_type), intent(inout) :: course
       type(here_type) :: here
       real(wp), allocatable, dimension(:) :: q, rate, acceleration, unit, at_end
       real(wp), allocatable :: p(:, :)
-      integer, allocatable :: after(:)
       integer :: columns, i, m, n
       logical :: good
 
-      call prepare(s, shares, structure, load, course%run, after, good)
-      if (.not. good) return
-      n = size(structure%mass, 1)
+      n = size(s%path%structure%mass, 1)
       m = size(s%kinds)
+      call begin_course(s, shares, merge(2*n + m, 0, sloped), course, good)
+      if (.not. good) return
       columns = 0
       if (sloped) columns = 2*n + m
       unit = [spread(s%length, 1, n), spread(s%speed, 1, n)]
       q = s%length*unknowns(:n)
       rate = s%speed*unknowns(n + 1:2*n)
-      allocate (course%residuals(2*n + m), course%slopes(columns, 2*n + m), acceleration(n))
-      allocate (course%speeds(m), course%impulses(m), course%begins(m), source=0.0_wp)
-      allocate (course%rests(m), source=1.0_wp)
-      allocate (course%segments(4*m))
-      here%regime = after(0)
+      allocate (acceleration(n))
+      here%regime = course%after(0)
       here%phase = unknowns(2*n + 1)
       here%symbol = m
       here%begins = s%gaps(m)
@@ -152,7 +149,7 @@ contains
       do i = 1, m
          associate (phase => unknowns(2*n + 1 + modulo(i, m)) + merge(two_pi*s%cycles, 0.0_wp, &
             i == m), column => 2*n + 1 + modulo(i, m))
-            call next_symbol(s, i, phase, column, after(i), here, course, good)
+            call next_symbol(s, i, phase, column, here, course, good)
          end associate
          if (.not. good) return
       end do
@@ -190,24 +187,17 @@ contains
       real(wp), intent(out) :: unknowns(:)
       !> Whether the symbols can be followed.
       logical, intent(out) :: good
-      type(structure_type) :: structure
-      type(load_type) :: load
       type(course_type) :: course
       type(here_type) :: here
       real(wp), dimension(size(q)) :: q_end, rate_end
-      integer, allocatable :: after(:)
       integer :: i, m, n
 
       unknowns = 0
-      call prepare(s, shares, structure, load, course%run, after, good)
+      call begin_course(s, shares, 0, course, good)
       if (.not. good) return
       n = size(q)
       m = size(s%kinds)
-      allocate (course%residuals(2*n + m), course%slopes(0, 2*n + m))
-      allocate (course%speeds(m), course%impulses(m), course%begins(m), course%rests(m), &
-         source=0.0_wp)
-      allocate (course%segments(4*m))
-      here%regime = after(symbol - 1)
+      here%regime = course%after(symbol - 1)
       here%phase = phases(symbol)
       here%symbol = symbol
       here%begins = s%gaps(symbol)
@@ -217,14 +207,14 @@ contains
          call to_pairs(regime, here%phase, q, rate, here%x, here%v)
       end associate
       if (s%kinds(symbol) == first) then
-         associate (direction => structure%directions(:, s%gaps(symbol)))
-            call settle_down(s, symbol, max(0.0_wp, -dot_product(direction, rate)), &
-               after(symbol), here, course, good)
+         associate (direction => course%run%structure%directions(:, s%gaps(symbol)))
+            call settle_down(s, symbol, max(0.0_wp, -dot_product(direction, rate)), here, course, &
+               good)
          end associate
          if (.not. good) return
       end if
       do i = symbol + 1, m
-         call next_symbol(s, i, phases(i), 1, after(i), here, course, good)
+         call next_symbol(s, i, phases(i), 1, here, course, good)
          if (.not. good) return
       end do
       call state_of(course%run%regimes(here%regime), here%phase, here%x, here%v, q_end, rate_end)
@@ -232,22 +222,59 @@ contains
       unknowns(2*n + 1:) = phases(:m - 1)
    end subroutine symbols_to_state
 
-   !> The structure with its load, and the regime after each symbol.
-   pure subroutine prepare(s, shares, structure, load, run, after, good)
+   !> An empty period, with the regimes of its parameters.
+   pure subroutine begin_course(s, shares, columns, course, good)
       !> The family.
       type(rests_type), intent(in) :: s
       !> The parameters, as shares.
       real(wp), intent(in) :: shares(:)
-      !> The structure and its load.
-      type(structure_type), intent(out) :: structure
-      !> As in `structure`.
-      type(load_type), intent(out) :: load
+      !> Number of unknowns by which derivatives are wanted.
+      integer, intent(in) :: columns
+      !> In: as in `follow_period`. Out: the period.
+      type(course_type), intent(inout) :: course
+      !> False if there are no such regimes.
+      logical, intent(out) :: good
+      integer :: m, n
+
+      course%exists = .false.
+      course%parts = 0
+      good = allocated(course%shares)
+      if (good) good = .not. any(abs(shares - course%shares) > 0)
+      if (.not. good) then
+         if (allocated(course%shares)) deallocate (course%shares)
+         call set_regimes(s, shares, course%run, course%after, good)
+         if (.not. good) return
+         course%shares = shares
+      end if
+      n = size(s%path%structure%mass, 1)
+      m = size(s%kinds)
+      if (allocated(course%slopes)) then
+         if (size(course%slopes, 1) /= columns) deallocate (course%slopes)
+      end if
+      if (.not. allocated(course%slopes)) allocate (course%slopes(columns, 2*n + m))
+      if (.not. allocated(course%residuals)) allocate (course%residuals(2*n + m), &
+         course%speeds(m), course%impulses(m), course%begins(m), course%rests(m), &
+         course%segments(4*m))
+      course%speeds = 0
+      course%impulses = 0
+      course%begins = 0
+      course%rests = 1
+   end subroutine begin_course
+
+   !> The structure with its load, and the regime after each symbol.
+   pure subroutine set_regimes(s, shares, run, after, good)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The parameters, as shares.
+      real(wp), intent(in) :: shares(:)
       !> The structure under its load, with all regimes.
       type(run_type), intent(out) :: run
       !> (0:N) The numbers of the regimes.
       integer, allocatable, intent(out) :: after(:)
       !> False if there is none.
       logical, intent(out) :: good
+      type(structure_type) :: structure
+      type(load_type) :: load
       integer, allocatable :: resting(:)
       integer :: i, status
 
@@ -256,7 +283,6 @@ contains
       if (.not. load%frequency > 0) return
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      structure = run%structure
       run%pair%known = .false.
       allocate (after(0:size(s%kinds)))
       resting = s%resting
@@ -275,10 +301,10 @@ contains
          run%regimes(i)%frequency = load%frequency
       end do
       good = .true.
-   end subroutine prepare
+   end subroutine set_regimes
 
    !> Advances to a symbol and through it.
-   pure subroutine next_symbol(s, symbol, phase, column, after, here, course, good)
+   pure subroutine next_symbol(s, symbol, phase, column, here, course, good)
       !> The family.
       type(rests_type), intent(in) :: s
       !> Its number.
@@ -286,8 +312,6 @@ contains
       !> Its load phase (rad), and the number of the unknown that it is.
       real(wp), intent(in) :: phase
       integer, intent(in) :: column
-      !> The regime after it.
-      integer, intent(in) :: after
       !> In and out: where the period has got to.
       type(here_type), intent(inout) :: here
       !> In and out: the period.
@@ -364,7 +388,7 @@ contains
             end associate
          end if
       end associate
-      if (s%kinds(symbol) /= first) here%regime = after
+      if (s%kinds(symbol) /= first) here%regime = course%after(symbol)
       associate (regime => course%run%regimes(here%regime), frequency => &
          course%run%load%frequency)
          deallocate (here%x, here%v, here%d)
@@ -377,7 +401,7 @@ contains
       end associate
       good = .true.
       if (s%kinds(symbol) == first) call settle_down(s, symbol, restitution*course%speeds(symbol), &
-         after, here, course, good)
+         here, course, good)
    end subroutine next_symbol
 
    !> Notes the flight or rest that begins here.
@@ -404,15 +428,13 @@ contains
    end subroutine add_segment
 
    !> From just after the first impact of an accumulation to the beginning of the rest.
-   pure subroutine settle_down(s, symbol, departure, after, here, course, good)
+   pure subroutine settle_down(s, symbol, departure, here, course, good)
       !> The family.
       type(rests_type), intent(in) :: s
       !> The symbol.
       integer, intent(in) :: symbol
       !> The departure speed.
       real(wp), intent(in) :: departure
-      !> The regime of the rest.
-      integer, intent(in) :: after
       !> In and out: where the period has got to.
       type(here_type), intent(inout) :: here
       !> In and out: the period.
@@ -422,10 +444,10 @@ contains
       !> An accumulation comes near to completion if what is left of it changes the state by less
       !! than this, in units of length.
       real(wp), parameter :: coarse = 1.0e-6_wp
-      type(run_type) :: alone
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
       type(tangent_type) :: tangent
+      real(wp), allocatable, dimension(:) :: lower, upper
       real(wp) :: cost, end_time, least, speed, unused
       integer :: best, gap, i, n, number, status
 
@@ -434,7 +456,7 @@ contains
       if (departure < 0) return
       number = here%regime
       allocate (events(0:64))
-      associate (run => course%run)
+      associate (run => course%run, after => course%after(symbol))
          state%cycle = whole_periods(run, here%phase/run%load%frequency)
          state%elapsed = here%phase/run%load%frequency - real(state%cycle, wp)*run%period
          state%regime = number
@@ -447,8 +469,10 @@ contains
          best = 0
          n = 0
          if (departure > 0) then
-            alone = run
-            call watch_one(run%structure, gap, alone%regimes(number))
+            ! other gaps are examined later
+            upper = run%regimes(number)%upper
+            lower = run%regimes(number)%lower
+            call watch_one(run%structure, gap, run%regimes(number))
             state%leaving = leaving_type(run%structure%channel(gap), run%structure%wall(gap), &
                departure)
             least = huge(1.0_wp)
@@ -463,7 +487,7 @@ contains
                if (n == most_bounces .or. seconds(events(0), events(n)) > s%cycles*run%period) exit
                if (n == ubound(events, 1)) call grow(events)
                end_time = state%elapsed
-               call simulate_structure(alone, state, state%cycle + s%cycles + 1, end_time, &
+               call simulate_structure(run, state, state%cycle + s%cycles + 1, end_time, &
                   events(n + 1:n + 1), i, status)
                if (.not. (i == 1 .and. (status == stat%more_events .or. status == stat%ok))) exit
                n = n + 1
@@ -471,8 +495,10 @@ contains
                   best = n
                   exit
                end if
-               if (events(n)%kind /= impact_event .or. events(n)%gap /= gap) return
+               if (events(n)%kind /= impact_event .or. events(n)%gap /= gap) exit
             end do
+            run%regimes(number)%upper = upper
+            run%regimes(number)%lower = lower
             if (events(best)%kind /= stick_event .and. .not. least <= coarse*s%length) return
          end if
          n = best
