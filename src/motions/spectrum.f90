@@ -208,15 +208,19 @@ contains
 
    !> Whether two real multipliers, not a complex pair, have the product 1 where `pair_product` is
    !! zero: (lambda^2 - t lambda + 1) is a factor there with t (1 - product) e_0 = e_1 - e_3.
+   !! The multipliers themselves also show where no product is 1, but one of them passes infinity.
    pure logical function is_neutral_saddle(spectrum)
       !> The normalised sums, where `pair_product` is zero.
       type(spectrum_type), intent(in) :: spectrum
 
+      real(wp), parameter :: close = 1.0e-3_wp
       integer :: at(2)
 
       if (allocated(spectrum%multipliers)) then
          at = nearest_to_one(spectrum%multipliers, 3)
-         is_neutral_saddle = .not. abs(spectrum%multipliers(at(1))%im) > 0
+         associate (pair => spectrum%multipliers(at))
+            is_neutral_saddle = .not. (abs(pair(1)%im) > 0 .and. abs(product(pair) - 1) < close)
+         end associate
          return
       end if
       associate (e => spectrum%e)

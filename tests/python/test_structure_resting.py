@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from vibroimpact.base.errors import SingularError
+from vibroimpact.base.errors import ParameterError, SingularError
 from vibroimpact.motions.exact import settled
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
@@ -124,6 +124,12 @@ def test_a_rest_vanishes_where_simulations_have_none(path):
         assert len(near.rests) == 1
 
 
+def test_that_of_an_oscillator_is_followed_as_a_structure():
+    motion = vi.exact(OSC, 0.9, 6.0, vi.simulate(OSC, 0.9, 6.0, cycles=200))
+    with pytest.raises(ParameterError, match=r"without rest; .*osc\.at\(r, clearance\)"):
+        vi.branch(motion, "r", bounds=(0.8, 1.0))
+
+
 def test_without_restitution():
     """An impact without restitution is the beginning of its rest, and makes two multipliers 0."""
     stops = [vi.Gap([-1, 1], 1.2, 0.0), vi.Gap([1, -1], 1.2, 0.0)]
@@ -217,3 +223,53 @@ def test_zone(start):
     same = [ours.contains(a, b / 2) == c for a, b, c in zip(r, d, inside, strict=True)]
     # a place may lie between both polygons
     assert sum(same) >= 399
+
+
+def test_zone_without_restitution():
+    """With R = 0 on one wall the zone of the structure is that of the oscillator, and has the same bounds."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.1, restitution=(0.0, 0.4))
+    point = osc.at(1.1, 2.0)
+    system = point.structure, point.load
+    motion = vi.exact(*system, vi.simulate(*system, cycles=300))
+    ours = vi.zone(motion, ("frequency", 1.045, 1.155), ("opening", 0.8, 1.25), lines=9)
+    theirs = vi.zone(osc, "LLR*", r=(1.045, 1.155), clearance=(1.6, 2.5))
+    assert ours.closed
+    assert theirs.closed
+    kinds = {"grazing", "neimark_sacker", "window"}
+    assert (
+        {piece.type for piece in ours.boundary}
+        == {piece.type for piece in theirs.boundary}
+        == kinds
+    )
+    assert ours.motion(1.1, 1.0) is None
+    g = np.random.default_rng(1)
+    places = np.c_[g.uniform(1.045, 1.155, 400), g.uniform(1.6, 2.5, 400)]
+    inside = [theirs.contains(*place) for place in places]
+    assert 20 < sum(inside) < 380
+    same = [ours.contains(r, d / 2) == c for (r, d), c in zip(places, inside, strict=True)]
+    assert sum(same) >= 399
+
+
+def test_a_doubled_period_ends_at_its_flip():
+    """The branch of two cycles ends where that of one cycle has a flip."""
+    mass = np.diag([0.9686158, 0.6142644, 0.6139588, 0.2093925])
+    damping = np.zeros((4, 4))
+    damping[:3, :3] = np.diag([0.1443962, 0.0591162, 0.0241265])
+    damping[[0, 1, 1, 2], [1, 0, 2, 1]] = [-0.0349897, -0.0349897, -0.0241265, -0.0241265]
+    stiffness = np.zeros((4, 4))
+    stiffness[:3, :3] = np.diag([2.1430467, 1.6838206, 0.7821298])
+    stiffness[[0, 1, 1, 2], [1, 0, 2, 1]] = [-0.9016908, -0.9016908, -0.7821298, -0.7821298]
+    gaps = [vi.Gap([0, -1, 0, 1], 0.925725, 0.092461), vi.Gap([0, 1, 0, -1], 0.925725, 0.362896)]
+    structure = vi.Structure(mass, damping, stiffness, gaps)
+    ends = []
+    for frequency, cycles in ((0.636, 1), (0.6376, 2)):
+        load = vi.Load(frequency, sine=[1, 0, 0, 0], constant=[0, 0, 0, -0.071005])
+        motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=400))
+        assert motion.cycles == cycles
+        ends.append(vi.branch(motion, "frequency", bounds=(0.62, 0.66)))
+    one, two = ends
+    assert two.ends[0] == "meets a motion that repeats itself"
+    (end,) = [point for point in two.special_points if point.index == 0]
+    assert end.type == "flip"
+    flips = [point.value for point in one.special_points if point.type == "flip"]
+    assert min(abs(value - end.value) for value in flips) < 1e-6

@@ -20,7 +20,7 @@ from ..results.noun import Noun, column
 from ..results.parameters import Parameter, Path, keys_of_parameter
 from ..results.systems import structure_of
 from ..results.tables import Result
-from ..systems.oscillator import Pattern, plain_pattern
+from ..systems.oscillator import Pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
 from .switching import KINDS, switched
@@ -42,8 +42,9 @@ class SpecialPoint:
     ----------
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). Of a structure
-        also branch_point (a pitchfork or transcritical point where impacts at one instant part) and simultaneous
-        (impacts on two gaps at one instant, beyond which their order is another).
+        also branch_point (a pitchfork or transcritical point where impacts at one instant part), simultaneous
+        (two events at one instant, beyond which their order is another), rest_vanishes (the impacts before a rest
+        just fail to accumulate) and rest_splits (the contact force touches zero within a rest).
     index : int
         Its place among the points of the branch.
     detail : str
@@ -144,6 +145,12 @@ class Followed(Noun, part=True):
         return np.asarray(self._values(self._of_start, "gaps")[0]).astype(np.int32)
 
     @property
+    def resting(self) -> NDArray[np.int32]:
+        if "resting" not in self._result.tables[self._of_start].columns:
+            return np.zeros(0, np.int32)
+        return np.asarray(self._values(self._of_start, "resting")[0]).astype(np.int32)
+
+    @property
     def cycles(self) -> int:
         if self.of_structure:
             return int(self._values(self._of_start, "cycles")[0])
@@ -196,7 +203,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     ends : (str, str)
         Why the branch ends, at its first and last point: "bound of the parameter", "meets a motion that repeats
         itself", "two impacts at one instant" (on one wall: the special point there is the last motion that
-        rounding leaves exact), "closed", "full", "stopped", or "cannot be followed".
+        rounding leaves exact), "a rest vanishes", "two events at one instant" (a rest ends at another event),
+        "closed", "full", "stopped", or "cannot be followed".
     osc, pattern : Oscillator, Pattern
         Of an oscillator.
     symmetric : bool
@@ -210,7 +218,11 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     load : float, or Load
         1 of an oscillator; of a structure the load at the start.
     gaps : ndarray (N,)
-        Of a structure: the gap of each impact, from 0.
+        Of a structure: the gap of each impact, from 0. With rests, of those that accumulate only the first ones.
+    resting : ndarray (R,)
+        Of a structure: the gap of each rest, from 0, in the order in which they end.
+    rests : ndarray (R, 2, M)
+        Of a structure: the load phases at which each rest begins and ends.
     speeds, impulses : ndarray (N, M)
         Of a structure: approach speeds and impulses.
     q_min, q_max : ndarray (n, M)
@@ -299,15 +311,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         ]
 
     @property
-    def resting(self) -> NDArray[np.int32]:
-        """The gaps that rest, in the order in which they are released; of a structure."""
-        if "resting" not in self._result.tables["branch"].columns:
-            return np.zeros(0, np.int32)
-        return np.asarray(self._values("branch", "resting")[0]).astype(np.int32)
-
-    @property
     def rests(self) -> _Array:
-        """(R, 2, M) Load phases at which each rest begins and ends; of a structure."""
         if not len(self.resting):
             return np.zeros((0, 2, len(self)))
         both = [self._values("points", name) for name in ("rest_begin", "rest_end")]
@@ -548,8 +552,9 @@ def branch(
     Parameters
     ----------
     motion : Motion
-        Without rest, with load 1; of a structure consistent and without rest, with at most 24 impacts (23 if a
-        mode has frequency 0). It need be neither stable nor admissible.
+        Of an oscillator without rest, with load 1. Of a structure consistent, with at most 24 impacts (23 if a
+        mode has frequency 0); with rests, at most 24 impacts before the last ones of each accumulation, and
+        releases. It need be neither stable nor, without rests, admissible.
     parameter : str, or function
         "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. Of a structure
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
@@ -577,8 +582,9 @@ def branch(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     SingularError
-        If the motion cannot be followed. Of a structure: if it rests or repeats itself, or if gaps close at one
-        instant that would part for other values of the parameter or are coupled by damping.
+        If the motion cannot be followed. Of a structure: if it repeats itself, if gaps close at one instant that
+        would part for other values of the parameter or are coupled by damping, or if with rests any two events
+        come at one instant, or one of another gap within an accumulation.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 
@@ -602,7 +608,11 @@ def branch(
     [('grazing', 0.704494), ('fold', 1.750143), ('zero_approach', 1.410674)]
     """
     checks.instance(motion, "motion", Motion)
-    plain_pattern(motion.pattern)
+    if motion.pattern.has_rest:
+        raise ParameterError(
+            f"motion = {motion!r}: must be one without rest; as that of a structure it can be followed: "
+            "exact(point.structure, point.load, simulation) with point = osc.at(r, clearance)"
+        )
     if motion.load != 1.0:
         raise ParameterError(
             f"motion.load = {motion.load!r}: must be 1; scale the clearance instead"

@@ -42,10 +42,10 @@ class Piece:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); of an
-        oscillator also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
-        (a pitchfork or transcritical point where impacts at one instant part) and simultaneous (impacts on two
-        gaps at one instant); or joint, a straight piece of at most 1e-4 of the window between two loose ends of
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
+        rests also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
+        (a pitchfork or transcritical point where impacts at one instant part) and simultaneous (two events at one
+        instant); or joint, a straight piece of at most 1e-4 of the window between two loose ends of
         the boundary, where it could not be followed; or cut, the straight edge of a strip of the window of an
         oscillator that is set apart, since the boundary could not be closed in it.
     x, y : ndarray (M,)
@@ -64,7 +64,8 @@ class Piece:
         Of an oscillator: x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest (1,
         M) the velocity over D and the load phase at the last release.
     speeds, phases : ndarray (N, M)
-        Of a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex.
+        Of a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex; with
+        rests the speeds are NaN, and of impacts that accumulate only the first ones are listed.
     """
 
     study: ClassVar[str] = "zone"
@@ -392,8 +393,7 @@ class Zone(Followed, study="zone", formerly="StructureZone"):
 
         It is followed from the nearest vertex of each piece, then from others: the first one that is stable and
         admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible
-        one of the nearest pieces. None if none can be followed so far, and for patterns with rest.
-
+        one of the nearest pieces. None if none can be followed so far, and for motions with rest.
 
         Examples
         --------
@@ -455,6 +455,8 @@ class Zone(Followed, study="zone", formerly="StructureZone"):
 
     def _motion_of_structure(self, x: float, y: float) -> Motion | None:
         """As `motion`, of a structure."""
+        if len(self.resting):
+            return None
         target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
         size = np.array([np.ptp(self.x), np.ptp(self.y)])
         vertices = []
@@ -688,8 +690,7 @@ def zone(
     r, clearance : (float, float)
         The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
     motion : Motion
-        In place of the oscillator and the pattern: consistent and without rest, with at most 24 impacts (23 if a
-        mode has frequency 0). It need be neither stable nor admissible.
+        In place of the oscillator and the pattern: one of a structure that `branch` takes.
     x, y : (parameter, float, float)
         Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value.
@@ -730,7 +731,7 @@ def zone(
     ParameterError, ParameterTypeError
         If an argument is not allowed, or the pattern can have no such motions.
     SingularError
-        If the motion of a structure rests, or repeats itself.
+        If the motion of a structure cannot be followed, as of `branch`.
 
     Examples
     --------

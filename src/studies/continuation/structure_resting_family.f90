@@ -128,7 +128,8 @@ contains
          moved = unknowns
          do i = 1, 2
             moved(j) = unknowns(j) + (3 - 2*i)*h
-            call follow_period(family%rests, moved, shares, condition%kind <= neimark_sacker, course)
+            call follow_period(family%rests, moved, shares, condition%kind <= neimark_sacker, &
+               course)
             both(i) = ieee_value(1.0_wp, ieee_quiet_nan)
             if (course%exists) call value_in(family, moved, course, condition, both(i))
          end do
@@ -455,7 +456,7 @@ contains
       end subroutine at
    end subroutine least_force
 
-   !> The load phases of all impacts that are symbols.
+   !> The load phases of all impacts that are symbols; their approach speeds are not known here.
    pure function whole_of(family, unknowns) result(whole)
       !> The family.
       class(structure_resting_type), intent(in) :: family
@@ -468,7 +469,7 @@ contains
          m = size(s%kinds)
          ! the release that begins the period is last, and no impact
          whole = pack(unknowns(size(unknowns) - m + 2:), s%kinds(:m - 1) /= release)
-         whole = [spread(0.0_wp, 1, size(whole)), whole]
+         whole = [spread(ieee_value(1.0_wp, ieee_quiet_nan), 1, size(whole)), whole]
       end associate
    end function whole_of
 

@@ -402,6 +402,7 @@ contains
       s%gaps = pack(gap, left > 0)
       impacts = pack(number, left > 0)
       phases = [at(n) - whole, pack(at, left > 0)]
+      phases = phases - 2*pi*floor(phases(2)/(2*pi))
    end subroutine read_symbols
 
    !> Adds the symmetry other than the mirror that exchanges both halves of the impacts, if there is

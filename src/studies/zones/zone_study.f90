@@ -93,6 +93,8 @@ module vi_zone_study
    type(column_type), parameter, public :: plane_columns(*) = [ &
       column_type('motion', 'gaps', wholes, each='impact', listed=.false., &
       meaning='gaps of the impacts, from 0'), &
+      column_type('motion', 'resting', wholes, each='rest', listed=.false., &
+      meaning='gaps that rest, from 0'), &
       column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
       column_type('motion', 'frequency', listed=.false., &
       meaning='circular frequency of the load at the start'), path_columns, structure_columns]
@@ -439,6 +441,8 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
 
       call result%open('motion', 'one', [1])
       call result%put('motion', 'gaps', plane%motion%gaps - 1)
+      if (size(plane%motion%resting) > 0) call result%put('motion', 'resting', &
+         plane%motion%resting - 1)
       call result%put('motion', 'cycles', [plane%motion%cycles])
       call result%put('motion', 'frequency', [plane%load%frequency])
       call put_path(result, plane%changes)
