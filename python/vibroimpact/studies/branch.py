@@ -361,7 +361,10 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
                 f"point {i}: this motion with rests is not admissible and cannot be simulated; the columns have it"
             )
         start = float(self.phases[0, i]) / load.frequency
-        found = settled(structure, load, start, (q, rate), cycles=self.cycles)
+        try:
+            found = settled(structure, load, start, (q, rate), cycles=self.cycles)
+        except SingularError as error:
+            raise SingularError(f"point {i}: no motion is simulated from it: {error}") from None
         if len(found.rests) != len(self.resting):
             raise SingularError(f"point {i}: the motion that is simulated from it has other rests")
         return found

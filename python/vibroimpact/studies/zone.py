@@ -46,8 +46,8 @@ class Piece:
         rests also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
         (a pitchfork or transcritical point where impacts at one instant part) and simultaneous (two events at one
         instant); or joint, a straight piece of at most 1e-4 of the window between two loose ends of
-        the boundary, where it could not be followed; or cut, the straight edge of a strip of the window of an
-        oscillator that is set apart, since the boundary could not be closed in it.
+        the boundary, where it could not be followed; or cut, the straight edge of a strip of the window that
+        is set apart with rests, since the boundary could not be closed in it.
     x, y : ndarray (M,)
         Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
         begins, unless the whole boundary is one piece.

@@ -511,6 +511,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
          associate (piece => found%pieces(i))
             call touch_detail(surface, piece%condition, names, text)
             piece%detail = text
+            if (piece%name == 'cut') piece%detail = names(piece%condition%index)
             if (is_exchange(piece%condition)) piece%name = 'simultaneous'
             do j = 1, size(piece%vertices, 2)
                call to_parameters(piece%vertices(:, j))
