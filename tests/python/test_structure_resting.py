@@ -273,3 +273,18 @@ def test_a_doubled_period_ends_at_its_flip():
     assert end.type == "flip"
     flips = [point.value for point in one.special_points if point.type == "flip"]
     assert min(abs(value - end.value) for value in flips) < 1e-6
+
+
+def test_zone_ends_where_events_exchange():
+    """Lines are not followed beyond two events at one instant; there the zone has a bound."""
+    structure, load = random_structure(28)
+    motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=300))
+    low, high = 0.97 * load.frequency, 1.03 * load.frequency
+    path = vi.branch(motion, "frequency", bounds=(low, high))
+    assert path.ends == ("two impacts at one instant",) * 2
+    first, last = (point.value for point in path.special_points)
+    zone = vi.zone(motion, ("frequency", low, high), ("load", 0.98, 1.02), lines=5)
+    step = 0.1 * (last - first)
+    assert zone.contains([first + step, last - step, first - step, last + step], 1.0).tolist() == [
+        True, True, False, False,
+    ]  # fmt: skip

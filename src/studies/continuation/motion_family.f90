@@ -298,11 +298,13 @@ contains
 
    !> Whether two events come at one instant where a condition is zero, beyond which their order is
    !! another.
-   pure logical function is_exchange(condition)
+   elemental logical function is_exchange(condition)
       !> The condition.
       type(condition_type), intent(in) :: condition
 
-      is_exchange = any(condition%kind == [grazing, rest_splits]) .and. condition%share >= 1
+      ! within an accumulation the share counts flights as well
+      is_exchange = (condition%kind == grazing .or. condition%kind == rest_splits) .and. .not. &
+         abs(condition%share - 1) > 0
    end function is_exchange
 
    !> Whether all conditions are met; of the edges only those of one parameter count.

@@ -2,8 +2,8 @@
 module vi_net_line
    use vi_curve, only: correct, curve_type
    use vi_kinds, only: wp
-   use vi_motion_family, only: condition_type, edge, flip, fold, grazing, neimark_sacker, &
-      repetition, rest_splits, rest_vanishes, zero_approach
+   use vi_motion_family, only: condition_type, edge, flip, fold, grazing, is_exchange, &
+      neimark_sacker, repetition, rest_splits, rest_vanishes, zero_approach
    use vi_spectrum, only: pair_product
    use vi_steps, only: place_type
    implicit none (type, external)
@@ -56,7 +56,7 @@ contains
             any(v < 0 .and. kind == edge .and. place%conditions%index == line%active(1)) .or. &
             any(v < -depth .and. kind == grazing) .or. &
             (line%family%jumps .and. any(v < 0 .and. (kind == rest_vanishes .or. &
-            kind == rest_splits)))
+            kind == rest_splits .or. is_exchange(place%conditions))))
       end associate
    end function leaves
 
