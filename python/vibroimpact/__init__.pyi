@@ -35,7 +35,7 @@ from .motions.trajectory import Trajectory, simulate
 from .physical_results import Physical, physical
 from .results.events import Sample
 from .results.gradient import Gradient
-from .studies.atlas import Atlas, SurveyPoint, atlas
+from .studies.atlas import Atlas, SurveyMotion, SurveyPoint, atlas
 from .studies.basins import Attractor, Basins, basins
 from .studies.bifurcation import BifurcationDiagram, bifurcation_diagram
 from .studies.boundary_band import BoundaryBand, boundary_bands
@@ -101,6 +101,7 @@ __all__ = [
     "Stop",
     "Structure",
     "StudyInterrupted",
+    "SurveyMotion",
     "SurveyPoint",
     "Sweep",
     "TabulatedRestitution",

@@ -73,7 +73,9 @@ def test_each_point_is_an_exact_motion_on_which_a_simulation_stays(motion, data)
         run = vi.simulate(
             point.structure, point.load, cycles=200, state=(exact.q, exact.q_dot), start=start
         )
-        assert vi.same_motion(vi.exact(point.structure, point.load, run), exact)
+        np.testing.assert_allclose(
+            np.sort(run.events["speed"][-2:]), np.sort(exact.speeds), rtol=1e-9
+        )
         stayed += 1
     assert stayed > 1
 

@@ -54,7 +54,7 @@ def test_an_order_that_repeats_itself_has_motions_of_its_own(frequency, cosine, 
     assert np.ptp(motion.speeds) > 0.1
     start = motion.phases[0] / frequency
     run = vi.simulate(wall, load, cycles=200, state=(motion.q, motion.q_dot), start=start)
-    assert vi.same_motion(vi.exact(wall, load, run), motion)
+    np.testing.assert_allclose(np.sort(run.events["speed"][-2:]), np.sort(motion.speeds), rtol=1e-9)
 
 
 def two_particles(harmonics=1):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
-from ..studies.atlas import OUTCOMES, Atlas
+from ..studies.atlas import OUTCOMES_OF_STRUCTURE, Atlas
 from ..studies.zone import Piece, Zone, default_label
 from ..systems.units import Units
 from . import style
@@ -31,7 +31,7 @@ LINES = {
 MARKS = {
     "in no zone": ("*", "#000000"), "beyond the limits": ("^", style.PRIMARY), "chaotic": ("x", "0.45"),
     "not settled": ("+", style.FREE), "not confirmed": ("D", style.IMPACT),
-    "event limit reached": ("s", style.REST),
+    "event limit reached": ("s", style.REST), "with rest": ("v", style.REST),
 }  # fmt: skip
 
 
@@ -44,7 +44,7 @@ FILL = "_zone"
 class StructurePlane(style.Plane):
     """The plane of two parameters of a structure, over the window of a zone."""
 
-    def __init__(self, zone: Zone) -> None:
+    def __init__(self, zone: Zone | Atlas) -> None:
         super().__init__(None, False)
         self.zone = zone
 
@@ -118,22 +118,27 @@ def draw_atlas(
     The region where the motion without impacts exists is hatched; marks are the points of the survey that no
     zone explains.
     """
-    plane = style.Plane(units, inverse)
+    if atlas.of_structure and inverse:
+        raise ParameterError("inverse = True: must be False for an atlas of a structure")
+    plane = StructurePlane(atlas) if atlas.of_structure else style.Plane(units, inverse)
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
             _, ax = plt.subplots(figsize=(style.TWO_COLUMNS, 4.5), layout="constrained")
-        style.log_scale(ax, "y")
-        style.identify(ax, plane.given(style.system(atlas.osc)))
+        if not atlas.of_structure:
+            style.log_scale(ax, "y")
+            style.identify(ax, plane.given(style.system(atlas.osc)))
     drawn: dict[str, list[Any]] = {}
     for i, zone in enumerate(sorted(atlas.zones, key=lambda item: -item.area)):
+        label = f"{len(zone.gaps)}/{zone.cycles}" if atlas.of_structure else None
         draw_zone(
-            zone, ax, inverse, None, FILLS[i % len(FILLS)], legend=False, drawn=drawn, units=units
+            zone, ax, inverse, label, FILLS[i % len(FILLS)], legend=False, drawn=drawn, units=units
         )
-    draw_without_impacts(atlas, ax, plane)
+    if not atlas.of_structure:
+        draw_without_impacts(atlas, ax, plane)
     draw_survey(atlas, ax, plane)
-    ax.set_xlim(*plane.r(np.array(atlas.r)))
-    ax.set_ylim(*np.sort(plane.gap(np.array(atlas.clearance))))
+    ax.set_xlim(*plane.r(np.array(atlas.x)))
+    ax.set_ylim(*np.sort(plane.gap(np.array(atlas.y))))
     style.add_legend(ax, **style.ABOVE | {"ncols": 4})
     return ax
 
@@ -162,8 +167,8 @@ def draw_survey(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
     """Mark the points of the survey that no zone explains, each outcome with a mark of its own."""
     survey = atlas.survey
     places = {
-        name: np.c_[survey.r, survey.clearance][survey.outcome == code]
-        for code, name in enumerate(OUTCOMES, start=1)
+        name: np.c_[survey.x, survey.y][survey.outcome == code]
+        for code, name in enumerate(OUTCOMES_OF_STRUCTURE, start=1)
     }
     places["in no zone"] = np.array([item[:2] for item in atlas.unexplained]).reshape(-1, 2)
     for name, (mark, color) in MARKS.items():

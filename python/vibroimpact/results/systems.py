@@ -122,10 +122,12 @@ def check_gap_numbers(result: Result, structure: Structure) -> None:
     """An error if a column of gaps has a number that is none of the structure's, with which the core would read
     beyond its arrays."""
     many = len(structure.gaps)
+    # an atlas has room for the motion with most impacts
+    least = -1 if result.study == "atlas" else 0
     for name, table in result.tables.items():
         for key in {"gap", "gaps"} & set(table.columns):
             numbers = table.columns[key].values
-            wrong = numbers[~((numbers >= 0) & (numbers < many))]
+            wrong = numbers[~((numbers >= least) & (numbers < many))]
             if wrong.size:
                 raise ParameterError(
                     f"{name}.{key} = {wrong[0]}: must be the number of one of {many} gaps, from 0"

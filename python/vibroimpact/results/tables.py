@@ -225,7 +225,7 @@ class Result:
     def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
         """One row of a table with all rows that belong to it, as the result of another study; the arrays are
         views."""
-        known = declared(study)
+        known = declared(study, self.of_structure)
         rows = {table: slice(row, row + 1)}
         tables = {}
         for name, item in self.tables.items():
@@ -234,6 +234,8 @@ class Result:
                 own = rows[item.parent]
                 first, last = np.searchsorted(item.owners, (own.start, own.stop)).tolist()
                 rows[name] = slice(first, last)
+            elif self.of_structure and name not in (table, "points"):
+                tables[name] = item  # of the structure itself
         for name, here in rows.items():
             item = self.tables[name]
             owners = None
@@ -255,9 +257,20 @@ class Result:
             False,
             (remark,),
             (),
-            row_of(study, False),
+            row_of(study, self.of_structure),
             Found(tables, "tables"),
         )
+
+    def narrowed(self, each: str, number: int) -> Result:
+        """The same with the first ones of columns that have a value for each impact or the like."""
+        tables = {
+            name: replace(item, columns=Found({
+                key: replace(column, values=column.values[..., :number]) if column.each == each else column
+                for key, column in item.columns.items()
+            }, name))
+            for name, item in self.tables.items()
+        }  # fmt: skip
+        return replace(self, tables=Found(tables, "tables"))
 
 
 def made(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..results import door, namelist
 from ..results.namelist import SYMMETRIC
-from ..results.noun import Noun, key
+from ..results.noun import Noun
+from ..results.parameters import Parameter
 from ..systems.oscillator import Oscillator, Pattern
-from ..systems.verbs import physical_arguments
-from .zone import NAMES, Zone, window
+from ..systems.structure import Load, Structure
+from ..systems.verbs import every_system, physical_arguments
+from .zone import NAMES, Zone, keys_of_plane, window
 
-__all__ = ["Atlas", "Survey", "SurveyPoint", "WithoutImpacts", "atlas"]
+__all__ = ["Atlas", "Survey", "SurveyMotion", "SurveyPoint", "WithoutImpacts", "atlas"]
 
 _Array = NDArray[np.float64]
 #: The possible outcomes of a point of a survey, in the order of their codes, which start at 1.
@@ -26,12 +28,16 @@ OUTCOMES = (
     "periodic", "beyond the limits", "without impacts", "chaotic", "not settled", "not confirmed",
     "event limit reached",
 )  # fmt: skip
-PERIODIC, BEYOND = 1, 2
+#: Those of a structure.
+OUTCOMES_OF_STRUCTURE = (*OUTCOMES, "with rest")
+PERIODIC, BEYOND, WITH_REST = 1, 2, 8
 #: Keys that the zones of an atlas take from it.
 SHARED = ("r_min", "r_max", "clearance_min", "clearance_max", "lines", "guesses", "max_points")
 PART = (
     "a part of an atlas, which has seeds from its survey; the case searches for this pattern alone"
 )
+
+PART_OF_STRUCTURE = "a part of an atlas, whose case finds it by a survey"
 
 
 class SurveyPoint(NamedTuple):
@@ -42,14 +48,23 @@ class SurveyPoint(NamedTuple):
     pattern: Pattern
 
 
+class SurveyMotion(NamedTuple):
+    """A point of the survey of an atlas of a structure, with impacts and load cycles of the motion found there."""
+
+    x: float
+    y: float
+    impacts: int
+    cycles: int
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Survey:
     """The outcome of each point at which a simulation was made until it settled.
 
     Attributes
     ----------
-    r, clearance : ndarray (N,)
-        The points.
+    x, y : ndarray (N,)
+        The points: r and d K/F0 of an oscillator, which are also attributes `r` and `clearance`.
     outcome : ndarray of int (N,)
         Outcome of each point:
 
@@ -64,19 +79,29 @@ class Survey:
         5. not settled: none of these after four times the `settling` of the atlas: quasi-periodic motions, very
            slow transients, a free mass that drifts for a long time between two impacts;
         6. not confirmed: the simulation repeats itself, but Newton's method confirms no stable motion;
-        7. event limit reached: the simulation has too many events to be completed.
+        7. event limit reached: the simulation has too many events to be completed;
+        8. with rest: of a structure, a stable periodic motion with rest, whose zone is not traced.
     """
 
-    r: _Array = field(default_factory=lambda: np.empty(0))
-    clearance: _Array = field(default_factory=lambda: np.empty(0))
+    x: _Array = field(default_factory=lambda: np.empty(0))
+    y: _Array = field(default_factory=lambda: np.empty(0))
     outcome: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+
+    @property
+    def r(self) -> _Array:
+        return self.x
+
+    @property
+    def clearance(self) -> _Array:
+        return self.y
 
     @property
     def counts(self) -> dict[str, int]:
         """Number of points of each outcome; their sum is the number of points."""
+        names = OUTCOMES_OF_STRUCTURE if (self.outcome == WITH_REST).any() else OUTCOMES
         return {
             name: int(np.count_nonzero(self.outcome == code))
-            for code, name in enumerate(OUTCOMES, start=1)
+            for code, name in enumerate(names, start=1)
         }
 
     def __len__(self) -> int:
@@ -143,12 +168,19 @@ class Atlas(Noun, study="atlas"):
     ----------
     osc : Oscillator
     r, clearance : (float, float)
-        The window.
+        The window, of an oscillator.
+    structure, load : Structure, Load
+        Of a structure.
+    x, y : (float, float)
+        The window: lowest and highest value of both parameters.
+    x_parameter, y_parameter : str
+        Their names, r and clearance of an oscillator.
     zones : list of Zone
-        One for each pattern that has one, in the order of the search (also where only a boundary was found
-        that could not be closed); motions that are their own mirror image in a zone of their own.
+        Of a structure: one for each motion of the survey that lies in no other zone of its order of impacts.
+        Of an oscillator: one for each pattern that has one, in the order of the search (also where only a boundary
+        was found that could not be closed); motions that are their own mirror image in a zone of their own.
         With R1 = R2 a pattern stands for its mirror image too, whose zone is the same.
-    attractors : list of SurveyPoint
+    attractors : list of SurveyPoint, of a structure of SurveyMotion
         The motions on which the survey by simulation settled, within the limits of impacts and cycles.
     unexplained : list of SurveyPoint
         Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
@@ -161,11 +193,48 @@ class Atlas(Noun, study="atlas"):
     """
 
     __slots__ = ("__dict__",)
-    r: tuple[float, float] = key("r_min", "r_max")
-    clearance: tuple[float, float] = key("clearance_min", "clearance_max")
+
+    @property
+    def r(self) -> tuple[float, float]:
+        return self._window("r", "r_")
+
+    @property
+    def clearance(self) -> tuple[float, float]:
+        return self._window("clearance", "clearance_")
+
+    def _window(self, name: str, prefix: str) -> tuple[float, float]:
+        """The bounds of an axis of an atlas of an oscillator."""
+        if self.of_structure:
+            raise AttributeError(self._lack(name, "x and y"))
+        return self.keys[f"{prefix}min"], self.keys[f"{prefix}max"]
+
+    @property
+    def x(self) -> tuple[float, float]:
+        return (self.keys["x_low"], self.keys["x_high"]) if self.of_structure else self.r
+
+    @property
+    def y(self) -> tuple[float, float]:
+        return (self.keys["y_low"], self.keys["y_high"]) if self.of_structure else self.clearance
+
+    @property
+    def x_parameter(self) -> str:
+        return str(self.keys["x"]) if self.of_structure else "r"
+
+    @property
+    def y_parameter(self) -> str:
+        return str(self.keys["y"]) if self.of_structure else "clearance"
 
     @cached_property
     def zones(self) -> list[Zone]:
+        if self.of_structure:
+            counts = (self._values("motion", "gaps") >= 0).sum(axis=-1).tolist()
+            parts = (
+                self._result.part("families", j, "zone", self.case, PART_OF_STRUCTURE).narrowed(
+                    "impact", n
+                )
+                for j, n in enumerate(counts)
+            )
+            return [one for one in map(Zone, parts) if one.loops or not one.closed]
         families = self._result.tables["families"].columns
         sides, cycles, closed, symmetric = (
             families[name].decoded().tolist() for name in ("sides", "cycles", "closed", "symmetric")
@@ -187,24 +256,28 @@ class Atlas(Noun, study="atlas"):
     @cached_property
     def survey(self) -> Survey:
         columns = self._result.tables["points"].columns
-        return Survey(*(columns[name].values for name in ("r", "clearance", "outcome")))
+        names = ("x", "y", "outcome") if self.of_structure else ("r", "clearance", "outcome")
+        return Survey(*(columns[name].values for name in names))
 
     @property
-    def attractors(self) -> list[SurveyPoint]:
+    def attractors(self) -> list[Any]:
         return self._attractors(self.survey.outcome == PERIODIC)
 
     @property
-    def unexplained(self) -> list[SurveyPoint]:
+    def unexplained(self) -> list[Any]:
         explained = self._result.tables["points"].columns["explained"].decoded()
         return self._attractors((self.survey.outcome == PERIODIC) & ~explained)
 
     @property
-    def beyond(self) -> list[SurveyPoint]:
+    def beyond(self) -> list[Any]:
         return self._attractors(self.survey.outcome == BEYOND)
 
-    def _attractors(self, chosen: NDArray[np.bool_]) -> list[SurveyPoint]:
+    def _attractors(self, chosen: NDArray[np.bool_]) -> list[Any]:
         """The motions of some points of the survey."""
         columns = self._result.tables["points"].columns
+        if self.of_structure:
+            found = (columns[name].decoded()[chosen].tolist() for name in SurveyMotion._fields)
+            return [SurveyMotion(*each) for each in zip(*found, strict=True)]
         values = (
             columns[name].decoded()[chosen].tolist()
             for name in ("r", "clearance", "sides", "cycles")
@@ -221,23 +294,29 @@ class Atlas(Noun, study="atlas"):
 
     @property
     def without_impacts(self) -> WithoutImpacts:
-        """The region where the motion without impacts exists: the free mass is at rest and never touched."""
+        """Of an oscillator: the region where the motion without impacts exists; the free mass is at rest and never
+        touched."""
+        if self.of_structure:
+            raise AttributeError(self._lack("without_impacts", "counts"))
         return WithoutImpacts(self.osc, self.r, self.clearance)
 
-    def at(self, r: float, clearance: float) -> list[Zone]:
-        """The zones that contain a point: the stable motions with impacts there.
+    def at(self, x: float, y: float) -> list[Zone]:
+        """The zones that contain a point (r and clearance, or both parameters): the stable motions with impacts
+        there.
 
         `without_impacts.contains` says whether the motion without impacts exists there too.
 
         Where an open boundary leaves a zone undecided, `Zone.contains` warns, and the zone is not in the list;
         attractors of the survey there are in `unexplained`.
         """
-        r = checks.to_float(r, "r", "a number")
-        clearance = checks.to_float(clearance, "clearance", "a number")
-        return [zone for zone in self.zones if bool(zone.contains(r, clearance))]
+        x = checks.to_float(x, self.x_parameter, "a number")
+        y = checks.to_float(y, self.y_parameter, "a number")
+        return [zone for zone in self.zones if bool(zone.contains(x, y))]
 
     def explains(self, attractor: SurveyPoint) -> bool:
-        """Whether an attractor of the survey lies in a zone of its pattern."""
+        """Of an oscillator: whether an attractor of the survey lies in a zone of its pattern."""
+        if self.of_structure:
+            raise AttributeError(self._lack("explains", "unexplained"))
         checks.instance(attractor, "attractor", SurveyPoint)
         names, cycles = names_of(attractor.pattern, self.osc), attractor.pattern.cycles
         return any(
@@ -252,7 +331,9 @@ class Atlas(Noun, study="atlas"):
         """Read an atlas that `save` wrote; see `vibroimpact.load`."""
         return cls._load(path)
 
-    _log_clearance = True
+    @property
+    def _log_clearance(self) -> bool:  # type: ignore[override]
+        return not self.of_structure
 
     @property
     def drawable(self) -> bool:  # type: ignore[override]
@@ -292,7 +373,51 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
     return names
 
 
+def atlas_structure(
+    structure: Structure,
+    load: Load,
+    x: tuple[Parameter, float, float],
+    y: tuple[Parameter, float, float],
+    max_impacts: int = 4,
+    max_cycles: int = 1,
+    survey: int = 100,
+    settling: int = 400,
+    lines: int = 17,
+    max_points: int = 20_000,
+    max_events: int = 10_000_000,
+    threads: int | None = None,
+    progress: door.Progress | None = None,
+    x_at: float | None = None,
+    y_at: float | None = None,
+) -> Atlas:
+    """As `atlas`, of a structure."""
+    checks.instance(load, "load", Load)
+    keys, names = keys_of_plane(structure, load, (x, y), (x_at, y_at))
+    keys |= {
+        "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey, "settling": settling,
+        "lines": lines, "max_points": max_points, "max_events": max_events,
+    }  # fmt: skip
+    return door.run_structure(Atlas, structure, load, keys, threads, progress, names)
+
+
+@overload
+def atlas(
+    osc: Oscillator, r: tuple[float, float], clearance: tuple[float, float], max_impacts: int = 5,
+    max_cycles: int = 1, survey: int = 400, settling: int = 400, lines: int = 17, guesses: int = 24,
+    max_points: int = 20_000, max_events: int = 10_000_000, threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Atlas: ...  # fmt: skip
+@overload
+def atlas(
+    structure: Structure, load: Load, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    max_impacts: int = 4, max_cycles: int = 1, survey: int = 100, settling: int = 400, lines: int = 17,
+    max_points: int = 20_000, max_events: int = 10_000_000, threads: int | None = None,
+    progress: door.Progress | None = None, x_at: float | None = None, y_at: float | None = None,
+) -> Atlas: ...  # fmt: skip
+
+
 @physical_arguments
+@every_system(atlas_structure, no_point="give its osc, and ranges of r and clearance")
 def atlas(
     osc: Oscillator,
     r: tuple[float, float],
@@ -310,22 +435,33 @@ def atlas(
 ) -> Atlas:
     """All zones of stable motions in a window, for all patterns up to a number of impacts and cycles.
 
-    Patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror image when
-    R1 = R2) and, those with rest, from a survey by simulation over the window and from simulations at the nodes
-    of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. If
+    Of an oscillator: patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror
+    image when R1 = R2) and, those with rest, from a survey by simulation over the window and from simulations at
+    the nodes of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. If
     attractors then lie in no zone of their pattern, that pattern is searched once more on a finer lattice;
     attractors that still lie in no zone are listed as `unexplained`.
     The points of the survey are counted by their outcomes (`Atlas.counts`, see `Survey`).
 
+    Of a structure: the survey simulates from a random state at points spread over the plane of any two parameters.
+    Each motion without rest and within the limits that lies in no zone found so far of its order of impacts, or of
+    the mirror image of that, is followed to the boundary of its own `zone`. Motions that no simulation reaches
+    have no zone; those with rest are counted.
+
     Parameters
     ----------
     osc : Oscillator
+    structure, load : Structure, Load
+        In place of it.
+    x, y : (parameter, float, float)
+        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
+        value, between which is that of the structure. With a function, `x_at` or `y_at` is its value there.
     r, clearance : (float, float)
         The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
     max_impacts, max_cycles : int
-        Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol.
+        Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. Of a
+        structure 1 to 24 impacts (4 by default) and 1 to 16 cycles.
     survey : int
-        Points of the window at which simulations are made until they settle.
+        Points of the window at which simulations are made until they settle; of a structure 100 by default.
     settling : int
         Load cycles simulated at each before its attractor is examined.
     lines, guesses, max_points : int
@@ -358,6 +494,12 @@ def atlas(
     20
     >>> small.without_impacts.contains(1.04, [20.0, 30.0]).tolist()
     [False, True]
+
+    A mass that hits one wall, over the frequency and the amplitude of the load:
+
+    >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
+    >>> vi.atlas(wall, vi.Load(1.0, cosine=[1]), ("frequency", 0.8, 1.2), ("load", 0.5, 2), survey=20)
+    <Atlas of 1 zones, 20 attractors surveyed; survey of 20 points: 20 periodic>
     """
     keys = {
         **window(r, clearance), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,

@@ -231,7 +231,7 @@ def chart_structure(
     """As `chart`, of a motion of a structure."""
     xarray("charts")
     both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
-    keys, names = keys_of_plane(motion, (x, y), (x_at, y_at))
+    keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
     keys |= {"x_points": both[0], "y_points": both[1]}
     names |= {"x_points": "points", "y_points": "points"}
     try:

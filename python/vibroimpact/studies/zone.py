@@ -607,7 +607,7 @@ def zone_structure(
     y_at: float | None = None,
 ) -> Zone:
     """As `zone`, of a motion of a structure."""
-    keys, names = keys_of_plane(motion, (x, y), (x_at, y_at))
+    keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
     keys |= {"lines": lines, "max_points": max_points}
     found = run_from(motion, Zone, keys, names, progress)
     found.require()
@@ -615,7 +615,7 @@ def zone_structure(
 
 
 def keys_of_plane(
-    motion: Motion, axes: tuple[Any, Any], at: tuple[float | None, float | None]
+    structure: Structure, load: Load, axes: tuple[Any, Any], at: tuple[float | None, float | None]
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """The keys of the plane of two parameters, and the caller's names of them."""
     keys: dict[str, Any] = {}
@@ -624,9 +624,7 @@ def keys_of_plane(
         wanted = "(parameter, lowest, highest)"
         if not isinstance(axis, tuple) or len(axis) != 3:
             raise ParameterError(f"{name} = {axis!r}: must be {wanted}")
-        keys |= keys_of_parameter(
-            motion.structure, motion.load, axis[0], axis[1:], start, name, f"{name}_"
-        )
+        keys |= keys_of_parameter(structure, load, axis[0], axis[1:], start, name, f"{name}_")
         names |= {name: f"{name}[0]", f"{name}_low": f"{name}[1]", f"{name}_high": f"{name}[2]"}
     return keys, names
 

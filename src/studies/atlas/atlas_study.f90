@@ -6,38 +6,55 @@ module vi_atlas_study
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_zone_request, only: zone_request_type
-   use vi_survey_outcome, only: beyond, outcome_names, periodic
+   use vi_survey_outcome, only: beyond, count_outcomes, outcome_names, periodic
    use vi_progress, only: is_stopped
-   use vi_study, only: a_whole, case_type, column_type, key_type, of_oscillator, result_type, &
-      study_type, truths, wholes, words
+   use vi_structure, only: check_structure
+   use vi_structure_atlas, only: find_structure_atlas, structure_request_type, &
+      survey_point_type, traced_type
+   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_keys, only: needs_frequency
+   use vi_structure_parameter, only: parameter_change, x_function_keys, y_function_keys
+   use vi_structure_path, only: structure_path_type, value_at
+   use vi_structure_tables, only: put_path, put_structure
+   use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
+      of_oscillator, of_structure, result_type, study_type, truths, wholes, words
    use vi_text, only: counted, exact, line_type, whole, whole_width
    use vi_zone_pieces, only: add_pieces, corner_column, family_columns, not_closed, piece_columns, &
       pieces_type, place_columns, put_pieces, vertex_columns
-   use vi_zone_study, only: lines_key, vertices_key
+   use vi_zone_study, only: check_plane, in_parameters, lines_key, plane_columns, plane_keys, &
+      plane_type, structure_place_columns, structure_vertex_columns, vertex_names, vertices_key
    implicit none (type, external)
    private
 
    public :: declare_atlas
 
-   type(key_type), parameter :: atlas_keys(*) = [ &
+   type(key_type), parameter :: limit_keys(*) = [ &
       key_type('max_impacts', a_whole, default='5', low=2.0_wp, high=8.0_wp, &
-      meaning='largest number of impacts; an accumulation counts as one'), &
+      meaning='largest number of impacts; an accumulation counts as one', model=of_oscillator), &
       key_type('max_cycles', a_whole, default='1', low=1.0_wp, high=4.0_wp, &
-      meaning='largest number of load cycles of a pattern'), &
+      meaning='largest number of load cycles of a pattern', model=of_oscillator), &
+      key_type('max_impacts', a_whole, default='4', low=1.0_wp, high=24.0_wp, &
+      meaning='largest number of impacts of a motion whose zone is traced', model=of_structure), &
+      key_type('max_cycles', a_whole, default='1', low=1.0_wp, high=16.0_wp, &
+      meaning='largest number of load cycles in its period', model=of_structure), &
       key_type('survey', a_whole, default='400', low=0.0_wp, high=1.0e6_wp, &
-      meaning='points of the window at which simulations are run until they settle'), &
+      meaning='points of the window at which simulations are run until they settle', &
+      model=of_oscillator), &
+      key_type('survey', a_whole, default='100', low=1.0_wp, high=1.0e5_wp, &
+      meaning='points of the window at which simulations are run until they settle', &
+      model=of_structure), &
       key_type('settling', a_whole, default='400', low=1.0_wp, high=1.0e6_wp, &
-      meaning='load cycles simulated at each point before its motion is examined'), &
-      window_keys, lines_key, &
-      key_type('guesses', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
-      meaning='guesses for motions at every second node in each direction, for each pattern'), &
-      vertices_key, max_events_key]
+      meaning='load cycles simulated at each point before its motion is examined')]
+   type(key_type), parameter :: guesses_key = key_type('guesses', a_whole, default='24', &
+      low=0.0_wp, high=1.0e5_wp, &
+      meaning='guesses for motions at every second node in each direction, for each pattern')
 
+   type(column_type), parameter :: symmetric_column = column_type('families', 'symmetric', truths, &
+      meaning='whether the motions are their own mirror images')
    type(column_type), parameter :: atlas_columns(*) = [ &
       column_type('families', 'sides', words, meaning='walls in the order of impacts'), &
       column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
-      column_type('families', 'symmetric', truths, &
-      meaning='whether the motions are their own mirror images'), &
+      symmetric_column, &
       piece_columns, place_columns, corner_column, vertex_columns, family_columns, &
       column_type('pieces', 'symmetric', truths, listed=.false., &
       meaning='whether the motions are their own mirror images'), &
@@ -55,6 +72,24 @@ module vi_atlas_study
       column_type('points', 'explained', truths, listed=.false., &
       meaning='whether it lies in a zone of its pattern')]
 
+   type(column_type), parameter :: structure_columns(*) = [ &
+      column_type('families', 'order', words, &
+      meaning='gaps of the impacts in their order, from 0'), &
+      column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
+      symmetric_column, piece_columns, structure_place_columns, corner_column, &
+      structure_vertex_columns, family_columns, &
+      column_type('points', 'x', listed=.false., meaning='abscissa of a point of the survey'), &
+      column_type('points', 'y', listed=.false., meaning='ordinate of a point of the survey'), &
+      column_type('points', 'outcome', words, words='periodic,beyond the limits,without impacts,&
+      &chaotic,not settled,not confirmed,event limit reached,with rest', listed=.false., &
+      meaning='outcome of the simulation at the point'), &
+      column_type('points', 'impacts', wholes, listed=.false., &
+      meaning='impacts in the period; 0 if it has none'), &
+      column_type('points', 'cycles', wholes, listed=.false., &
+      meaning='load cycles of the period; 0 if it has none'), &
+      column_type('points', 'explained', truths, listed=.false., &
+      meaning='whether it lies in a zone of its motion'), plane_columns]
+
    !> The region where the motion without impacts exists, in closed form: D > 2A.
    character(*), parameter :: without_impacts = 'without impacts, the free mass at rest: where &
       &clearance > 2/sqrt((1 - r^2)^2 + (2 xi r)^2)'
@@ -70,11 +105,22 @@ contains
       !> The columns of the result.
       type(column_type), allocatable, intent(out), optional :: columns(:)
 
-      if (present(keys)) keys = atlas_keys
-      if (present(columns)) columns = atlas_columns
+      if (present(keys)) then
+         call list_for(of_structure, plane_keys, keys)
+         call list_for(every_model, limit_keys, keys)
+         call list_for(of_oscillator, window_keys, keys)
+         call list_for(every_model, [lines_key], keys)
+         call list_for(of_oscillator, [guesses_key], keys)
+         call list_for(every_model, [vertices_key, max_events_key], keys)
+         call list_for(of_structure, x_function_keys, keys)
+         call list_for(of_structure, y_function_keys, keys)
+      end if
+      if (present(columns)) then
+         call list_for(of_oscillator, atlas_columns, columns)
+         call list_for(of_structure, structure_columns, columns)
+      end if
       if (.not. present(study)) return
       study%name = 'atlas'
-      study%models = of_oscillator
       study%meaning = 'find the zones of all patterns in a window'
       study%row = 'vertices'
       study%check => check_atlas
@@ -87,6 +133,11 @@ contains
       !> The case.
       type(case_type), intent(inout) :: case
 
+      if (case%model == of_structure) then
+         if (len(case%study%fault) == 0) call needs_frequency(case, 'x')
+         if (len(case%study%fault) == 0) call check_plane(case)
+         return
+      end if
       call check_window(case)
    end subroutine check_atlas
 
@@ -135,6 +186,10 @@ contains
       integer :: j
       logical :: stopped
 
+      if (case%model == of_structure) then
+         call run_structure(case, threads, result, progress)
+         return
+      end if
       request = atlas_request(case, threads)
       call find_atlas(request, atlas, progress)
       stopped = is_stopped(progress)
@@ -156,7 +211,7 @@ contains
       end do
       ! if stopped, an attractor outside all zones may belong to a zone that was not searched
       lost = .not. (atlas%explained .or. stopped)
-      call survey_text(atlas, outcomes)
+      call survey_text(outcomes_of(atlas), outcomes)
       call result%open('families', 'family', [size(found)])
       call result%put_text('families', 'sides', sides)
       call result%put('families', 'cycles', [(atlas%families(j)%pattern%cycles, j=1, size(found))])
@@ -184,6 +239,114 @@ contains
       call result%fail(whole(count(lost))//' of '//counted(size(atlas%explained), &
          'attractor')//' in no zone of the pattern:'//patterns)
    end subroutine run_atlas
+
+   !> Finds the zones of the motions of a structure that a survey shows.
+   subroutine run_structure(case, threads, result, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> Number of OpenMP threads; the result does not depend on it.
+      integer, intent(in) :: threads
+      !> In: the result without tables. Out: with its tables and notes.
+      type(result_type), intent(inout) :: result
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(plane_type) :: plane
+      type(structure_path_type) :: path
+      type(survey_point_type), allocatable :: points(:)
+      type(traced_type), allocatable :: families(:)
+      type(pieces_type), allocatable :: found(:)
+      character(:), allocatable :: outcomes, message
+      type(line_type), allocatable :: orders(:)
+      integer, allocatable :: gaps(:, :)
+      integer :: i, j, lost, n, status
+
+      call structure_of(case, plane%structure, plane%load)
+      plane%load%frequency = load_frequency(case)
+      call check_structure(plane%structure, status)
+      call parameter_change(case%study, 'x', 'x_', plane%structure, plane%load, plane%changes(1), &
+         message)
+      call parameter_change(case%study, 'y', 'y_', plane%structure, plane%load, plane%changes(2), &
+         message)
+      path%structure = plane%structure
+      path%load = plane%load
+      path%changes = plane%changes
+      associate (s => case%study)
+         call find_structure_atlas(structure_request_type(s%whole_number('max_impacts'), &
+            s%whole_number('max_cycles'), s%whole_number('survey'), s%whole_number('settling'), &
+            s%whole_number('max_events'), s%whole_number('lines'), s%whole_number('max_points'), &
+            threads), path, points, families, n, progress)
+      end associate
+      if (is_stopped(progress)) result%cut = whole(n)//' zones were found'
+      allocate (found(n), orders(n), gaps(maxval([1, (size(families(i)%motion%gaps), i=1, n)]), n))
+      gaps = -1
+      do i = 1, n
+         found(i) = families(i)%pieces
+         call in_parameters(case, families(i)%surface, plane%changes, found(i))
+         orders(i)%text = ''
+         do j = 1, size(families(i)%motion%gaps)
+            gaps(j, i) = families(i)%motion%gaps(j) - 1
+            if (j > 1) orders(i)%text = orders(i)%text//' '
+            orders(i)%text = orders(i)%text//whole(gaps(j, i))
+         end do
+      end do
+      call survey_text(count_outcomes(points%outcome), outcomes)
+      call result%open('families', 'family', [n])
+      call result%put_text('families', 'order', orders)
+      call result%put('families', 'cycles', [(families(i)%motion%cycles, i=1, n)])
+      call result%put('families', 'symmetric', [(merge(1, 0, families(i)%symmetric), i=1, n)])
+      call put_pieces(found, result, vertex_names)
+      call put_survey(plane, points, result)
+      call result%open('motion', 'one', [n], 'families', [(i, i=1, n)])
+      call result%put('motion', 'gaps', [gaps])
+      call result%put('motion', 'cycles', [(families(i)%motion%cycles, i=1, n)])
+      call result%put('motion', 'frequency', spread(plane%load%frequency, 1, n))
+      call put_path(result, plane%changes)
+      call put_structure(result, plane%structure, plane%load)
+      call result%remark(outcomes)
+      result%empty = n == 0
+      if (result%empty) then
+         call result%fail('no zone: the survey found no stable motion within the limits; '// &
+            outcomes)
+         return
+      end if
+      call result%add_note(counted(n, 'zone')//', '//counted(sum(found%loops), 'loop')//', '// &
+         outcomes)
+      lost = count(points%outcome == periodic .and. .not. points%explained)
+      if (.not. all(found%closed)) call result%fail(not_closed)
+      if (lost > 0 .and. len(result%cut) == 0) call result%fail(counted(lost, 'motion')// &
+         ' of the survey in no zone')
+   end subroutine run_structure
+
+   !> Puts the points of the survey of a structure into the result.
+   pure subroutine put_survey(plane, points, result)
+      !> The plane.
+      type(plane_type), intent(in) :: plane
+      !> The points; those that were not reached are left out.
+      type(survey_point_type), intent(in) :: points(:)
+      !> The result.
+      type(result_type), intent(inout) :: result
+      integer, allocatable :: order(:), impacts(:), cycles(:)
+      integer :: i
+
+      order = pack([(i, i=1, size(points))], points%outcome > 0)
+      allocate (impacts(size(order)), cycles(size(order)), source=0)
+      do i = 1, size(order)
+         associate (motion => points(order(i))%motion)
+            if (.not. allocated(motion%gaps)) cycle
+            impacts(i) = size(motion%gaps)
+            cycles(i) = motion%cycles
+         end associate
+      end do
+      call result%open('points', 'point', [size(order)])
+      call result%put('points', 'x', [(value_at(plane%changes(1), points(order(i))%at(1)), &
+         i=1, size(order))])
+      call result%put('points', 'y', [(value_at(plane%changes(2), points(order(i))%at(2)), &
+         i=1, size(order))])
+      call result%put('points', 'outcome', points(order)%outcome)
+      call result%put('points', 'impacts', impacts)
+      call result%put('points', 'cycles', cycles)
+      call result%put('points', 'explained', merge(1, 0, points(order)%explained))
+   end subroutine put_survey
 
    !> Removes the families whose zones were not completed.
    subroutine keep_searched(atlas)
@@ -273,14 +436,13 @@ contains
    end subroutine remark_survey
 
    !> The outcomes of the points of the survey, in words.
-   pure subroutine survey_text(atlas, text)
-      !> The atlas.
-      type(atlas_type), intent(in) :: atlas
+   pure subroutine survey_text(counts, text)
+      !> (outcomes) Number of points of each.
+      integer, intent(in) :: counts(:)
       !> The numbers of points of each outcome, in words.
       character(:), allocatable, intent(out) :: text
-      integer :: counts(size(outcome_names)), i
+      integer :: i
 
-      counts = outcomes_of(atlas)
       text = 'survey of '//counted(sum(counts), 'point')
       do i = 1, size(counts)
          if (counts(i) == 0) cycle

@@ -12,12 +12,12 @@ module vi_survey_outcome
    !> A stable periodic motion within the limits of symbols and cycles; one beyond them; the free
    !! mass at rest and never touched; a positive Lyapunov exponent; none of these so far; a
    !! simulation that repeats itself although Newton's method confirms no stable motion; too many
-   !! events.
+   !! events; of a structure, a stable periodic motion with rest.
    integer, parameter, public :: periodic = 1, beyond = 2, no_impacts = 3, chaotic = 4, &
-      not_settled = 5, not_confirmed = 6, event_limit = 7
-   character(20), parameter, public :: outcome_names(7) = [character(20) :: 'periodic', &
+      not_settled = 5, not_confirmed = 6, event_limit = 7, with_rest = 8
+   character(20), parameter, public :: outcome_names(8) = [character(20) :: 'periodic', &
       'beyond the limits', 'without impacts', 'chaotic', 'not settled', 'not confirmed', &
-      'event limit reached']
+      'event limit reached', 'with rest']
 
    !> Largest number of symbols of a pattern.
    integer, parameter :: most_symbols = 1000

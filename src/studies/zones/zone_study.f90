@@ -30,7 +30,7 @@ module vi_zone_study
    implicit none (type, external)
    private
 
-   public :: check_plane, declare_zone, put_plane, start_surface
+   public :: check_plane, declare_zone, in_parameters, put_plane, start_surface
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, &
@@ -74,13 +74,13 @@ module vi_zone_study
       key_type('y_high', takes='a number above y_low, at least the value that the motion has', &
       option='y', meaning='upper bound of y')]
 
-   type(column_type), parameter :: structure_place_columns(*) = [ &
+   type(column_type), parameter, public :: structure_place_columns(*) = [ &
       column_type('pieces', 'symmetric', truths, listed=.false., &
       meaning='whether the motions are their own images half a period later'), &
       column_type('vertices', 'x', meaning='parameter of the abscissa'), &
       column_type('vertices', 'y', meaning='parameter of the ordinate')]
 
-   type(column_type), parameter :: structure_vertex_columns(*) = [ &
+   type(column_type), parameter, public :: structure_vertex_columns(*) = [ &
       column_type('vertices', 'speeds', each='impact', label='speed_#', &
       meaning='approach speeds of the impacts'), &
       column_type('vertices', 'phases', each='impact', label='phase_#', unit='rad', &
@@ -88,6 +88,9 @@ module vi_zone_study
       column_type('rings', 'x', listed=.false., &
       meaning='abscissa along a closed loop, counter-clockwise around a zone'), &
       column_type('rings', 'y', listed=.false., meaning='ordinate along a closed loop')]
+
+   !> The columns of the vertices of the pieces of a structure.
+   character(*), parameter, public :: vertex_names(4) = ['x     ', 'y     ', 'speeds', 'phases']
 
    !> The columns of the motion at the start, and of the structure there.
    type(column_type), parameter, public :: plane_columns(*) = [ &
@@ -462,7 +465,6 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       type(zone_request_type) :: request
       type(zone_type) :: zone
       type(pieces_type) :: found, families(1)
-      character(*), parameter :: columns_of_vertices(4) = ['x     ', 'y     ', 'speeds', 'phases']
       real(wp), allocatable :: start(:)
       logical :: mirrored
 
@@ -482,7 +484,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       call in_parameters(case, surface, plane%changes, found)
       call result%open('families', 'family', [1])
       families(1) = found
-      call put_pieces(families, result, columns_of_vertices)
+      call put_pieces(families, result, vertex_names)
       call put_plane(plane, result)
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       result%empty = found%n == 0
