@@ -358,8 +358,9 @@ def find(
         In place of them; the load has a frequency.
     max_impacts, max_cycles : int
         Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; of the orders of impacts of a
-        structure, 0 to 8 (2 by default) and 1 to 16 (4 by default). Motions found by simulations and releases are
-        listed whatever their number of impacts and cycles; of a structure their period is at most `max_cycles`.
+        structure, 0 to 8 (2 by default; with 0 only simulations are made) and 1 to 16 (4 by default). Motions
+        found by simulations and releases are listed whatever their number of impacts and cycles; of a structure
+        their period is at most `max_cycles`.
     load : float
         Amplitude of the load of an oscillator.
     guesses : int

@@ -375,7 +375,9 @@ contains
          call search_orders(structure, load, orders_type(s%whole_number('max_impacts'), &
             s%whole_number('max_cycles'), s%whole_number('guesses'), s%whole_number('seed'), &
             threads), list, failures, progress)
-         call follow_lines(structure, load, s%whole_number('guesses'), list, progress)
+         ! otherwise only the motions on which states settle are wanted
+         if (s%whole_number('max_impacts') > 0) call follow_lines(structure, load, &
+            s%whole_number('guesses'), list, progress)
       end associate
       settled = [settled, spread(0, 1, list%n - size(settled))]
       reached = count(status /= stat%not_computed)
