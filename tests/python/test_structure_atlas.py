@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact import _core
+from vibroimpact.base.interrupt import new_counters
+from vibroimpact.results.tables import from_core
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 AXES = (("frequency", 1.0, 1.1), ("opening", 10.0, 30.0))
@@ -152,3 +155,27 @@ def test_errors_name_the_parameter(change, message):
         vi.atlas(**keys | change)
     with pytest.raises(vi.ParameterTypeError, match="give its osc"):
         vi.atlas(point, *AXES)
+
+
+@pytest.mark.parametrize("study", ["atlas", "chart"])
+def test_it_stops_when_asked(study):
+    """A request to stop that is already made leaves at most the motion at the start, and says so."""
+    group = (
+        "&motion kind = 'exact', gaps = 1, 0, phases = 1.84, 4.98, cycles = 1 /\n&chart"
+        if study == "chart" else "&atlas survey = 3"
+    )  # fmt: skip
+    text = f"""
+        &structure mass = 1, 0.028, damping = 0.0228, 0, stiffness = 1, 0 /
+        &gap direction = -1, 1, opening = 25, restitution = 0.75 /
+        &gap direction = 1, -1, opening = 25, restitution = 0.75 /
+        &load frequency = 1.06, sine = 1, 0 /
+        {group} x = 'frequency', x_low = 1, x_high = 1.1, y = 'opening', y_low = 10, y_high = 30 /
+    """
+    counters = new_counters()
+    counters[2] = 1
+    lines = "\n".join(line.strip() for line in text.splitlines() if line.strip())
+    handle, _ = _core.run_case(np.frombuffer(lines.encode(), "S1"), 1, counters)
+    found = from_core(study, handle)
+    assert found.cut
+    assert found.empty or found.tables["points"].columns["found"].values.sum() == 1
+    assert not any(is_fault for is_fault, _ in found.notes)

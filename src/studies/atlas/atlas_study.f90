@@ -276,7 +276,12 @@ contains
             s%whole_number('max_events'), s%whole_number('lines'), s%whole_number('max_points'), &
             threads), path, points, families, n, progress)
       end associate
-      if (is_stopped(progress)) result%cut = whole(n)//' zones were found'
+      if (is_stopped(progress)) then
+         result%cut = counted(n, 'zone')//' of a survey of '//counted(size(points), 'point')// &
+            ' were found'
+         result%empty = n == 0
+         if (result%empty) return
+      end if
       allocate (found(n), orders(n), gaps(maxval([1, (size(families(i)%motion%gaps), i=1, n)]), n))
       gaps = -1
       do i = 1, n

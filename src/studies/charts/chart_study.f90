@@ -407,6 +407,7 @@ contains
       if (is_stopped(progress)) result%cut = 'motions were found at '//whole(count(net%head > 0)) &
          //' of '//whole(size(net%head))//' points so far'
       result%empty = net%n == 0
+      if (result%empty .and. len(result%cut) > 0) return
       if (net%full) call result%remark('there are more motions than could be kept')
       if (result%empty) then
          call result%fail('no line of the grid passes a motion of this family')
