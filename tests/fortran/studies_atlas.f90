@@ -230,7 +230,7 @@ contains
       type(attractor_type) :: points(60), same(60), narrow, wide
       type(atlas_request_type) :: request
       type(atlas_type) :: stopped
-      integer :: counts(7), progress(3), i, n
+      integer :: counts(8), progress(3), i, n
 
       osc = oscillator_type(0.0114_wp, 0.028_wp, [0.75_wp, 0.61_wp])
       call survey(osc, window(:, 1), window(:, 2), 400, limits_type(2, 1, 10000000), 1, points)
