@@ -51,7 +51,7 @@ from .systems.excitations import half_sine, swept_sine
 from .systems.oscillator import Oscillator, Pattern, Point
 from .systems.record import Record, base_motion, base_record
 from .systems.restitution import PowerLaw, TabulatedRestitution
-from .systems.structure import Gap, Load, Stop, Structure
+from .systems.structure import Friction, Gap, Load, Stop, Structure
 from .systems.units import Units
 
 __version__: str
@@ -71,6 +71,7 @@ __all__ = [
     "Decay",
     "Design",
     "FoundMotions",
+    "Friction",
     "Gap",
     "Gradient",
     "Identification",

@@ -31,8 +31,8 @@ module vi_study
       integer :: models = every_model
       !> What it does, as a request: 'find the zones ...'.
       character(72) :: meaning = ''
-      !> Whether its structures may have stops.
-      logical :: takes_stops = .false.
+      !> Whether its structures may have stops and friction.
+      logical :: takes_elements = .false.
       !> Whether there is a load; without one there is no frequency ratio.
       logical :: has_load = .true.
       !> Whether the frequency ratio is a part of its result; &system has none then.

@@ -20,7 +20,7 @@ module vi_command
       'Computes what namelist files ask for and writes each case to DIR/NAME.csv and, if it', &
       'asks for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself', &
       'an input that reproduces it.', &
-      'Groups: &system, or &structure with &gap, &stop, &load, &output, and one for each case;', &
+      'Groups: &system, or &structure with its parts, &output, and one for each case;', &
       'see inputs/README.md.']
    character(89), parameter :: after(*) = [character(89) :: &
       '--keys GROUP describes the keys of a group, --describe all of them as JSON.', &

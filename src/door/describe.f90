@@ -6,7 +6,8 @@ module vi_describe
    use vi_kinds, only: wp
    use vi_result, only: column_kinds, column_type
    use vi_study, only: name_length, study_type
-   use vi_structure_groups, only: gap_keys, load_keys, matrix_keys => structure_keys, stop_keys
+   use vi_structure_groups, only: friction_keys, gap_keys, load_keys, &
+      matrix_keys => structure_keys, stop_keys
    use vi_study_list, only: find_study, list_studies
    use vi_sweep, only: sweep_keys
    use vi_text, only: append, line_type, number_text, whole
@@ -27,8 +28,8 @@ contains
       type(study_type), allocatable :: studies(:)
 
       call list_studies(studies)
-      names = [character(name_length) :: 'system', 'structure', 'gap', 'stop', 'load', &
-         studies%name, 'sweep', 'output']
+      names = [character(name_length) :: 'system', 'structure', 'gap', 'stop', 'friction', &
+         'load', studies%name, 'sweep', 'output']
    end subroutine list_groups
 
    !> The keys of a group for users: name, values, default, meaning.
@@ -207,6 +208,8 @@ contains
          keys = gap_keys
       case ('stop')
          keys = stop_keys
+      case ('friction')
+         keys = friction_keys
       case ('load')
          keys = load_keys
       case ('sweep')

@@ -15,7 +15,8 @@ module vi_parse_cases
    use vi_parse, only: parse_subscript, repeats
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
-   use vi_structure_groups, only: has_stop, most_coordinates, read_parts, read_structure
+   use vi_structure_groups, only: element_besides_gaps, most_coordinates, read_parts, &
+      read_structure
    use vi_sweep, only: sweep_keys
    use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
@@ -36,7 +37,7 @@ module vi_parse_cases
 
    !> The groups that are not studies.
    character(9), parameter :: other_groups(*) = [character(9) :: 'system', 'structure', 'gap', &
-      'stop', 'load', 'sweep', 'output']
+      'stop', 'friction', 'load', 'sweep', 'output']
 
    !> The system of the cases that follow.
    type :: system_type
@@ -128,7 +129,7 @@ contains
                call take_system(studies, groups(i:), system, line, message)
             case ('structure')
                call take_structure(studies, path, groups(i:), system, line, message)
-            case ('gap', 'stop', 'load')
+            case ('gap', 'stop', 'friction', 'load')
                call check_place(groups(:i), message)
             case ('sweep', 'output')
                n_before = i - 1
@@ -192,7 +193,7 @@ contains
             line = groups(i)%line
             call join_groups(studies%name, names)
             message = '&'//name//': is not a group; must be &system, &output, '//names// &
-               ', or &structure, &gap, &stop, &load'
+               ', or &structure, &gap, &stop, &friction, &load'
             return
          end associate
       end do
@@ -250,7 +251,7 @@ contains
       loads = 0
       do n = 1, size(groups) - 1
          select case (groups(n + 1)%name)
-         case ('gap', 'stop')
+         case ('gap', 'stop', 'friction')
             gaps = gaps + 1
          case ('load')
             loads = loads + 1
@@ -266,7 +267,7 @@ contains
       end do
       system%model = of_structure
       if (gaps == 0) then
-         message = '&structure: no &gap or &stop follows'
+         message = '&structure: no &gap, &stop or &friction follows'
       else if (.not. ends_in_case(studies, groups(n + 1:min(n + 1, size(groups))))) then
          call join_groups(pack(studies%name, studies%starts_from(of_structure) == '' .and. &
             is_for(studies%models, of_structure)), names)
@@ -293,7 +294,7 @@ contains
 
       do i = size(groups) - 1, 1, -1
          select case (groups(i)%name)
-         case ('gap', 'stop', 'load')
+         case ('gap', 'stop', 'friction', 'load')
             cycle
          case ('structure')
             return
@@ -388,7 +389,7 @@ contains
       !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
       type(key_type), allocatable :: keys(:)
-      character(:), allocatable :: names
+      character(:), allocatable :: element, names
       integer :: j
 
       associate (study => studies(place_of_study(studies, groups(i)%name, system%model)), &
@@ -399,10 +400,11 @@ contains
          if (model == of_structure) then
             case%coordinates = system%coordinates
             case%parts = system%parts
-            if (has_stop(case) .and. .not. study%takes_stops) then
-               call join_groups(pack(studies%name, studies%takes_stops), names)
-               message = '&'//trim(study%name)//': does not take the &stop of this &structure; &
-                  &must be '//names
+            call element_besides_gaps(case, element)
+            if (len(element) > 0 .and. .not. study%takes_elements) then
+               call join_groups(pack(studies%name, studies%takes_elements), names)
+               message = '&'//trim(study%name)//': does not take the &'//element//' of this &
+                  &&structure; must be '//names
                return
             end if
          else

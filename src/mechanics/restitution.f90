@@ -1,5 +1,5 @@
 !> What happens where a gap closes: the coefficient of restitution R as a function of the approach
-!! speed v, or an elastic stop.
+!! speed v, or an elastic stop; and the levels of dry friction.
 !!
 !! Power law: R(v) = R0 (1 + (v/v0)^k)^(-p/k). Far below the speed v0 it tends to R0, and far above
 !! to R0 (v/v0)^(-p). p = 1/4 is the exponent of plastic contact of spheres (K. L. Johnson, Contact
@@ -22,12 +22,13 @@ module vi_restitution
 
    !> Kinds of laws.
    integer, parameter, public :: constant_law = 0, power_law = 1, table_law = 2, &
-      stop_law = 3, pushing_law = 4
+      stop_law = 3, pushing_law = 4, friction_law = 5
 
    !> A law.
    type, public :: restitution_type
       integer :: kind = constant_law
       !> Power law: R0, v0, p and k. Constant: R first. Stop: k, c and p0.
+      !! Friction: slip level, stick level and speed of a belt.
       real(wp) :: numbers(4) = 1
       !> Table: speeds in ascending order, values, and slopes there.
       real(wp), allocatable :: speeds(:), values(:), slopes(:)
@@ -40,7 +41,7 @@ contains
       !> Its kind, as a whole number.
       real(wp), intent(in) :: kind
       !> Constant: R. Power law: R0, v0, p, k. Table: the number of points, their speeds, and their
-      !! values. Stop: k, c, p0. More numbers do not count.
+      !! values. Stop, friction: as in `restitution_type`. More numbers do not count.
       real(wp), intent(in) :: numbers(:)
       type(restitution_type) :: law
       integer :: n
@@ -56,7 +57,7 @@ contains
          allocate (law%slopes(n))
          call monotone_slopes(law%speeds, law%values, law%slopes)
          law%numbers(1) = law%values(1)
-      case (stop_law, pushing_law)
+      case (stop_law, pushing_law, friction_law)
          law%numbers(:3) = numbers(:3)
       case default
          law%numbers(1) = numbers(1)

@@ -5,6 +5,10 @@
 !! - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has one
 !! coordinate fewer for each, and each pushes back with a force p_j >= 0. A stop is a gap that can
 !! be less than closed: it adds k G_j G_j^T to K and c G_j G_j^T to C while it presses.
+!!
+!! Dry friction stands in the same lists. Along D_j, with s = D_j.q' - V, the force -h sgn(s) D_j
+!! acts while it slips; while it sticks, D_j.q' = V, a force of at most H holds it. The place D_j.q,
+!! which moves with the belt, is then one more pair of frequency 0.
 module vi_structure
    use vi_columns, only: solve_columns
    use vi_decoupling, only: decouple, decoupled_type
@@ -12,14 +16,14 @@ module vi_structure
    use vi_kinds, only: wp
    use vi_modes, only: interval_type, levels, modes_type, new_interval, new_steps, prepare, &
       steady_response, steps_type
-   use vi_restitution, only: constant_law, new_restitution, pushing_law, restitution_at, &
-      restitution_type, stop_law
+   use vi_restitution, only: constant_law, friction_law, new_restitution, pushing_law, &
+      restitution_at, restitution_type, stop_law
    use vi_rows, only: add_harmonic, free_values, new_rows, rows_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: check_structure, find_narrow, inputs_of, is_extreme, is_stop, new_load, new_regime, &
+   public :: check_structure, find_narrow, inputs_of, is_extreme, new_load, new_regime, &
       new_structure, project, restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
@@ -51,11 +55,15 @@ module vi_structure
       !! coupled_begins(j + 1) - 1).
       integer, allocatable :: coupled_begins(:), coupled(:)
       !> Number of channels: directions along which a stop, one gap or two opposite ones lie, and
-      !! then the forces of stops that cannot pull; number of the former.
+      !! then the forces of stops that cannot pull, and the speeds of friction; number of the first
+      !! kind.
       integer :: channels = 0, positions = 0
       !> (gaps) Whether each is an elastic stop, and whether any is.
       logical, allocatable :: elastic(:)
       logical :: has_stops = .false.
+      !> (gaps) Whether each is dry friction, and whether any is.
+      logical, allocatable :: rubs(:)
+      logical :: has_friction = .false.
       !> (gaps) The channel of the force of each stop that cannot pull; else 0.
       integer, allocatable :: push(:)
    end type structure_type
@@ -82,8 +90,10 @@ module vi_structure
    type, public :: regime_type
       !> The gaps at rest, in ascending order.
       integer, allocatable :: resting(:)
-      !> These and the stops that press, and -j for a stop j that is closed without a force, in
-      !! ascending order.
+      !> These and the gaps of friction that sticks.
+      integer, allocatable :: held(:)
+      !> Gaps at rest, stops that press, and friction that sticks; -j for a stop j that is closed
+      !! without a force, and for friction that slips with s < 0. In ascending order.
       integer, allocatable :: closed(:)
       !> Number of channels that are positions.
       integer :: positions = 0
@@ -154,9 +164,17 @@ contains
             structure%laws(j) = new_restitution(gap_values(2, j), gap_values(3:, j))
          end if
          structure%restitution(j) = structure%laws(j)%numbers(1)
-         if (is_stop(structure%laws(j))) structure%restitution(j) = 0
+         if (is_element(structure%laws(j))) structure%restitution(j) = 0
       end do
    end function new_structure
+
+   !> Whether a law is that of an elastic stop or of friction, not one of restitution.
+   elemental logical function is_element(law)
+      !> The law.
+      type(restitution_type), intent(in) :: law
+
+      is_element = is_stop(law) .or. law%kind == friction_law
+   end function is_element
 
    !> Whether a law is that of an elastic stop.
    elemental logical function is_stop(law)
@@ -226,14 +244,17 @@ contains
          structure%effective = 1/sum(structure%directions*structure%mobility, 1)
          structure%elastic = is_stop(structure%laws)
          structure%has_stops = any(structure%elastic)
+         structure%rubs = structure%laws%kind == friction_law
+         structure%has_friction = any(structure%rubs)
          allocate (structure%channel(gaps), structure%wall(gaps))
          allocate (structure%push(gaps), source=0)
          structure%channels = 0
          do i = 1, gaps
             structure%wall(i) = 1
             structure%channel(i) = 0
+            if (structure%rubs(i)) cycle
             do j = 1, i - 1
-               if (structure%elastic(i) .or. structure%elastic(j)) cycle
+               if (structure%elastic(i) .or. structure%elastic(j) .or. structure%rubs(j)) cycle
                if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
                if (count(structure%channel(:i - 1) == structure%channel(j)) > 1) cycle
                structure%channel(i) = structure%channel(j)
@@ -246,6 +267,10 @@ contains
          end do
          structure%positions = structure%channels
          do i = 1, gaps
+            if (structure%rubs(i)) then
+               structure%channels = structure%channels + 1
+               structure%channel(i) = structure%channels
+            end if
             ! without a dashpot a closed stop always pushes
             if (structure%laws(i)%kind /= pushing_law) cycle
             if (.not. structure%laws(i)%numbers(2) > 0) cycle
@@ -288,9 +313,9 @@ contains
             end associate
          end do
          speeds(j) = 0
-         ! no impulse acts on a stop
-         if (structure%elastic(j)) speeds = 0
-         where (structure%elastic) speeds = 0
+         ! no impulse acts on a stop, nor by friction
+         if (structure%elastic(j) .or. structure%rubs(j)) speeds = 0
+         where (structure%elastic .or. structure%rubs) speeds = 0
          structure%coupled = [structure%coupled, pack([(i, i=1, gaps)], speeds > no_coupling)]
          structure%coupled_begins(j + 1) = size(structure%coupled) + 1
       end do
@@ -325,13 +350,16 @@ contains
 
       regime%closed = closed
       regime%positions = structure%positions
-      if (.not. structure%has_stops) then
+      if (.not. (structure%has_stops .or. structure%has_friction)) then
          regime%resting = closed
+         regime%held = closed
          call complete_regime(structure, load, regime, status, searched)
          return
       end if
-      regime%resting = pack(closed, [(closed(i) > 0 .and. .not. structure%elastic(abs( &
-         closed(i))), i=1, size(closed))])
+      regime%resting = pack(closed, [(closed(i) > 0 .and. .not. (structure%elastic(abs( &
+         closed(i))) .or. structure%rubs(abs(closed(i)))), i=1, size(closed))])
+      regime%held = [regime%resting, pack(closed, [(closed(i) > 0 .and. structure%rubs(abs( &
+         closed(i))), i=1, size(closed))])]
       pressed = structure
       pressed_load = load
       do i = 1, size(closed)
@@ -344,6 +372,11 @@ contains
             pressed_load%constant = pressed_load%constant + g*(law%numbers(1)*opening &
                - law%numbers(3))
          end associate
+      end do
+      do i = 1, size(structure%openings)
+         if (.not. structure%rubs(i) .or. any(closed == i)) cycle
+         pressed_load%constant = pressed_load%constant + structure%directions(:, i)*merge( &
+            structure%laws(i)%numbers(1), -structure%laws(i)%numbers(1), any(closed == -i))
       end do
       call complete_regime(pressed, pressed_load, regime, status, searched)
    end subroutine new_regime
@@ -380,10 +413,10 @@ contains
       integer :: h
 
       regime%frequency = load%frequency
-      call constraint(structure, regime%resting, basis, inverse, regime%offset, pushes, status)
+      call constraint(structure, regime%held, basis, inverse, regime%offset, pushes, status)
       if (status == stat%singular) status = stat%dependent_rests
       if (status /= stat%ok) return
-      if (size(regime%resting) == 0) then
+      if (size(regime%held) == 0) then
          mass = structure%mass
          call decouple(mass, structure%damping, structure%stiffness, parts, status)
       else
@@ -397,7 +430,7 @@ contains
       if (status /= stat%ok) return
       regime%modes%stiffness = parts%stiffness
       regime%modes%damping = parts%damping
-      if (size(regime%resting) == 0) then
+      if (size(regime%held) == 0) then
          regime%qx = parts%qx
          regime%qv = parts%qv
          regime%dx = parts%dx
@@ -422,7 +455,7 @@ contains
          forces(:, 1) = load%constant - matmul(structure%stiffness, regime%offset)
          forces(:, 2:harmonics + 1) = load%cosine
          forces(:, harmonics + 2:) = load%sine
-         if (size(regime%resting) > 0) forces = matmul(transpose(basis), forces)
+         if (size(regime%held) > 0) forces = matmul(transpose(basis), forces)
          call inputs_of(mass, parts%xd, parts%vd, forces, drifts, status)
          if (status /= stat%ok) return
          regime%modes%drift = drifts(:, 1)
@@ -439,14 +472,18 @@ contains
             if (status /= stat%ok) return
          end do
       end associate
+      if (size(regime%held) > size(regime%resting)) then
+         call add_places(structure, pushes, parts, basis, mass, stiffness, regime, status)
+         if (status /= stat%ok) return
+      end if
       call prepare(regime%modes, load%step > 0)
       if (load%step > 0) then
          forces = transpose(basis)
          ! this succeeds: inputs_of has solved with the same matrix
          call solve_columns(mass, forces, status)
-         regime%to_drift = matmul(parts%xd, forces)
+         regime%to_drift = padded(matmul(parts%xd, forces), size(regime%modes%stiffness))
          regime%drifts = any(abs(regime%to_drift) > 0)
-         regime%to_force = matmul(parts%vd, forces)
+         regime%to_force = padded(matmul(parts%vd, forces), size(regime%modes%stiffness))
          call new_interval(regime%modes, load%step, regime%interval)
          regime%base_drift = regime%modes%drift
          regime%base_force = regime%modes%force
@@ -468,6 +505,137 @@ contains
       if (status /= stat%ok) return
       if (with_tables) call set_tables(regime)
    end subroutine complete_regime
+
+   !> The forces of held gaps and of friction that sticks, due to forces on the coordinates.
+   pure subroutine forces_of_held(structure, held, pushes, forces, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gaps.
+      integer, intent(in) :: held(:)
+      !> As of `constraint`.
+      real(wp), allocatable, intent(in) :: pushes(:, :)
+      !> (held, n) (G^T M^-1 G)^-1 G^T M^-1.
+      real(wp), allocatable, intent(out) :: forces(:, :)
+      !> `stat%ok` or `stat%singular`.
+      integer, intent(out) :: status
+      real(wp), allocatable :: gram(:, :)
+
+      status = stat%ok
+      if (allocated(pushes)) then
+         forces = pushes
+         return
+      end if
+      gram = matmul(transpose(structure%directions(:, held)), structure%mobility(:, held))
+      forces = transpose(structure%mobility(:, held))
+      call solve_columns(gram, forces, status)
+   end subroutine forces_of_held
+
+   !> Adds the places D.q of friction that sticks, each a pair of frequency 0.
+   !!
+   !! q = basis.xi + W sigma, where sigma are the places and D^T W = 1. With xi = eta + a sigma + b
+   !! sigma', K_B a = -B^T K W and K_B b = -C_B a - B^T C W, eta does not depend on sigma, since
+   !! sigma'' = 0. B stands for the basis, and K_B for B^T K B.
+   pure subroutine add_places(structure, pushes, parts, basis, mass, stiffness, regime, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> As of `constraint`.
+      real(wp), allocatable, intent(in) :: pushes(:, :)
+      !> The pairs of the reduced structure.
+      type(decoupled_type), intent(in) :: parts
+      !> (n, k) The basis; (k, k) M and K of the reduced structure.
+      real(wp), intent(in) :: basis(:, :), mass(:, :), stiffness(:, :)
+      !> In and out: the regime.
+      type(regime_type), intent(inout) :: regime
+      !> `stat%ok`, `stat%singular`, or `stat%friction_undecided` where a belt drags a mass that
+      !! nothing holds.
+      integer, intent(out) :: status
+      !> Share of the terms that counts as rounding.
+      real(wp), parameter :: rounding = 1.0e-9_wp
+      real(wp), allocatable, dimension(:, :) :: forces, d, w, a, b, shape, by_speed, held, target
+      real(wp) :: scale
+      integer, allocatable :: sticks(:)
+      integer :: k, m, s
+
+      associate (n => size(basis, 1))
+         s = size(regime%held) - size(regime%resting)
+         m = size(regime%modes%stiffness)
+         allocate (sticks, source=regime%held(size(regime%resting) + 1:))
+         call forces_of_held(structure, regime%held, pushes, forces, status)
+         if (status /= stat%ok) return
+         d = transpose(structure%directions(:, sticks))
+         w = transpose(forces(size(regime%resting) + 1:, :))
+         shape = w
+         allocate (by_speed(n, s), source=0.0_wp)
+         if (size(basis, 2) > 0) then
+            ! what nothing holds has no part: its shape is added to K_B
+            held = stiffness
+            do k = 1, size(parts%stiffness)
+               if (parts%stiffness(k) > 0) cycle
+               b = matmul(mass, parts%qx(:, k:k))
+               scale = maxval(abs(b))**2
+               if (.not. scale > 0) cycle
+               scale = merge(maxval(abs(stiffness)), 1.0_wp, maxval(abs(stiffness)) > 0)/scale
+               held = held + scale*matmul(b, transpose(b))
+            end do
+            target = -matmul(transpose(basis), matmul(structure%stiffness, w))
+            a = target
+            call solve_columns(held, a, status)
+            if (status /= stat%ok) return
+            shape = w + matmul(basis, a)
+            if (any(abs(structure%laws(sticks)%numbers(3)) > 0)) then
+               target = -matmul(transpose(basis), matmul(structure%damping, shape))
+               b = target
+               call solve_columns(held, b, status)
+               if (status /= stat%ok) return
+               if (any(abs(matmul(stiffness, b) - target) > rounding*(maxval(abs(target)) &
+                  + maxval(abs(stiffness))*maxval(abs(b))))) status = stat%friction_undecided
+               if (status /= stat%ok) return
+               by_speed = matmul(basis, b)
+            end if
+         end if
+         ! eta from what is left of q and q'
+         regime%xd = regime%xd - matmul(matmul(regime%xd, shape) + matmul(regime%xq, by_speed), d)
+         regime%vd = regime%vd - matmul(matmul(regime%vd, shape) + matmul(regime%vq, by_speed), d)
+         regime%xq = regime%xq - matmul(matmul(regime%xq, shape), d)
+         regime%vq = regime%vq - matmul(matmul(regime%vq, shape), d)
+         regime%qx = joined(regime%qx, shape)
+         regime%qv = joined(regime%qv, by_speed)
+         regime%dx = joined(regime%dx, 0*shape)
+         regime%dv = joined(regime%dv, shape)
+         regime%xq = padded(regime%xq, m + s)
+         regime%xd = padded(regime%xd, m + s)
+         regime%vq = padded(regime%vq, m + s)
+         regime%vd = padded(regime%vd, m + s)
+         regime%xq(m + 1:, :) = d
+         regime%vd(m + 1:, :) = d
+         regime%modes%stiffness = [regime%modes%stiffness, spread(0.0_wp, 1, s)]
+         regime%modes%damping = [regime%modes%damping, spread(0.0_wp, 1, s)]
+         regime%modes%drift = [regime%modes%drift, spread(0.0_wp, 1, s)]
+         regime%modes%force = [regime%modes%force, spread(0.0_wp, 1, s)]
+      end associate
+   end subroutine add_places
+
+   !> Two matrices side by side.
+   pure function joined(left, right) result(both)
+      !> (n, m) and (n, k)
+      real(wp), intent(in) :: left(:, :), right(:, :)
+      real(wp) :: both(size(left, 1), size(left, 2) + size(right, 2))
+
+      both(:, :size(left, 2)) = left
+      both(:, size(left, 2) + 1:) = right
+   end function joined
+
+   !> A matrix with more rows, of zeros.
+   pure function padded(matrix, rows) result(longer)
+      !> (k, n)
+      real(wp), intent(in) :: matrix(:, :)
+      !> Number of rows, at least k.
+      integer, intent(in) :: rows
+      real(wp) :: longer(rows, size(matrix, 2))
+
+      longer = 0
+      longer(:size(matrix, 1), :) = matrix
+   end function padded
 
    !> A symmetric matrix between vectors, V^T A V; an entry as small as its rounding error is 0.
    pure subroutine project(matrix, vectors, projected, terms)
@@ -513,7 +681,7 @@ contains
       sizes = max(abs(q), sum(abs(regime%steady), 2), abs(matmul(regime%qx, x) &
          + matmul(regime%qv, v)))
       do gap = 1, size(structure%openings)
-         if (structure%elastic(gap)) cycle
+         if (structure%elastic(gap) .or. structure%rubs(gap)) cycle
          least = share*dot_product(abs(structure%directions(:, gap)), sizes)
          other = findloc(structure%channel == structure%channel(gap) .and. &
             structure%wall /= structure%wall(gap), .true., 1)
@@ -777,11 +945,11 @@ contains
       type(regime_type), intent(inout) :: regime
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
-      real(wp), allocatable :: of_force(:, :), of_q(:, :), of_rate(:, :), gram(:, :)
-      real(wp) :: constant(structure%channels + size(regime%resting))
+      real(wp), allocatable :: of_force(:, :), of_q(:, :), of_rate(:, :), forces(:, :)
+      real(wp) :: constant(structure%channels + size(regime%held))
       integer :: i, j, k, rows, m, h
 
-      rows = structure%channels + size(regime%resting)
+      rows = structure%channels + size(regime%held)
       m = size(regime%modes%stiffness)
       status = stat%ok
       allocate (of_q(rows, size(structure%mass, 1)), of_rate(rows, size(structure%mass, 1)), &
@@ -792,7 +960,17 @@ contains
       constant = 0
       do j = 1, size(structure%openings)
          i = structure%channel(j)
-         if (structure%elastic(j)) then
+         if (structure%rubs(j)) then
+            of_rate(i, :) = structure%directions(:, j)
+            constant(i) = -structure%laws(j)%numbers(3)
+            if (any(regime%closed == -j)) then
+               regime%upper(i) = 0
+               regime%upper_gap(i) = j
+            else if (all(regime%closed /= j)) then
+               regime%lower(i) = 0
+               regime%lower_gap(i) = j
+            end if
+         else if (structure%elastic(j)) then
             of_q(i, :) = structure%directions(:, j)
             call set_stop(structure, j, of_q, of_rate, constant, regime)
          else if (structure%wall(j) > 0) then
@@ -812,27 +990,28 @@ contains
          regime%lower(structure%channels + k) = 0
          regime%lower_gap(structure%channels + k) = -regime%resting(k)
       end do
-      if (size(regime%resting) > 0) then
-         gram = matmul(transpose(structure%directions(:, regime%resting)), &
-            structure%mobility(:, regime%resting))
-         associate (forces => of_force(structure%channels + 1:, :))
-            if (allocated(pushes)) then
-               forces = pushes
-            else
-               forces = transpose(structure%mobility(:, regime%resting))
-               call solve_columns(gram, forces, status)
-            end if
-            if (status /= stat%ok) return
-            of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
-            of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
-         end associate
+      do k = size(regime%resting) + 1, size(regime%held)
+         ! what holds friction that sticks, up to its stick level
+         i = structure%channels + k
+         regime%upper(i) = structure%laws(regime%held(k))%numbers(2)
+         regime%lower(i) = -regime%upper(i)
+         regime%upper_gap(i) = -regime%held(k)
+         regime%lower_gap(i) = -regime%held(k)
+      end do
+      if (size(regime%held) > 0) then
+         call forces_of_held(structure, regime%held, pushes, forces, status)
+         if (status /= stat%ok) return
+         of_force(structure%channels + 1:, :) = forces
+         of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
+         of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
       end if
       regime%position = transpose(sparse_product(transpose(regime%qx), transpose(of_q)) &
          + sparse_product(transpose(regime%dx), transpose(of_rate)))
       regime%velocity = transpose(sparse_product(transpose(regime%qv), transpose(of_q)) &
          + sparse_product(transpose(regime%dv), transpose(of_rate)))
       regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, load%constant)
-      if (structure%has_stops) regime%row_offset = regime%row_offset + constant
+      if (structure%has_stops .or. structure%has_friction) regime%row_offset = regime%row_offset &
+         + constant
       if (load%step > 0) then
          regime%base_offset = regime%row_offset
          regime%to_rows = of_force

@@ -86,6 +86,10 @@ module vi_status
       integer :: narrow_gap = 37
       !> A stop with a preload holds what touches it without a speed.
       integer :: stop_holds = 38
+      !> Friction acts along a gap that comes to rest.
+      integer :: friction_rests = 39
+      !> No states of friction fit the forces, or a belt drags a mass that nothing holds.
+      integer :: friction_undecided = 40
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -204,6 +208,12 @@ contains
       case (stat%stop_holds)
          text = 'a stop is touched without a speed, by a force below its preload, which would hold &
             &the structure there: give it a speed, or no preload'
+      case (stat%friction_rests)
+         text = 'impacts accumulate on a gap, or it rests, while friction acts along it: &
+            &what follows is not represented'
+      case (stat%friction_undecided)
+         text = 'elements of friction depend on each other at one instant, or a belt drags a &
+            &mass that nothing holds: what follows is not represented'
       case default
          text = 'unknown status code'
       end select

@@ -594,7 +594,8 @@ contains
          stat%not_stable, stat%fold, stat%graze, stat%not_exact, stat%coincident, &
          stat%not_smooth, stat%no_extremum, stat%shorter_period, stat%symmetric, &
          stat%dependent_rests, stat%unbalanced, stat%too_stiff, &
-         stat%permanent_rest, stat%narrow_gap, stat%stop_holds]
+         stat%permanent_rest, stat%narrow_gap, stat%stop_holds, &
+         stat%friction_rests, stat%friction_undecided]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

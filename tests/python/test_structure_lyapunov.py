@@ -232,7 +232,7 @@ def test_errors_name_the_parameter(options, message):
 def test_a_record_and_a_structure_without_gaps_are_refused():
     with pytest.raises(vi.ParameterTypeError, match=r"^load"):
         vi.lyapunov(WALL, vi.Record(0.1, np.zeros((10, 1))))
-    with pytest.raises(vi.ParameterError, match="at least one &gap or &stop"):
+    with pytest.raises(vi.ParameterError, match="at least one &gap, &stop or &friction"):
         vi.lyapunov(vi.Structure([1], [0.1], [1]), vi.Load(1.0, cosine=[1]))
 
 

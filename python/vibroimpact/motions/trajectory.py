@@ -72,10 +72,12 @@ CHUNK, SPAN = 65_536, 1_000_000
 #: Bytes reserved for events of a structure at first; what is not written to takes no memory. With more events the
 #: simulation is run again.
 ROOM = 2**26
-#: Names of the kinds of events 1 to 7, and the columns of the events of a structure.
-KINDS = np.array(["impact", "stick", "release", "touch", "leave", "let_go", "press"])
+#: Names of the kinds of events 1 to 10, and the columns of the events of a structure.
+KINDS = np.array([
+    "impact", "stick", "release", "touch", "leave", "let_go", "press", "halt", "slip_up", "slip_down",
+])  # fmt: skip
 EVENTS_OF_STRUCTURE = np.dtype([
-    ("time", "f8"), ("kind", "U7"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
+    ("time", "f8"), ("kind", "U9"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"),
 ])  # fmt: skip
 #: Load phase of a load cycle.
 TURN = 2 * np.pi
@@ -130,7 +132,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
         ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``. Kinds of a stop are "touch" and "leave", and,
         where it cannot pull, "let_go" where its force vanishes at a depth and "press" where it pushes again; their
-        ``speed`` is that of the opening.
+        ``speed`` is that of the opening. Of friction, whose numbers follow those of all gaps and stops, they are
+        "halt" where it sticks, and "slip_up" and "slip_down" where it begins to slip with s > 0 or s < 0.
     states : ndarray (events, 2, n)
         Coordinates and velocities just after each event; of an oscillator those of its two masses.
     start, end : float
@@ -458,7 +461,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     def _result(self) -> Result:
         """Its tables, with the columns that the core declares for &simulate."""
         cut = "" if self.complete else self.cut or FULL
-        writable = self.request is not None and not (self.of_structure and not self.structure.gaps)
+        writable = self.request is not None and not (
+            self.of_structure and not self.structure._parts
+        )
         case = self.to_namelist() if writable else ""
         if self.of_structure:
             remarks = (f"final time: {namelist.digits(self.end)}",)
@@ -677,6 +682,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         rests = f", {m} rest{'s' * (m != 1)}" if m else ""
         touches = int((self.events["kind"] == "touch").sum())
         rests += f", {touches} contact{'s' * (touches != 1)} with stops" if touches else ""
+        halts = int((self.events["kind"] == "halt").sum())
+        rests += f", {halts} halt{'s' * (halts != 1)}" if halts else ""
         place = ""
         if self.of_structure:
             rests += "".join(f", gap {gap} rests all the time" for gap in self.permanent)

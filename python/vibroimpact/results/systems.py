@@ -19,7 +19,7 @@ from ..systems.restitution import (
     from_columns,
     to_columns,
 )
-from ..systems.structure import Gap, Load, Stop, Structure
+from ..systems.structure import Friction, Gap, Load, Stop, Structure
 from . import namelist
 from .tables import Result
 
@@ -30,7 +30,8 @@ __all__ = [
 
 #: The numbers of a power law in tables of gaps.
 LAW_NUMBERS = ("law_speed", "law_exponent", "law_sharpness")
-#: Those of a stop, and how the contact of each kind of stops ends.
+#: Those of friction and of a stop, and how the contact of each kind of stops ends.
+FRICTION_NUMBERS = ("slip", "stick", "speed")
 STOP_NUMBERS = ("stiffness", "damping", "preload")
 RELEASES = {"stop": "gap", "pushing": "force"}
 
@@ -82,16 +83,22 @@ def from_groups(
     """The structure and the load of the groups of a namelist, as the core has completed them."""
     (_, keys), *parts = groups
     gaps = [_contact(name, part) for name, part in parts if name in ("gap", "stop")]
+    friction = [
+        Friction(**{**part, "direction": np.atleast_1d(part["direction"])})
+        for name, part in parts if name == "friction"
+    ]  # fmt: skip
     if "frequencies" in keys:
         omega = np.atleast_1d(keys["frequencies"])
         shapes = np.reshape(keys["shapes"], (-1, len(omega)))
-        structure = Structure.from_modes(omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps)
+        structure = Structure.from_modes(
+            omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps, friction
+        )
     else:
-        n = len(gaps[0].direction)
+        n = len((*gaps, *friction)[0].direction)
         mass, damping, stiffness = (
             _square(keys[name], n) for name in ("mass", "damping", "stiffness")
         )
-        structure = Structure(mass, damping, stiffness, gaps)
+        structure = Structure(mass, damping, stiffness, gaps, friction)
     load: Load | Record | None = None
     for part in (part for name, part in parts if name == "load"):
         n = structure.coordinates
@@ -121,7 +128,7 @@ def _contact(name: str, part: Mapping[str, Any]) -> Gap | Stop:
 def check_gap_numbers(result: Result, structure: Structure) -> None:
     """An error if a column of gaps has a number that is none of the structure's, with which the core would read
     beyond its arrays."""
-    many = len(structure.gaps)
+    many = len(structure._parts)
     # an atlas has room for the motion with most impacts
     least = -1 if result.study == "atlas" else 0
     for name, table in result.tables.items():
@@ -151,7 +158,7 @@ def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]
     nothing = np.zeros((0, n))
     periodic = load if isinstance(load, Load) else None
     laws: list[dict[str, Any]] = []
-    for gap in s.gaps:
+    for gap in s._parts:
         if isinstance(gap, Gap):
             laws.append(to_columns(gap.restitution))
         else:
@@ -159,11 +166,11 @@ def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]
             laws.append({"law": KINDS[int(kind)], **dict(zip(LAW_NUMBERS, numbers, strict=True))})
     return {
         "gaps": (("number",), {
-            "opening": [gap.opening for gap in s.gaps],
-            "restitution": [at_rest(getattr(gap, "restitution", 0.0)) for gap in s.gaps],
+            "opening": [getattr(gap, "opening", 0.0) for gap in s._parts],
+            "restitution": [at_rest(getattr(gap, "restitution", 0.0)) for gap in s._parts],
             "law": [law.get("law", "constant") for law in laws],
             "law_numbers": np.reshape([[law.get(key, 0.0) for key in LAW_NUMBERS] for law in laws], (-1, 3)),
-            "direction": np.reshape([gap.direction for gap in s.gaps], (-1, n)),
+            "direction": np.reshape([gap.direction for gap in s._parts], (-1, n)),
         }),
         "law_points": (("law_point",), {
             "speed": [v for law in laws for v in law.get("law_speeds", ())],
@@ -198,16 +205,21 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     def values(table: str, *names: str) -> list[Any]:
         return [result.column(table, name).decoded() for name in names]
 
-    gaps = [
-        Gap(direction, opening, law) if not isinstance(law, dict) else Stop(direction, opening, **law)
-        for direction, opening, law in zip(
-            *values("gaps", "direction", "opening"), _laws_of(result), strict=True
-        )
-    ]  # fmt: skip
+    gaps: list[Gap | Stop] = []
+    friction: list[Friction] = []
+    for direction, opening, law in zip(
+        *values("gaps", "direction", "opening"), _laws_of(result), strict=True
+    ):
+        if not isinstance(law, dict):
+            gaps.append(Gap(direction, opening, law))
+        elif "slip" in law:
+            friction.append(Friction(direction, **law))
+        else:
+            gaps.append(Stop(direction, opening, **law))
     mass, damping, stiffness, constant = values(
         "matrices", "mass", "damping", "stiffness", "constant"
     )
-    structure = Structure(mass, damping, stiffness, gaps)
+    structure = Structure(mass, damping, stiffness, gaps, friction)
     if not loaded:
         return structure, None
     sine, cosine = values("harmonics", "sine", "cosine")
@@ -216,7 +228,7 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
 
 
 def _laws_of(result: Result) -> list[Restitution | dict[str, Any]]:
-    """The laws of restitution of the gaps of a result; of a stop its numbers and its release."""
+    """The laws of restitution of the gaps of a result; the arguments of stops and of friction."""
     kinds, lowest, numbers = (
         result.column("gaps", name).decoded() for name in ("law", "restitution", "law_numbers")
     )
@@ -226,6 +238,7 @@ def _laws_of(result: Result) -> list[Restitution | dict[str, Any]]:
         raise ParameterError("law_points.owners: must be there; they are missing")
     return [
         dict(zip(STOP_NUMBERS, numbers[i].tolist(), strict=True), release=RELEASES[kind]) if kind in RELEASES
+        else dict(zip(FRICTION_NUMBERS, numbers[i].tolist(), strict=True)) if kind == "friction"
         else from_columns({
             "law": kind, "restitution": float(lowest[i]), "law_speeds": speeds[owners == i],
             "law_values": values[owners == i], **dict(zip(LAW_NUMBERS, numbers[i].tolist(), strict=True)),

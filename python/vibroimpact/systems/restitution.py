@@ -147,7 +147,7 @@ class TabulatedRestitution(ByValue, _Law):
 
 
 #: The kinds of laws, by their numbers in the core.
-KINDS = ("constant", "power", "table", "stop", "pushing")
+KINDS = ("constant", "power", "table", "stop", "pushing", "friction")
 #: What is taken as the coefficient of restitution of a gap.
 Restitution: TypeAlias = float | PowerLaw | TabulatedRestitution
 

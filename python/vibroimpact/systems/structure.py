@@ -1,4 +1,4 @@
-"""Linear structures with gaps and elastic stops, and their loads."""
+"""Linear structures with gaps, elastic stops and dry friction, and their loads."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .restitution import (
     to_columns,
 )
 
-__all__ = ["Gap", "Load", "Stop", "Structure"]
+__all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 
 _Array = NDArray[np.float64]
 #: Largest number of coordinates of a structure, and of gaps.
@@ -45,12 +45,18 @@ def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Ar
     return array
 
 
-def _place(direction: ArrayLike, opening: float) -> tuple[_Array, float]:
-    """The direction and the opening of a gap or a stop, checked."""
+def _checked_direction(direction: ArrayLike) -> _Array:
+    """The direction of a gap, a stop or friction, checked."""
     wanted = "numbers from -1e40 to 1e40, one a coordinate, not all 0"
     array = _numbers(direction, "direction", wanted, (-1,))
     if not array.any() or (np.abs(array) > LARGEST_MODAL).any():
         raise ParameterError(f"direction = {array.tolist()!r}: must be {wanted}")
+    return array
+
+
+def _place(direction: ArrayLike, opening: float) -> tuple[_Array, float]:
+    """The direction and the opening of a gap or a stop, checked."""
+    array = _checked_direction(direction)
     opening = checks.to_float(opening, "opening", "a finite number")
     if not np.isfinite(opening):
         raise ParameterError(f"opening = {opening!r}: must be a finite number")
@@ -198,8 +204,87 @@ class Stop(ByValue):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Friction(ByValue):
+    """Dry friction along a direction, with a constant normal force.
+
+    With s = direction.q' - speed the force `slip` acts against s while it slips, s != 0. While it sticks, s = 0, a
+    force holds it that is at most `stick`.
+
+    Parameters
+    ----------
+    direction : array_like (n,)
+        Where it acts, such as ``[-1, 1]`` for friction between bodies 1 and 2.
+    slip : float
+        Force while it slips, at least 0: the coefficient of friction times the normal force.
+    stick : float, optional
+        Largest force that holds, at least `slip`, which it is by default.
+    speed : float
+        Speed of a belt.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an argument is not as described.
+
+    Examples
+    --------
+    A mass on a spring that slides to rest:
+
+    >>> import vibroimpact as vi
+    >>> mass = vi.Structure(mass=[1], damping=[0], stiffness=[1e4], friction=[vi.Friction([1], slip=1)])
+    >>> run = vi.simulate(mass, duration=1, state=([0.85e-3], [0]))
+    >>> run.events["kind"].tolist()
+    ['slip_up', 'slip_down', 'slip_up', 'halt']
+    >>> (1e3 * run.states[:, 0, 0]).round(2).tolist()
+    [-0.65, 0.45, -0.25, 0.05]
+    """
+
+    direction: _Array
+    slip: float
+    stick: float
+    speed: float = 0.0
+
+    def __init__(
+        self, direction: ArrayLike, slip: float, stick: float | None = None, speed: float = 0.0
+    ) -> None:
+        object.__setattr__(self, "direction", _checked_direction(direction))
+        slip = checks.to_float(slip, "slip", "a number from 0 to 1e100")
+        if not 0 <= slip <= LARGEST:
+            raise ParameterError(f"slip = {slip!r}: must be a number from 0 to 1e100")
+        wanted = f"a number from slip = {slip!r} to 1e100"
+        stick = slip if stick is None else checks.to_float(stick, "stick", wanted)
+        if not slip <= stick <= LARGEST:
+            raise ParameterError(f"stick = {stick!r}: must be {wanted}")
+        speed = checks.to_float(speed, "speed", "a number from -1e100 to 1e100")
+        if not abs(speed) <= LARGEST:
+            raise ParameterError(f"speed = {speed!r}: must be a number from -1e100 to 1e100")
+        for name, value in {"slip": slip, "stick": stick, "speed": speed}.items():
+            object.__setattr__(self, name, value)
+
+    def _along(self, direction: _Array) -> Friction:
+        """The same in another direction."""
+        return Friction(direction, self.slip, self.stick, self.speed)
+
+    def _law(self) -> list[float]:
+        """Kind and numbers of its law, for the core."""
+        return [float(KINDS.index("friction")), self.slip, self.stick, self.speed]
+
+    def _group(self) -> tuple[str, dict[str, Any]]:
+        """The group of a namelist that describes it."""
+        names = ("slip", "stick", "speed")
+        return "friction", {"direction": self.direction.tolist()} | {
+            name: getattr(self, name) for name in names
+        }
+
+    def __repr__(self) -> str:
+        shown = [f"stick={self.stick:g}"] if self.stick != self.slip else []
+        shown += [f"speed={self.speed:g}"] if self.speed else []
+        return f"Friction({', '.join([f'{self.direction.tolist()}, {self.slip:g}', *shown])})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Structure(ByValue):
-    """A linear structure M q'' + C q' + K q = f with gaps and elastic stops.
+    """A linear structure M q'' + C q' + K q = f with gaps, elastic stops and dry friction.
 
     All bodies are alike, free masses too: a mass between two walls of another body is a coordinate without
     stiffness and two gaps. Units are the user's own, consistent ones.
@@ -210,7 +295,8 @@ class Structure(ByValue):
         Symmetric matrices M (positive definite), C and K (positive semidefinite), of numbers from -1e100 to 1e100.
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
-        `simulate` takes stops; the other verbs do not, yet.
+    friction : sequence of Friction
+        `simulate` takes stops and friction; the other verbs do not, yet.
 
     Raises
     ------
@@ -231,10 +317,11 @@ class Structure(ByValue):
     damping: _Array
     stiffness: _Array
     gaps: tuple[Gap | Stop, ...] = field(default=())
+    friction: tuple[Friction, ...] = field(default=())
 
     def __init__(
         self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike,
-        gaps: Sequence[Gap | Stop] = (),
+        gaps: Sequence[Gap | Stop] = (), friction: Sequence[Friction] = (),
     ) -> None:  # fmt: skip
         matrices = {}
         for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
@@ -255,12 +342,15 @@ class Structure(ByValue):
                 # such masses are refused by a simulation; their factors would overflow
                 unit = np.ones(n)
         gaps = _list_of_gaps(gaps)
-        for i, gap in enumerate(gaps):
-            if len(gap.direction) != n:
-                raise ParameterError(
-                    f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {n}, one a coordinate"
-                )
-        object.__setattr__(self, "gaps", gaps)
+        friction = _list_of_gaps(friction, "friction", (Friction,))
+        for name, parts in {"gaps": gaps, "friction": friction}.items():
+            for i, part in enumerate(parts):
+                if len(part.direction) != n:
+                    raise ParameterError(
+                        f"{name}[{i}].direction has {len(part.direction)} numbers: must have {n}, one a "
+                        "coordinate"
+                    )
+            object.__setattr__(self, name, parts)
 
     @classmethod
     def from_modes(
@@ -269,6 +359,7 @@ class Structure(ByValue):
         damping_ratios: ArrayLike,
         shapes: ArrayLike,
         gaps: Sequence[Gap | Stop] = (),
+        friction: Sequence[Friction] = (),
     ) -> Structure:
         """A structure by its modes, whose amplitudes are the coordinates.
 
@@ -281,6 +372,8 @@ class Structure(ByValue):
             Mass-normalised mode shapes at some points.
         gaps : sequence of Gap or Stop
             Their directions refer to the points: `direction` has one number a point.
+        friction : sequence of Friction
+            Likewise.
 
         Examples
         --------
@@ -304,23 +397,30 @@ class Structure(ByValue):
         if (np.abs(points) > LARGEST_MODAL).any():
             value = float(points.flat[int(np.argmax(np.abs(points)))])
             raise ParameterError(f"shapes with {value!r}: must be {wanted}")
+        given = {f"gaps[{i}]": gap for i, gap in enumerate(_list_of_gaps(gaps))}
+        for i, part in enumerate(_list_of_gaps(friction, "friction", (Friction,))):
+            given[f"friction[{i}]"] = part
         modal = []
-        for i, gap in enumerate(_list_of_gaps(gaps)):
-            if len(gap.direction) != len(points):
+        for label, part in given.items():
+            if len(part.direction) != len(points):
                 raise ParameterError(
-                    f"gaps[{i}].direction has {len(gap.direction)} numbers: must have {len(points)}, one a point"
+                    f"{label}.direction has {len(part.direction)} numbers: must have {len(points)}, one a point"
                 )
             # point by point, as the core does, so that the digits do not depend on a library
             direction = np.zeros(n)
-            for factor, shape in zip(gap.direction, points, strict=True):
+            for factor, shape in zip(part.direction, points, strict=True):
                 direction = direction + factor * shape
             if not direction.any() or (np.abs(direction) > LARGEST_MODAL).any():
                 raise ParameterError(
-                    f"gaps[{i}].direction and shapes give {direction.tolist()!r} for the modes: must be "
+                    f"{label}.direction and shapes give {direction.tolist()!r} for the modes: must be "
                     "numbers from -1e40 to 1e40, not all 0"
                 )
-            modal.append(gap._along(direction))
-        return cls(np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), modal)
+            modal.append(part._along(direction))
+        rubbing = [part for part in modal if isinstance(part, Friction)]
+        closing = [part for part in modal if not isinstance(part, Friction)]
+        return cls(
+            np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing
+        )  # fmt: skip
 
     @property
     def coordinates(self) -> int:
@@ -334,13 +434,14 @@ class Structure(ByValue):
         """
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
         # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
-        gaps = self.gaps or (Gap(np.eye(self.coordinates)[0], 1e300),)
+        gaps = self._parts or (Gap(np.eye(self.coordinates)[0], 1e300),)
         directions = np.array([gap.direction for gap in gaps]).T
         constant = [gap.restitution for gap in gaps if isinstance(gap, Gap)]
+        openings = [0.0 if isinstance(gap, Friction) else gap.opening for gap in gaps]
         if len(constant) == len(gaps) and all(isinstance(value, float) for value in constant):
-            values = np.array([[gap.opening for gap in gaps], constant])
+            values = np.array([openings, constant])
         else:
-            columns = [[gap.opening, *gap._law()] for gap in gaps]
+            columns = [[opening, *gap._law()] for opening, gap in zip(openings, gaps, strict=True)]
             values = np.zeros((max(map(len, columns)), len(gaps)))
             for j, column in enumerate(columns):
                 values[: len(column), j] = column
@@ -366,9 +467,9 @@ class Structure(ByValue):
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
         """The groups of a namelist that describe it."""
-        if not self.gaps:
+        if not self._parts:
             raise ParameterError(
-                f"{self!r}: has no namelist, since a &structure has at least one &gap or &stop"
+                f"{self!r}: has no namelist, since a &structure has at least one &gap, &stop or &friction"
             )
         matrices = {}
         for name in ("mass", "damping", "stiffness"):
@@ -376,10 +477,19 @@ class Structure(ByValue):
             diagonal = np.diag(matrix)
             plain = diagonal if np.array_equal(matrix, np.diag(diagonal)) else matrix.ravel()
             matrices[name] = plain.tolist()
-        return [("structure", matrices), *(gap._group() for gap in self.gaps)]
+        return [("structure", matrices), *(part._group() for part in self._parts)]
+
+    @property
+    def _parts(self) -> tuple[Gap | Stop | Friction, ...]:
+        """Gaps and stops, and then friction, as the core numbers them."""
+        return (*self.gaps, *self.friction)
 
     def _rigid(self) -> list[Gap]:
-        """Its gaps; ParameterError if one of them is a stop."""
+        """Its gaps; ParameterError if one of them is a stop, or if it has friction."""
+        if self.friction:
+            raise ParameterError(
+                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate takes friction"
+            )
         found = []
         for i, gap in enumerate(self.gaps):
             if isinstance(gap, Stop):
@@ -392,8 +502,9 @@ class Structure(ByValue):
     def __repr__(self) -> str:
         n, stops = self.coordinates, sum(isinstance(gap, Stop) for gap in self.gaps)
         gaps = len(self.gaps) - stops
-        parts = [f"{gaps} gap{'s' * (gaps != 1)}"] if gaps or not stops else []
+        parts = [f"{gaps} gap{'s' * (gaps != 1)}"] if gaps or not (stops or self.friction) else []
         parts += [f"{stops} stop{'s' * (stops != 1)}"] if stops else []
+        parts += ["friction"] if self.friction else []
         return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {' and '.join(parts)}>"
 
 
@@ -403,17 +514,20 @@ def _check_size(array: NDArray[Any], name: str) -> None:
         raise ParameterError(f"{name} of shape {array.shape}: must be for 1 to {MOST} coordinates")
 
 
-def _list_of_gaps(gaps: Any) -> tuple[Gap | Stop, ...]:
-    """Gaps and stops as a tuple."""
+def _list_of_gaps(
+    gaps: Any, name: str = "gaps", kinds: tuple[type, ...] = (Gap, Stop)
+) -> tuple[Any, ...]:
+    """Gaps and stops, or friction, as a tuple."""
     try:
         found = tuple(gaps)
     except TypeError:
-        raise ParameterTypeError(f"gaps = {gaps!r}: must be a list of gaps") from None
+        what = "gaps" if name == "gaps" else "Friction"
+        raise ParameterTypeError(f"{name} = {gaps!r}: must be a list of {what}") from None
     if len(found) > MOST:
-        raise ParameterError(f"gaps: {len(found)} of them; must be at most {MOST}")
+        raise ParameterError(f"{name}: {len(found)} of them; must be at most {MOST}")
     for i, gap in enumerate(found):
-        if not isinstance(gap, Stop):
-            checks.instance(gap, f"gaps[{i}]", Gap)
+        if not isinstance(gap, kinds):
+            checks.instance(gap, f"{name}[{i}]", kinds[0])
     return found
 
 

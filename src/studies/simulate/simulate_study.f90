@@ -10,8 +10,8 @@ module vi_simulate_study
    use vi_structure_gaps, only: start_fault
    use vi_structure_groups, only: load_frequency, record_end, record_of, structure_of
    use vi_structure_keys, only: check_start_state, longest, start_keys
-   use vi_structure_run, only: hit_event => impact_event, rest_event => stick_event, &
-      touch_event
+   use vi_structure_run, only: halt_event, hit_event => impact_event, &
+      rest_event => stick_event, touch_event
    use vi_structure_tables, only: put_structure, structure_columns
    use vi_structure_trajectory, only: simulate_structure_case
    use vi_study, only: a_whole, case_type, column_type, key_type, list_for, of_oscillator, &
@@ -97,9 +97,11 @@ module vi_simulate_study
 
    type(column_type), parameter :: own_structure_columns(*) = [ &
       column_type('events', 'time', meaning='time'), &
-      column_type('events', 'kind', words, words='impact,stick,release,touch,leave,let_go,press', &
-      meaning='kind; the last four are those of stops'), &
-      column_type('events', 'gap', wholes, meaning='number of the gap or stop, from 0'), &
+      column_type('events', 'kind', words, words='impact,stick,release,touch,leave,let_go,press,&
+      &halt,slip_up,slip_down', &
+      meaning='kind; from touch on those of stops, from halt on those of friction'), &
+      column_type('events', 'gap', wholes, &
+      meaning='number of the gap or stop, or after all of them of friction, from 0'), &
       column_type('events', 'speed', &
       meaning='approach speed; of a stop the speed of its opening'), &
       column_type('events', 'impulse', meaning='impulse'), &
@@ -147,7 +149,7 @@ contains
       end if
       if (.not. present(study)) return
       study%name = 'simulate'
-      study%takes_stops = .true.
+      study%takes_elements = .true.
       study%meaning = 'simulate from an initial state'
       study%row = 'events'
       study%check => check_simulate
@@ -405,8 +407,10 @@ contains
       call result%remark('final time: '//exact(end_time))
       call result%add_note(counted(count(labels(1, :n) == hit_event), 'impact')//', '// &
          counted(count(labels(1, :n) == rest_event), 'rest'))
-      if (any(labels(1, :n) >= touch_event)) call result%add_note(counted(count(labels(1, :n) == &
+      if (any(labels(1, :n) == touch_event)) call result%add_note(counted(count(labels(1, :n) == &
          touch_event), 'contact')//' with stops')
+      if (any(labels(1, :n) == halt_event)) call result%add_note(counted(count(labels(1, :n) == &
+         halt_event), 'halt')//' by friction')
       do i = 1, size(resting)
          call result%add_note('gap '//whole(resting(i) - 1)//' rests all the time')
       end do

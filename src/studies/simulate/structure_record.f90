@@ -65,7 +65,7 @@ contains
             call add_product(m, n, regime%to_drift, force, modes%drift)
             call add_product(m, n, regime%to_drift, rate, modes%drift_rate)
          end if
-         if (size(regime%resting) > 0) then
+         if (size(regime%held) > 0) then
             call add_product(rows, n, regime%to_rows, force, r%offset)
             call add_product(rows, n, regime%to_rows, rate, r%offset_rate)
          end if
@@ -116,7 +116,7 @@ contains
             call rows_now(regime, to, pairs(:, :, next), values(:, :, next))
             call bound_interval(regime%modes, m, length, pairs(:, :, now), pairs(:, :, next), &
                bounds)
-            if (size(regime%resting) > 0) direct = matmul(regime%to_rows, &
+            if (size(regime%held) > 0) direct = matmul(regime%to_rows, &
                to - load%record(:, cycle + 1))/length
             if (.not. all_clear(regime, direct, length, values(:, 1, now), values(:, 2, now), &
                values(:, 1, next), values(:, 2, next), bounds)) exit
@@ -183,7 +183,7 @@ contains
       m = size(pairs, 1)
       values(:, 1) = regime%base_offset
       values(:, 2) = 0
-      if (size(regime%resting) > 0) call add_product(rows, size(force), regime%to_rows, force, &
+      if (size(regime%held) > 0) call add_product(rows, size(force), regime%to_rows, force, &
          values(:, 1))
       if (regime%rows%by_position) then
          call add_products(rows, m, regime%position, pairs(:, 1), pairs(:, 2), values(:, 1), &

@@ -1,4 +1,4 @@
-!> Event-by-event simulation of a linear structure with gaps and elastic stops.
+!> Event-by-event simulation of a linear structure with gaps, elastic stops and dry friction.
 module vi_structure_run
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_channels, only: bound_second, first_event, leading_term, leaving_type, pace_type, &
@@ -19,9 +19,11 @@ module vi_structure_run
       whole_periods
 
    !> Kinds of events. A gap: an impact, and the start and the end of a rest. A stop: it is touched
-   !! and left; one that cannot pull lets go while it is closed, and presses again.
+   !! and left; one that cannot pull lets go while it is closed, and presses again. Friction halts,
+   !! that is, sticks, and begins to slip with s > 0 or s < 0, from rest or from the other sense.
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3, &
-      touch_event = 4, leave_event = 5, let_go_event = 6, press_event = 7
+      touch_event = 4, leave_event = 5, let_go_event = 6, press_event = 7, halt_event = 8, &
+      slip_up_event = 9, slip_down_event = 10
 
    !> A structure under a load, with the regimes met so far.
    type, public :: run_type
@@ -50,6 +52,8 @@ module vi_structure_run
       integer :: released = 0
       !> Rests and releases at this instant.
       integer :: changes = 0
+      !> Friction that changed at this instant, of which no event tells yet.
+      integer, allocatable :: pending(:)
       !> How the flight begins: the impact just before it, and gaps that part from there without a
       !! speed; the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
@@ -68,6 +72,8 @@ module vi_structure_run
       real(wp), allocatable :: x(:), v(:), q(:), rate(:)
    end type run_event_type
 
+   !> Share of a stick level by which a force that holds may exceed it: rounding.
+   real(wp), parameter :: tolerance = 1.0e-12_wp
    !> The samples of a record may be 1e-300 apart: time beyond so many stays in the remainder.
    integer(int64), parameter :: most_periods = 2_int64**52
 
@@ -128,7 +134,7 @@ contains
       !> Share of the size of a gap that counts as rounding of a state computed elsewhere.
       real(wp), parameter :: rounding = 1.0e-13_wp
       real(wp) :: gap, phase, speed, scale
-      integer, allocatable :: closed(:), level(:), orders(:), pressed(:)
+      integer, allocatable :: closed(:), level(:), halted(:), orders(:), pressed(:), slipping(:)
       integer :: j, n
 
       n = size(q)
@@ -138,12 +144,22 @@ contains
       end if
       state%cycle = whole_periods(run, time)
       state%elapsed = max(0.0_wp, time - real(state%cycle, wp)*run%period)
-      allocate (closed(0), level(0), pressed(0))
+      allocate (closed(0), level(0), halted(0), pressed(0), slipping(0))
       status = stat%ok
       do j = 1, size(run%structure%openings)
          associate (direction => run%structure%directions(:, j))
             gap = run%structure%openings(j) - dot_product(direction, q)
             speed = dot_product(direction, rate)
+            if (run%structure%rubs(j)) then
+               speed = speed - run%structure%laws(j)%numbers(3)
+               scale = dot_product(abs(direction), abs(rate)) &
+                  + abs(run%structure%laws(j)%numbers(3))
+               if (abs(speed) > 8*epsilon(1.0_wp)*scale) scale = scale + sum(abs(direction))* &
+                  reach_of(run, rate)/time_of_motion(run)
+               if (abs(speed) <= 8*epsilon(1.0_wp)*scale) halted = [halted, j]
+               if (speed < -8*epsilon(1.0_wp)*scale) slipping = [slipping, j]
+               cycle
+            end if
             scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
             if (abs(gap) > rounding*scale) scale = scale + 0.5_wp*sum(abs(direction))* &
                reach_of(run, rate)
@@ -171,10 +187,18 @@ contains
       do j = 1, size(closed)
          pressed = merged(pressed, closed(j))
       end do
+      do j = 1, size(slipping)
+         pressed = merged(pressed, -slipping(j))
+      end do
+      do j = 1, size(halted)
+         pressed = merged(pressed, halted(j))
+      end do
       call enter(run, pressed, phase, q, rate, state, status)
       do j = 1, size(level)
          if (status == stat%ok) call enter_stop(run, level(j), phase, q, rate, state, status)
       end do
+      if (status == stat%ok .and. size(halted) > 0) call settle_friction(run, halted, phase, q, &
+         rate, state, status)
       if (status /= stat%ok .or. size(closed) == 0) return
       call settle_contacts(run, closed, phase, q, rate, state, orders, status)
       if (status /= stat%ok) return
@@ -473,12 +497,13 @@ contains
          end do
       end associate
       leaving = pack(leaving, orders > 0)
-      if (run%structure%has_stops) leaving = [partings_of_stops(run, state), leaving]
+      if (run%structure%has_stops .or. run%structure%has_friction) leaving = &
+         [partings_of_elements(run, state), leaving]
       call move_alloc(leaving, state%partings)
    end subroutine list_partings
 
-   !> The stops that are touched or left at this instant.
-   pure function partings_of_stops(run, state) result(partings)
+   !> What stops and friction leave at this instant.
+   pure function partings_of_elements(run, state) result(partings)
       !> The run.
       type(run_type), intent(in) :: run
       !> The state.
@@ -489,13 +514,13 @@ contains
       allocate (partings(0))
       if (.not. allocated(state%partings)) return
       associate (regime => run%regimes(state%regime))
-         partings = pack(state%partings, [(is_stop_row(run, regime, state%partings(i)%row, &
+         partings = pack(state%partings, [(is_own_row(run, regime, state%partings(i)%row, &
             state%partings(i)%wall), i=1, size(state%partings))])
       end associate
-   end function partings_of_stops
+   end function partings_of_elements
 
-   !> Whether a limit of a row is that of a stop.
-   pure logical function is_stop_row(run, regime, row, wall) result(is)
+   !> Whether a limit of a row is that of a stop or of friction that slips.
+   pure logical function is_own_row(run, regime, row, wall) result(is)
       !> The run.
       type(run_type), intent(in) :: run
       !> The regime.
@@ -503,9 +528,11 @@ contains
       !> The row, and its upper (+1) or lower (-1) limit.
       integer, intent(in) :: row, wall
 
-      is = run%structure%has_stops .and. row <= run%structure%channels
-      if (is) is = run%structure%elastic(max(1, gap_of(regime, row, wall)))
-   end function is_stop_row
+      is = (run%structure%has_stops .or. run%structure%has_friction) .and. &
+         row <= run%structure%channels
+      if (is) is = run%structure%elastic(max(1, gap_of(regime, row, wall))) .or. &
+         run%structure%rubs(max(1, gap_of(regime, row, wall)))
+   end function is_own_row
 
    !> A gap begins or ceases to rest.
    pure subroutine change_contact(run, kind, gap, phase, q, rate, state, event, status)
@@ -562,6 +589,341 @@ contains
       if (allocated(state%touching)) deallocate (state%touching)
       if (allocated(state%partings)) deallocate (state%partings)
    end subroutine leave_instant
+
+   !> Finds whether friction at s = 0 sticks or slips, and puts a state into that regime.
+   !!
+   !! What sticks must be held by at most its stick level; else it slips to the side to which it is
+   !! driven. What began to slip must go on to that side. One changes at a time, first the one that
+   !! exceeds its stick level by the largest factor.
+   pure subroutine settle_friction(run, halted, phase, q, rate, state, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The friction.
+      integer, intent(in) :: halted(:)
+      !> The load phase (rad), and (n) coordinates and velocities.
+      real(wp), intent(in) :: phase, q(:), rate(:)
+      !> In: a regime and pairs from which to begin. Out: the regime and pairs.
+      type(run_state_type), intent(inout) :: state
+      !> `stat%ok`, `stat%friction_undecided`, or as in `new_regime`.
+      integer, intent(out) :: status
+      integer, allocatable :: closed(:)
+      integer :: changes, i, order, sense, wrong, to
+      real(wp) :: force, most
+
+      status = stat%ok
+      do changes = 1, 2**min(size(halted) + 3, 12)
+         wrong = 0
+         to = 0
+         most = 1 + tolerance
+         associate (regime => run%regimes(state%regime), structure => run%structure)
+            do i = 1, size(halted)
+               if (all(regime%closed /= halted(i))) cycle
+               force = holding_force(run, state, halted(i), phase)
+               if (abs(force) <= most*structure%laws(halted(i))%numbers(2)) cycle
+               wrong = halted(i)
+               to = merge(0, -wrong, force > 0)
+               most = abs(force)/max(structure%laws(wrong)%numbers(2), tiny(1.0_wp))
+            end do
+            do i = 1, size(halted)
+               if (wrong /= 0 .or. any(regime%closed == halted(i))) cycle
+               call leading_term(regime, state%x, state%v, phase, structure%channel(halted(i)), 1, &
+                  order, sense)
+               if (sense == merge(-1, 1, any(regime%closed == -halted(i)))) cycle
+               wrong = halted(i)
+               to = wrong
+            end do
+            if (wrong == 0) return
+            closed = pack(regime%closed, abs(regime%closed) /= wrong)
+            if (to /= 0) closed = merged(closed, to)
+         end associate
+         call enter(run, closed, phase, q, rate, state, status)
+         if (status /= stat%ok) return
+      end do
+      status = stat%friction_undecided
+   end subroutine settle_friction
+
+   !> The force that holds friction that sticks.
+   pure real(wp) function holding_force(run, state, number, phase) result(force)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      !> The friction.
+      integer, intent(in) :: number
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      real(wp) :: d(0:3)
+
+      associate (regime => run%regimes(state%regime))
+         call row_derivatives(regime, state%x, state%v, phase, run%structure%channels &
+            + findloc(regime%held, number, dim=1), d)
+      end associate
+      force = d(0)
+   end function holding_force
+
+   !> Tells of friction that changed at this instant, and judges anew what sticks.
+   !!
+   !! A force that jumps, of a load, a stop or friction elsewhere, may be more than what holds.
+   pure subroutine judge_friction(run, state, event, changed, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The change.
+      type(run_event_type), intent(inout) :: event
+      !> Whether there is one.
+      logical, intent(out) :: changed
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      integer, allocatable :: sticks(:)
+      real(wp) :: phase
+      integer :: i
+
+      status = stat%ok
+      changed = .false.
+      phase = run%load%frequency*state%elapsed
+      if (.not. allocated(state%pending)) then
+         associate (regime => run%regimes(state%regime))
+            allocate (sticks, source=regime%held(size(regime%resting) + 1:))
+         end associate
+         do i = 1, size(sticks)
+            changed = changed .or. abs(holding_force(run, state, sticks(i), phase)) > &
+               run%structure%laws(sticks(i))%numbers(2)*(1 + tolerance)
+         end do
+         if (.not. changed) return
+         call settle_all(run, sticks, phase, state, status)
+         if (status /= stat%ok) return
+      end if
+      changed = size(state%pending) > 0
+      if (changed) then
+         call state_now(run, state, state%q, state%rate)
+         call note(state, kind_of_friction(run, state, state%pending(1)), state%pending(1), &
+            0.0_wp, 0.0_wp, state%q, state%rate, event)
+         state%pending = state%pending(2:)
+      end if
+      if (size(state%pending) == 0) deallocate (state%pending)
+   end subroutine judge_friction
+
+   !> Settles friction at s = 0, lists what slips from there, and what changed.
+   pure subroutine settle_all(run, halted, phase, state, status, before)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The friction.
+      integer, intent(in) :: halted(:)
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      !> What was closed before, if that is not what is now.
+      integer, intent(in), optional :: before(:)
+      integer, allocatable :: old(:)
+      integer :: i, order, sense
+
+      if (present(before)) then
+         allocate (old, source=before)
+      else
+         allocate (old, source=run%regimes(state%regime)%closed)
+      end if
+      call state_now(run, state, state%q, state%rate)
+      call settle_friction(run, halted, phase, state%q, state%rate, state, status)
+      if (status /= stat%ok) return
+      associate (closed => run%regimes(state%regime)%closed, structure => run%structure)
+         if (allocated(state%partings)) state%partings = pack(state%partings, &
+            state%partings%row <= structure%channels)
+         if (.not. allocated(state%pending)) allocate (state%pending(0))
+         do i = 1, size(halted)
+            associate (number => halted(i))
+               if ((any(closed == number) .neqv. any(old == number)) .or. (any(closed == -number) &
+                  .neqv. any(old == -number))) state%pending = [state%pending, number]
+               if (any(closed == number)) cycle
+               call leading_term(run%regimes(state%regime), state%x, state%v, phase, &
+                  structure%channel(number), 1, order, sense)
+               call part(run, state, structure%channel(number), merge(1, -1, any(closed == &
+                  -number)), order)
+            end associate
+         end do
+      end associate
+      state%unsettled = state%unsettled .or. allocated(state%touching)
+      if (size(run%regimes(state%regime)%resting) > 0) state%unsettled = .true.
+   end subroutine settle_all
+
+   !> The kind of the event with which friction came into its state.
+   pure integer function kind_of_friction(run, state, number) result(kind)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state.
+      type(run_state_type), intent(in) :: state
+      !> The friction.
+      integer, intent(in) :: number
+
+      kind = slip_up_event
+      if (any(run%regimes(state%regime)%closed == number)) kind = halt_event
+      if (any(run%regimes(state%regime)%closed == -number)) kind = slip_down_event
+   end function kind_of_friction
+
+   !> Advances to where friction ceases to slip: it sticks, or slips to the other side.
+   pure subroutine end_slip(run, state, reached, event, passes, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In: at the start of the flight. Out: where s = 0.
+      type(run_state_type), intent(inout) :: state
+      !> The limit that is reached.
+      type(reached_type), intent(in) :: reached
+      !> The event.
+      type(run_event_type), intent(inout) :: event
+      !> Whether there is an event; none if it goes on to the same side.
+      logical, intent(out) :: passes
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      integer, allocatable :: before(:), halted(:)
+      real(wp) :: phase
+      integer :: number
+
+      number = gap_of(run%regimes(state%regime), reached%row, reached%wall)
+      call move(run, state, reached%time)
+      if (reached%time > 0) call leave_instant(state)
+      phase = run%load%frequency*state%elapsed
+      call state_now(run, state, state%q, state%rate)
+      allocate (before, source=run%regimes(state%regime)%closed)
+      ! without what rounding leaves of s
+      associate (structure => run%structure)
+         state%rate = state%rate - structure%mobility(:, number)*structure%effective(number) &
+            *(dot_product(structure%directions(:, number), state%rate) &
+            - structure%laws(number)%numbers(3))
+      end associate
+      call enter(run, merged(pack(before, abs(before) /= number), number), phase, state%q, &
+         state%rate, state, status)
+      passes = .false.
+      if (status /= stat%ok) return
+      associate (regime => run%regimes(state%regime))
+         allocate (halted, source=regime%held(size(regime%resting) + 1:))
+      end associate
+      ! the one that halts comes first
+      halted = [number, pack(halted, halted /= number)]
+      call settle_all(run, halted, phase, state, status, before)
+      if (status == stat%ok) call judge_friction(run, state, event, passes, status)
+   end subroutine end_slip
+
+   !> Advances to where friction that sticks begins to slip.
+   pure subroutine begin_slip(run, state, reached, event, passes, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In: at the start of the flight. Out: where it begins to slip.
+      type(run_state_type), intent(inout) :: state
+      !> The limit that is reached.
+      type(reached_type), intent(in) :: reached
+      !> The event.
+      type(run_event_type), intent(inout) :: event
+      !> Whether it slips; otherwise the force only touches its limit.
+      logical, intent(out) :: passes
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      integer, allocatable :: before(:), halted(:)
+      real(wp) :: phase
+      integer :: number, order, sense
+      logical :: grazes
+
+      status = stat%ok
+      grazes = only_touches(run, state, reached)
+      associate (regime => run%regimes(state%regime))
+         number = -gap_of(regime, reached%row, reached%wall)
+         allocate (before, source=regime%closed)
+         allocate (halted, source=regime%held(size(regime%resting) + 1:))
+         halted = [number, pack(halted, halted /= number)]
+      end associate
+      call move(run, state, reached%time)
+      if (reached%time > 0) call leave_instant(state)
+      phase = run%load%frequency*state%elapsed
+      call leading_term(run%regimes(state%regime), state%x, state%v, phase, reached%row, 1, order, &
+         sense)
+      passes = .not. grazes .or. reached%wall*sense > 0
+      if (.not. passes) then
+         call part(run, state, reached%row, reached%wall, order)
+         return
+      end if
+      call state_now(run, state, state%q, state%rate)
+      if (reached%wall > 0) then
+         call enter(run, pack(before, before /= number), phase, state%q, state%rate, state, status)
+      else
+         call enter(run, merged(pack(before, before /= number), -number), phase, state%q, &
+            state%rate, state, status)
+      end if
+      if (status /= stat%ok) return
+      call leading_term(run%regimes(state%regime), state%x, state%v, phase, &
+         run%structure%channel(number), 1, order, sense)
+      if (reached%wall*sense <= 0) status = stat%friction_undecided
+      if (status == stat%ok) call settle_all(run, halted, phase, state, status, before)
+      if (status == stat%ok) call judge_friction(run, state, event, passes, status)
+   end subroutine begin_slip
+
+   !> The friction whose speed an impulse on a gap changes.
+   pure function rubs_with(structure, gap) result(rubbing)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gap.
+      integer, intent(in) :: gap
+      integer, allocatable :: rubbing(:)
+      real(wp), parameter :: no_coupling = 1.0e-12_wp
+      integer :: j
+
+      allocate (rubbing(0))
+      if (.not. structure%has_friction) return
+      do j = 1, size(structure%openings)
+         if (.not. structure%rubs(j)) cycle
+         if (abs(dot_product(structure%directions(:, j), structure%mobility(:, gap))) &
+            *sqrt(structure%effective(gap)*structure%effective(j)) > no_coupling) rubbing = &
+            [rubbing, j]
+      end do
+   end function rubs_with
+
+   !> Puts a state just after an impact into the regime in which friction has the sign of s.
+   pure subroutine rub(run, rubbing, phase, state, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The friction whose speeds jumped.
+      integer, intent(in) :: rubbing(:)
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      !> In and out: the state, with q and q' after the impact.
+      type(run_state_type), intent(inout) :: state
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      integer, allocatable :: before(:), closed(:), halted(:)
+      real(wp) :: scale, speed
+      integer :: i
+
+      allocate (before, source=run%regimes(state%regime)%closed)
+      allocate (closed, source=before)
+      associate (structure => run%structure)
+         do i = 1, size(rubbing)
+            associate (number => rubbing(i), belt => structure%laws(rubbing(i))%numbers(3), &
+               direction => structure%directions(:, rubbing(i)))
+               closed = pack(closed, abs(closed) /= number)
+               speed = dot_product(direction, state%rate) - belt
+               scale = 64*epsilon(1.0_wp)*(dot_product(abs(direction), abs(state%rate)) + abs(belt))
+               if (speed < -scale) closed = merged(closed, -number)
+               if (abs(speed) <= scale) closed = merged(closed, number)
+            end associate
+         end do
+      end associate
+      call enter(run, closed, phase, state%q, state%rate, state, status)
+      if (status /= stat%ok) return
+      associate (regime => run%regimes(state%regime))
+         allocate (halted, source=regime%held(size(regime%resting) + 1:))
+      end associate
+      call settle_all(run, halted, phase, state, status, before)
+      if (status /= stat%ok) return
+      associate (after => run%regimes(state%regime)%closed)
+         do i = 1, size(rubbing)
+            if (any(halted == rubbing(i))) cycle
+            if ((any(after == -rubbing(i)) .neqv. any(before == -rubbing(i))) .or. any(before == &
+               rubbing(i))) state%pending = [state%pending, rubbing(i)]
+         end do
+      end associate
+      if (size(state%pending) == 0) deallocate (state%pending)
+   end subroutine rub
 
    !> The number of the regime of a set of closed gaps and stops; the regime is made if it is new.
    pure subroutine find_regime(run, set, number, status)
@@ -648,6 +1010,9 @@ contains
          changed = .false.
          if (state%unsettled) call judge_contacts(run, state, events(n + 1), changed, status)
          if (status /= stat%ok) return
+         if (run%structure%has_friction .and. .not. (changed .or. goes_on)) call judge_friction( &
+            run, state, events(n + 1), changed, status)
+         if (status /= stat%ok) return
          if (.not. (changed .or. goes_on)) call accumulate(run, state, limit, events(n + 1), &
             changed, status)
          if (status /= stat%ok) return
@@ -677,12 +1042,20 @@ contains
             cycle
          end if
          if (reached%row == 0) exit
-         if (reached%row > run%structure%channels) then
+         if (reached%row > run%structure%channels + size(run%regimes(state%regime)%resting)) then
+            call begin_slip(run, state, reached, events(n + 1), changed, status)
+            if (.not. changed .and. status == stat%ok) cycle
+         else if (reached%row > run%structure%channels) then
             call touch_zero(run, state, reached, changed)
             if (changed) cycle
             call release(run, state, reached, events(n + 1), status)
-         else if (is_stop_row(run, run%regimes(state%regime), reached%row, reached%wall)) then
-            call pass_stop(run, state, reached, events(n + 1), changed, status)
+         else if (is_own_row(run, run%regimes(state%regime), reached%row, reached%wall)) then
+            if (run%structure%rubs(gap_of(run%regimes(state%regime), reached%row, &
+               reached%wall))) then
+               call end_slip(run, state, reached, events(n + 1), changed, status)
+            else
+               call pass_stop(run, state, reached, events(n + 1), changed, status)
+            end if
             if (.not. changed .and. status == stat%ok) cycle
          else
             call collide(run, state, reached, events(n + 1), status)
@@ -792,15 +1165,17 @@ contains
    !! restitution is: no impulse is exchanged, and contacts are judged anew.
    pure subroutine collide(run, state, reached, event, status)
       !> The run.
-      type(run_type), intent(in) :: run
+      type(run_type), intent(inout) :: run
       !> In: at the start of the flight. Out: just after the impact.
       type(run_state_type), intent(inout) :: state
       !> The limit that is reached.
       type(reached_type), intent(in) :: reached
       !> The impact.
       type(run_event_type), intent(inout) :: event
-      !> `stat%ok`, or `stat%coupled_impacts` where its outcome is not defined.
+      !> `stat%ok`, or `stat%coupled_impacts` where its outcome is not defined; as in
+      !! `settle_friction`.
       integer, intent(out) :: status
+      integer, allocatable :: rubbing(:)
       real(wp) :: impulse, restitution, slope
       integer :: j, gap
 
@@ -836,9 +1211,10 @@ contains
          if (status /= stat%ok) return
          if (reached%time > 0) call leave_instant(state)
          ! an impact at the same instant changes how a stop is left
-         if (run%structure%has_stops .and. allocated(state%partings)) state%partings = &
-            pack(state%partings, [(.not. is_stop_row(run, regime, state%partings(j)%row, &
-            state%partings(j)%wall), j=1, size(state%partings))])
+         if ((structure%has_stops .or. structure%has_friction) .and. allocated(state%partings)) then
+            state%partings = pack(state%partings, [(.not. is_own_row(run, regime, &
+               state%partings(j)%row, state%partings(j)%wall), j=1, size(state%partings))])
+         end if
          call restitution_of(structure, gap, reached%speed, restitution, slope)
          impulse = (1 + restitution)*structure%effective(gap)*reached%speed
          do j = 1, size(state%x)
@@ -856,6 +1232,12 @@ contains
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event)
       end associate
+      if (.not. run%structure%has_friction) return
+      rubbing = rubs_with(run%structure, gap)
+      if (size(rubbing) == 0) return
+      call rub(run, rubbing, run%load%frequency*state%elapsed, state, status)
+      if (status /= stat%ok) return
+      call note(state, impact_event, gap, reached%speed, impulse, state%q, state%rate, event)
    end subroutine collide
 
    !> Advances to the limit of a stop, and into the regime beyond it.
@@ -909,6 +1291,8 @@ contains
       end associate
       call enter(run, closed, phase, state%q, state%rate, state, status)
       if (status /= stat%ok) return
+      if (allocated(state%partings)) state%partings = pack(state%partings, state%partings%row <= &
+         run%structure%channels)
       ! the limit that was passed is left on its other side
       associate (regime => run%regimes(state%regime), row => reached%row, &
          structure => run%structure)
@@ -1083,6 +1467,8 @@ contains
          end if
          if (abs(d(3))*duration**2 > time_error*unit*closing) return
          if (duration > remaining) return
+         if (size(rubs_with(run%structure, gap)) > 0) status = stat%friction_rests
+         if (status /= stat%ok) return
          allocate (q(size(regime%offset)), rate(size(regime%offset)))
          call state_of(regime, phase, state%x, state%v, q, rate)
       end associate

@@ -9,9 +9,9 @@ module vi_structure_trajectory
    use vi_structure_map, only: accelerations
    use vi_structure_record, only: advance_recorded, set_forces
    use vi_structure, only: find_narrow, load_type, regime_type, state_of, structure_type, to_pairs
-   use vi_structure_run, only: find_regime, impact_event, let_go_event, new_run, press_event, &
-      release_event, run_event_type, run_state_type, run_type, simulate_structure, start_at, &
-      state_now, stick_event, time_of, touch_event, whole_periods
+   use vi_structure_run, only: find_regime, halt_event, impact_event, let_go_event, new_run, &
+      press_event, release_event, run_event_type, run_state_type, run_type, simulate_structure, &
+      slip_down_event, start_at, state_now, stick_event, time_of, touch_event, whole_periods
    implicit none (type, external)
    private
 
@@ -443,7 +443,7 @@ contains
       end do
    end subroutine complete_rests
 
-   !> The gaps that rest and the stops that are closed after an event.
+   !> The gaps that rest, the stops that are closed and the friction that sticks after an event.
    pure subroutine pass_label(label, closed)
       !> (2) Kind and gap of the event.
       integer, intent(in) :: label(:)
@@ -453,9 +453,9 @@ contains
       if (label(1) == 0 .or. label(1) == impact_event) return
       closed = pack(closed, abs(closed) /= label(2))
       select case (label(1))
-      case (stick_event, touch_event, press_event)
+      case (stick_event, touch_event, press_event, halt_event)
          closed = sorted_with(closed, label(2))
-      case (let_go_event)
+      case (let_go_event, slip_down_event)
          closed = sorted_with(closed, -label(2))
       case default
       end select

@@ -1,11 +1,13 @@
-!> The groups &gap of a structure, with their laws of restitution, and its groups &stop.
+!> The groups &gap of a structure, with their laws of restitution, and its groups &stop and
+!! &friction.
 module vi_structure_gaps
    use vi_key, only: a_word, key_type
    use vi_kinds, only: wp
-   use vi_restitution, only: constant_law, power_law, pushing_law, stop_law, table_law
+   use vi_restitution, only: constant_law, friction_law, power_law, pushing_law, stop_law, &
+      table_law
    use vi_status, only: stat, status_text
-   use vi_structure, only: check_structure, find_narrow, is_stop, load_type, new_regime, &
-      regime_type, structure_type
+   use vi_structure, only: check_structure, find_narrow, load_type, new_regime, regime_type, &
+      structure_type
    use vi_structure_matrices, only: most_coordinates
    use vi_text, only: number_text, shown, whole
    use vi_values, only: values_type
@@ -55,9 +57,18 @@ module vi_structure_gaps
       key_type('release', a_word, default='''gap''', words='gap force', &
       meaning='contact ends where the gap opens, or where the force vanishes: it cannot pull')]
 
+   type(key_type), parameter, public :: friction_keys(*) = [ &
+      key_type('direction', most=most_coordinates, low=-most_direction, high=most_direction, &
+      takes=gap_keys(1)%takes, meaning='friction acts against direction.q_dot - speed'), &
+      key_type('slip', low=0.0_wp, high=most_stop, meaning='force while it slips'), &
+      key_type('stick', low=0.0_wp, high=most_stop, may_miss=.true., &
+      takes='a number from slip to 1e100', &
+      meaning='largest force that holds while it sticks; slip if it is left out'), &
+      key_type('speed', low=-most_stop, high=most_stop, default='0', meaning='speed of a belt')]
+
 contains
 
-   !> Checks a gap or a stop.
+   !> Checks a gap, a stop or friction.
    pure subroutine check_gap(gap, points)
       !> The group.
       type(values_type), intent(inout) :: gap
@@ -69,6 +80,11 @@ contains
             whole(points))
       else if (all(abs(gap%numbers('direction')) <= 0)) then
          call gap%refuse('direction')
+      end if
+      if (gap%name == 'friction') then
+         if (.not. gap%has('stick')) call gap%set('stick', [gap%number('slip')])
+         if (gap%number('stick') < gap%number('slip')) call gap%refuse('stick')
+         return
       end if
       if (gap%name == 'stop') then
          if (gap%number('stiffness') + gap%number('damping') + gap%number('preload') > 0) return
@@ -83,7 +99,7 @@ contains
       end associate
    end subroutine check_gap
 
-   !> The gaps and stops as `new_structure` takes them.
+   !> Gaps, stops and friction as `new_structure` takes them.
    pure subroutine gaps_of(gaps, n, directions, gap_values, shapes)
       !> The groups.
       type(values_type), intent(in) :: gaps(:)
@@ -111,7 +127,7 @@ contains
             directions(:, i) = direction
          end if
          call law_of(gaps(i), law)
-         gap_values(1, i) = gaps(i)%number('opening')
+         if (gaps(i)%name /= 'friction') gap_values(1, i) = gaps(i)%number('opening')
          gap_values(2:1 + size(law), i) = law
       end do
    end subroutine gaps_of
@@ -124,19 +140,23 @@ contains
 
       most = 0
       do i = 1, size(gaps)
-         if (gaps(i)%name == 'stop') cycle
+         if (gaps(i)%name /= 'gap') cycle
          if (gaps(i)%has('law_speeds')) most = max(most, size(gaps(i)%numbers('law_speeds')))
       end do
    end function most_points
 
-   !> The law of restitution of a gap, or that of a stop, as `new_structure` takes it.
+   !> The law of restitution of a gap, or that of a stop or of friction, as `new_structure` takes
+   !! it.
    pure subroutine law_of(gap, law)
       !> The gap.
       type(values_type), intent(in) :: gap
       !> Kind and numbers.
       real(wp), allocatable, intent(out) :: law(:)
 
-      if (gap%name == 'stop') then
+      if (gap%name == 'friction') then
+         law = [real(friction_law, wp), gap%number('slip'), gap%number('stick'), &
+            gap%number('speed')]
+      else if (gap%name == 'stop') then
          law = [real(merge(pushing_law, stop_law, gap%is('release', 'force')), wp), &
             gap%number('stiffness'), gap%number('damping'), gap%number('preload')]
       else if (gap%is('law', 'power')) then
@@ -191,7 +211,7 @@ contains
       if (status == stat%gap_closed) then
          apart = structure%openings
          if (size(q) > 0) apart = apart - matmul(q, structure%directions)
-         where (is_stop(structure%laws)) apart = huge(1.0_wp)
+         where (structure%laws%kind > table_law) apart = huge(1.0_wp)
          gap = minloc(apart, dim=1)
          text = text//': gap '//whole(gap - 1)//' is '//trim(number_text(apart(gap), .false., 6)) &
             //', must be >= 0'

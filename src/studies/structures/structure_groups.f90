@@ -1,10 +1,10 @@
-!> The groups of a structure: &structure, its gaps and stops, and its load.
+!> The groups of a structure: &structure, its gaps, stops and friction, and its load.
 module vi_structure_groups
    use vi_case, only: case_type
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_structure, only: load_type, new_structure, structure_type
-   use vi_structure_gaps, only: check_gap, gap_keys, gaps_of, stop_keys
+   use vi_structure_gaps, only: check_gap, friction_keys, gap_keys, gaps_of, stop_keys
    use vi_structure_loads, only: check_load, complete_coordinates, complete_record, &
       load_frequency, load_keys, load_of, record_end, record_of
    use vi_structure_matrices, only: check_matrices, find_coordinates, matrices_of, &
@@ -13,8 +13,8 @@ module vi_structure_groups
    implicit none (type, external)
    private
 
-   public :: complete_coordinates, gap_keys, has_stop, is_gap, load_frequency, load_keys, &
-      most_coordinates, read_parts, read_structure, record_end, record_of, stop_keys, &
+   public :: complete_coordinates, element_besides_gaps, friction_keys, gap_keys, load_frequency, &
+      load_keys, most_coordinates, read_parts, read_structure, record_end, record_of, stop_keys, &
       structure_keys, structure_of
 
 contains
@@ -27,15 +27,16 @@ contains
       type(group_type), intent(in) :: groups(:)
       !> In: as read. Out: complete, or with a fault.
       type(values_type), intent(inout) :: structure
-      !> Its gaps and stops and then its load, complete, or the first of them with a fault.
+      !> Its gaps and stops, its friction and then its load, complete, or the first of them with a
+      !! fault.
       type(values_type), allocatable, intent(out) :: parts(:)
       !> Number of coordinates.
       integer, intent(out) :: coordinates
       integer :: order(size(groups)), i, points
-      logical :: gaps(size(groups))
+      integer :: place(size(groups))
 
-      gaps = [(is_gap(groups(i)%name), i=1, size(groups))]
-      order = [pack([(i, i=1, size(groups))], gaps), pack([(i, i=1, size(groups))], .not. gaps)]
+      place = [(place_of_part(groups(i)%name), i=1, size(groups))]
+      order = [(pack([(i, i=1, size(groups))], place == points), points=1, 3)]
       allocate (parts(size(groups)))
       do i = 1, size(groups)
          associate (group => groups(order(i)))
@@ -43,6 +44,8 @@ contains
                call read_values('gap', gap_keys, group, parts(i))
             else if (group%name == 'stop') then
                call read_values('stop', stop_keys, group, parts(i))
+            else if (group%name == 'friction') then
+               call read_values('friction', friction_keys, group, parts(i))
             else
                call read_values('load', load_keys, group, parts(i))
             end if
@@ -57,7 +60,7 @@ contains
       points = coordinates
       if (structure%has('frequencies')) points = size(structure%numbers('shapes'))/coordinates
       do i = 1, size(parts)
-         if (is_gap(parts(i)%name)) then
+         if (parts(i)%name /= 'load') then
             call check_gap(parts(i), points)
          else
             call check_load(parts(i), coordinates)
@@ -66,22 +69,31 @@ contains
       end do
    end subroutine read_parts
 
-   !> Whether a group is a gap or a stop.
-   elemental logical function is_gap(name)
-      !> Its name.
+   !> The place of a part of a structure: gaps and stops, friction, load.
+   pure integer function place_of_part(name) result(place)
+      !> The name of its group.
       character(*), intent(in) :: name
 
-      is_gap = name == 'gap' .or. name == 'stop'
-   end function is_gap
+      place = 1
+      if (name == 'friction') place = 2
+      if (name == 'load') place = 3
+   end function place_of_part
 
-   !> Whether a structure has a stop.
-   pure logical function has_stop(case)
-      !> A case with it.
+   !> The name of the first group of a structure that is an element other than a gap; empty if there
+   !! is none.
+   pure subroutine element_besides_gaps(case, name)
+      !> A case with the structure.
       type(case_type), intent(in) :: case
+      !> The name.
+      character(:), allocatable, intent(out) :: name
       integer :: i
 
-      has_stop = any([(case%parts(i)%name == 'stop', i=1, size(case%parts))])
-   end function has_stop
+      name = ''
+      do i = size(case%parts), 1, -1
+         if (case%parts(i)%name == 'stop' .or. case%parts(i)%name == 'friction') name = &
+            case%parts(i)%name
+      end do
+   end subroutine element_besides_gaps
 
    !> The structure and the load of a case.
    pure subroutine structure_of(case, structure, load)
@@ -95,7 +107,7 @@ contains
       real(wp), allocatable :: shapes(:, :), directions(:, :), gap_values(:, :)
       integer :: i, gaps
 
-      gaps = count([(is_gap(case%parts(i)%name), i=1, size(case%parts))])
+      gaps = count([(case%parts(i)%name /= 'load', i=1, size(case%parts))])
       associate (s => case%system, n => case%coordinates)
          call matrices_of(s, n, matrices)
          if (s%has('frequencies')) shapes = reshape(s%numbers('shapes'), &

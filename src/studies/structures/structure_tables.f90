@@ -2,7 +2,7 @@
 module vi_structure_tables
    use vi_kinds, only: wp
    use vi_restitution, only: power_law, restitution_type, table_law
-   use vi_structure, only: is_stop, load_type, structure_type
+   use vi_structure, only: load_type, structure_type
    use vi_structure_path, only: change_type
    use vi_study, only: column_type, result_type, truths, wholes, words
    implicit none (type, external)
@@ -15,11 +15,12 @@ module vi_structure_tables
       column_type('gaps', 'opening', listed=.false., meaning='opening of the gap at q = 0'), &
       column_type('gaps', 'restitution', listed=.false., &
       meaning='coefficient of restitution, with a law that at approach speed 0'), &
-      column_type('gaps', 'law', words, words='constant,power,table,stop,pushing', listed=.false., &
-      meaning='how it depends on the approach speed; or a stop, or one that cannot pull'), &
+      column_type('gaps', 'law', words, words='constant,power,table,stop,pushing,friction', &
+      listed=.false., meaning='how it depends on the approach speed; or a stop, one that cannot &
+      &pull, or friction'), &
       column_type('gaps', 'law_numbers', each='law_number', listed=.false., &
-      meaning='speed, exponent and sharpness of a power law, or stiffness, damping and preload of &
-      &a stop; 0 without'), &
+      meaning='speed, exponent and sharpness of a power law; stiffness, damping and preload of a &
+      &stop; slip, stick and speed of friction; else 0'), &
       column_type('law_points', 'speed', listed=.false., meaning='approach speed of a table'), &
       column_type('law_points', 'restitution', listed=.false., &
       meaning='coefficient of restitution there'), &
@@ -103,7 +104,7 @@ contains
             points(i) = 0
             numbers(:, i) = 0
             if (structure%laws(i)%kind == power_law) numbers(:, i) = structure%laws(i)%numbers(2:)
-            if (is_stop(structure%laws(i))) numbers(:, i) = structure%laws(i)%numbers(:3)
+            if (structure%laws(i)%kind > table_law) numbers(:, i) = structure%laws(i)%numbers(:3)
             if (structure%laws(i)%kind == table_law) points(i) = size(structure%laws(i)%speeds)
          end do
          call result%put('gaps', 'law', structure%laws%kind + 1)
