@@ -8,7 +8,8 @@
 !!
 !! Dry friction stands in the same lists. Along D_j, with s = D_j.q' - V, the force -h sgn(s) D_j
 !! acts while it slips; while it sticks, D_j.q' = V, a force of at most H holds it. The place D_j.q,
-!! which moves with the belt, is then one more pair of frequency 0.
+!! which moves with the belt, is then one more pair of frequency 0. Along a gap at rest, friction
+!! without a belt holds too: the gap pushes with p >= -H.
 module vi_structure
    use vi_columns, only: solve_columns
    use vi_decoupling, only: decouple, decoupled_type
@@ -23,8 +24,8 @@ module vi_structure
    implicit none (type, external)
    private
 
-   public :: check_structure, find_narrow, inputs_of, is_extreme, new_load, new_regime, &
-      new_structure, project, restitution_of, state_of, to_pairs
+   public :: check_structure, factor_along, find_narrow, inputs_of, is_absorbed, is_extreme, &
+      new_load, new_regime, new_structure, project, restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
@@ -359,7 +360,8 @@ contains
       regime%resting = pack(closed, [(closed(i) > 0 .and. .not. (structure%elastic(abs( &
          closed(i))) .or. structure%rubs(abs(closed(i)))), i=1, size(closed))])
       regime%held = [regime%resting, pack(closed, [(closed(i) > 0 .and. structure%rubs(abs( &
-         closed(i))), i=1, size(closed))])]
+         closed(i))) .and. .not. is_absorbed(structure, abs(closed(i)), regime%resting), i=1, &
+         size(closed))])]
       pressed = structure
       pressed_load = load
       do i = 1, size(closed)
@@ -375,11 +377,43 @@ contains
       end do
       do i = 1, size(structure%openings)
          if (.not. structure%rubs(i) .or. any(closed == i)) cycle
+         if (is_absorbed(structure, i, regime%resting)) cycle
          pressed_load%constant = pressed_load%constant + structure%directions(:, i)*merge( &
             structure%laws(i)%numbers(1), -structure%laws(i)%numbers(1), any(closed == -i))
       end do
       call complete_regime(pressed, pressed_load, regime, status, searched)
    end subroutine new_regime
+
+   !> The factor of the direction of a gap that gives that of friction along it; 0 if it is not
+   !! along it, or has a belt.
+   pure real(wp) function factor_along(structure, friction, gap) result(factor)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Numbers of the friction and of the gap.
+      integer, intent(in) :: friction, gap
+      real(wp), parameter :: rounding = 1.0e-12_wp
+
+      factor = 0
+      if (.not. structure%rubs(friction)) return
+      if (structure%rubs(gap) .or. structure%elastic(gap)) return
+      if (abs(structure%laws(friction)%numbers(3)) > 0) return
+      associate (d => structure%directions(:, friction), g => structure%directions(:, gap))
+         factor = dot_product(d, g)/dot_product(g, g)
+         if (any(abs(d - factor*g) > rounding*maxval(abs(d)))) factor = 0
+      end associate
+   end function factor_along
+
+   !> Whether friction is along a gap at rest, so that it holds together with the gap.
+   pure logical function is_absorbed(structure, friction, resting)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Number of the friction, and the gaps at rest.
+      integer, intent(in) :: friction, resting(:)
+      integer :: k
+
+      is_absorbed = any([(abs(factor_along(structure, friction, resting(k))) > 0, k=1, &
+         size(resting))])
+   end function is_absorbed
 
    !> G G^T.
    pure function outer(g) result(product)
@@ -963,6 +997,7 @@ contains
          if (structure%rubs(j)) then
             of_rate(i, :) = structure%directions(:, j)
             constant(i) = -structure%laws(j)%numbers(3)
+            if (is_absorbed(structure, j, regime%resting)) cycle
             if (any(regime%closed == -j)) then
                regime%upper(i) = 0
                regime%upper_gap(i) = j
@@ -989,6 +1024,12 @@ contains
          regime%lower(i) = -huge(1.0_wp)
          regime%lower(structure%channels + k) = 0
          regime%lower_gap(structure%channels + k) = -regime%resting(k)
+         if (.not. structure%has_friction) cycle
+         do j = 1, size(structure%openings)
+            i = structure%channels + k
+            constant(i) = constant(i) + abs(factor_along(structure, j, regime%resting(k))) &
+               *structure%laws(j)%numbers(2)
+         end do
       end do
       do k = size(regime%resting) + 1, size(regime%held)
          ! what holds friction that sticks, up to its stick level

@@ -86,7 +86,7 @@ module vi_status
       integer :: narrow_gap = 37
       !> A stop with a preload holds what touches it without a speed.
       integer :: stop_holds = 38
-      !> Friction acts along a gap that comes to rest.
+      !> Friction moves with impacts that accumulate, but not along their gap.
       integer :: friction_rests = 39
       !> No states of friction fit the forces, or a belt drags a mass that nothing holds.
       integer :: friction_undecided = 40
@@ -209,8 +209,8 @@ contains
          text = 'a stop is touched without a speed, by a force below its preload, which would hold &
             &the structure there: give it a speed, or no preload'
       case (stat%friction_rests)
-         text = 'impacts accumulate on a gap, or it rests, while friction acts along it: &
-            &what follows is not represented'
+         text = 'impacts accumulate on a gap and move friction that is not along it, or R is a law &
+            &there: what follows is not represented'
       case (stat%friction_undecided)
          text = 'elements of friction depend on each other at one instant, or a belt drags a &
             &mass that nothing holds: what follows is not represented'

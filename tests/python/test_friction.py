@@ -304,13 +304,79 @@ def test_the_damper_with_halts():
     )
 
 
-def test_rests_along_friction_are_refused():
-    """Impacts that accumulate on a gap along which friction acts end the simulation with an error that says so."""
-    gaps = [vi.Gap([1.0], 0.0, 0.5)]
-    s = vi.Structure([1.0], [0.0], [0.0], gaps, [vi.Friction([1.0], 0.1)])
-    with pytest.raises(vi.SingularError, match="friction acts along it"):
-        vi.simulate(s, vi.Load(constant=[1.0]), duration=20, state=([-1.0], [0.0]))
-    # across it friction goes on
+@pytest.mark.parametrize(("slip", "stick"), [(0.1, 0.1), (0.1, 0.25)])
+def test_rest_along_friction(slip, stick):
+    """A free mass pressed against a wall hops ever lower, is slower on the way down than up, and rests.
+
+    The contact then holds until the load pulls by more than the stick level.
+    """
+    restitution, force, omega = 0.5, 1.0, 1e-3
+    s = vi.Structure(
+        [1.0], [0.0], [0.0], [vi.Gap([1.0], 0.0, restitution)], [vi.Friction([1.0], slip, stick)]
+    )
+    run = vi.simulate(s, vi.Load(constant=[force]), duration=20, state=([-1.0], [0.0]))
+    up, down = force + slip, force - slip
+    first = math.sqrt(2 / down)
+    speed = restitution * down * first
+    hops = speed * (1 / up + 1 / math.sqrt(up * down)) / (1 - restitution * math.sqrt(down / up))
+    stuck = run.events[run.events["kind"] == "stick"]
+    assert stuck["time"] == pytest.approx([first + hops], abs=1e-9)
+    assert run.events[-1] == stuck[0]
+    # a load that turns: it lets go at -stick, and then slips away with slip
+    load = vi.Load(omega, cosine=[force])
+    start = 1000.0
+    run = vi.simulate(s, load, duration=1500, state=([0.0], [0.0]), start=start)
+    released = math.acos(-stick / force) / omega
+    assert run.events["kind"].tolist()[:2] == ["release", "slip_down"]
+    assert run.events["time"][:2] == pytest.approx([released] * 2, rel=1e-12)
+    t = np.linspace(released, released + 200, 20)
+    flown = (math.cos(omega * released) - np.cos(omega * t)) / omega**2 * force
+    flown += slip * (t - released) ** 2 / 2 - force * math.sin(omega * released) / omega * (
+        t - released
+    )
+    assert run.sample(t)[0][0] == pytest.approx(flown, rel=1e-8, abs=1e-6)
+
+
+def test_forces_with_rests():
+    """A damper whose particle rests on its walls, along friction: both forces are within their limits."""
+    gaps = [vi.Gap([-1, 1], 3.0, 0.2), vi.Gap([1, -1], 3.0, 0.2)]
+    s = vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps, [vi.Friction([-1, 1], 0.01, 0.015)])
+    load = vi.Load(0.9, sine=[1.0, 0.0])
+    run = vi.simulate(s, load, cycles=6, discard=100, state=([0, 0], [0, 5.0]))
+    kinds = run.events["kind"].tolist()
+    assert {"stick", "release", "impact"} <= set(kinds)
+    t = np.linspace(run.start, run.end, 4001)
+    q, rate = run.sample(t)
+    apart = q[1] - q[0]
+    assert np.abs(apart).max() < 3 + 1e-9
+    acceleration = run.acceleration(t)
+    push = acceleration[0] + 0.02 * rate[0] + q[0] - np.sin(0.9 * t)
+    # what acts on the host acts back on the particle
+    assert push == pytest.approx(-0.1 * acceleration[1], abs=1e-9)
+    free = np.abs(apart) < 3 - 1e-9
+    assert np.abs(push[free]).max() < 0.015 + 1e-9
+    resting = ~free & (np.abs(rate[1] - rate[0]) < 1e-9)
+    assert resting.sum() > 200
+    # the wall pushes, and friction pulls by no more than its stick level
+    assert (np.sign(apart[resting]) * push[resting]).min() > -0.015 - 1e-9
+    # a part of it, from its middle on
+    middle = 0.5 * (run.start + run.end)
+    state = tuple(part[:, 0] for part in run.sample([middle]))
+    rest = vi.simulate(s, load, duration=run.end - middle, start=middle, state=state)
+    later = run.events[run.events["time"] > middle]
+    for kind in ("stick", "release"):
+        times = [events["time"][events["kind"] == kind] for events in (rest.events, later)]
+        assert times[0] == pytest.approx(times[1], abs=1e-8)
+        assert len(times[0]) > 2
+
+
+def test_rests_with_friction():
+    """Impacts that accumulate where friction acts along another direction are refused; across it all goes on."""
+    s = vi.Structure(
+        [1.0, 1.0], [0, 0], [0, 0], [vi.Gap([1.0, 0.0], 0.0, 0.5)], [vi.Friction([1.0, 1.0], 0.1)]
+    )
+    with pytest.raises(vi.SingularError, match="move friction that is not along it"):
+        vi.simulate(s, vi.Load(constant=[1.0, 0.1]), duration=20, state=([-1.0, 0.0], [0.0, 0.0]))
     floor = vi.Structure(
         [1.0, 1.0], [0, 0], [1.0, 0.0], [vi.Gap([0, 1], 0.0, 0.0)], [vi.Friction([1, 0], 0.1)]
     )

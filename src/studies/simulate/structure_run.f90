@@ -10,8 +10,8 @@ module vi_structure_run
    use vi_status, only: stat
    use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
    use vi_structure_record, only: pass_intervals, set_forces
-   use vi_structure, only: check_structure, is_extreme, load_type, new_regime, regime_type, &
-      restitution_of, state_of, structure_type, to_pairs
+   use vi_structure, only: check_structure, factor_along, is_absorbed, is_extreme, load_type, &
+      new_regime, regime_type, restitution_of, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -316,7 +316,7 @@ contains
          if (wrong == 0) return
          associate (closed => run%regimes(state%regime)%closed)
             if (any(closed == wrong)) then
-               call enter(run, pack(closed, closed /= wrong), phase, q, rate, state, status)
+               call enter(run, opened(run%structure, closed, wrong), phase, q, rate, state, status)
             else
                call enter(run, merged(closed, wrong), phase, q, rate, state, status)
             end if
@@ -551,7 +551,7 @@ contains
 
       associate (before => run%regimes(state%regime)%closed, structure => run%structure)
          if (kind == release_event) then
-            call enter(run, pack(before, before /= gap), phase, q, rate, state, status)
+            call enter(run, opened(structure, before, gap), phase, q, rate, state, status)
          else
             ! without what rounding leaves of its speed
             call enter(run, merged(before, gap), phase, q, rate - structure%mobility(:, gap) &
@@ -561,10 +561,56 @@ contains
       end associate
       if (status /= stat%ok) return
       state%changes = state%changes + 1
+      if (kind == release_event .and. run%structure%has_friction) call slip_away(run, gap, phase, &
+         state)
       call touch(state, gap)
       call state_now(run, state, state%q, state%rate)
       call note(state, kind, gap, 0.0_wp, 0.0_wp, state%q, state%rate, event)
    end subroutine change_contact
+
+   !> What is closed after a gap opens: friction along it slips to the side of its opening.
+   pure function opened(structure, closed, gap) result(left)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> What is closed, and the gap.
+      integer, intent(in) :: closed(:), gap
+      integer, allocatable :: left(:)
+      real(wp) :: factor
+      integer :: j
+
+      left = pack(closed, closed /= gap)
+      if (.not. structure%has_friction) return
+      do j = 1, size(structure%openings)
+         factor = factor_along(structure, j, gap)
+         if (.not. abs(factor) > 0) cycle
+         left = pack(left, abs(left) /= j)
+         if (factor > 0) left = merged(left, -j)
+      end do
+   end function opened
+
+   !> Lists friction along a gap that was released.
+   pure subroutine slip_away(run, gap, phase, state)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The gap.
+      integer, intent(in) :: gap
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      !> In and out: the state after the release.
+      type(run_state_type), intent(inout) :: state
+      integer :: j, order, sense
+
+      do j = 1, size(run%structure%openings)
+         if (.not. abs(factor_along(run%structure, j, gap)) > 0) cycle
+         associate (closed => run%regimes(state%regime)%closed)
+            if (.not. allocated(state%pending)) allocate (state%pending(0))
+            state%pending = [state%pending, j]
+            call leading_term(run%regimes(state%regime), state%x, state%v, phase, &
+               run%structure%channel(j), 1, order, sense)
+            call part(run, state, run%structure%channel(j), merge(1, -1, any(closed == -j)), order)
+         end associate
+      end do
+   end subroutine slip_away
 
    !> Notes that a gap touches without a speed, so that contacts are judged anew.
    pure subroutine touch(state, gap)
@@ -617,7 +663,7 @@ contains
          most = 1 + tolerance
          associate (regime => run%regimes(state%regime), structure => run%structure)
             do i = 1, size(halted)
-               if (all(regime%closed /= halted(i))) cycle
+               if (all(regime%held /= halted(i))) cycle
                force = holding_force(run, state, halted(i), phase)
                if (abs(force) <= most*structure%laws(halted(i))%numbers(2)) cycle
                wrong = halted(i)
@@ -626,6 +672,7 @@ contains
             end do
             do i = 1, size(halted)
                if (wrong /= 0 .or. any(regime%closed == halted(i))) cycle
+               if (is_absorbed(structure, halted(i), regime%resting)) cycle
                call leading_term(regime, state%x, state%v, phase, structure%channel(halted(i)), 1, &
                   order, sense)
                if (sense == merge(-1, 1, any(regime%closed == -halted(i)))) cycle
@@ -1438,10 +1485,9 @@ contains
       logical, intent(out) :: stuck
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
-      real(wp), parameter :: longest = 1.0e-6_wp, time_error = 1.0e-16_wp
       type(reached_type) :: reached
       real(wp), allocatable :: q(:), rate(:)
-      real(wp) :: d(0:3), closing, duration, lost, phase, unit
+      real(wp) :: d(0:3), closing, duration, longest, lost, phase, time_error, unit
       type(pace_type) :: pace
       integer :: gap
 
@@ -1449,6 +1495,17 @@ contains
       status = stat%ok
       if (state%leaving%row == 0) return
       phase = run%load%frequency*state%elapsed
+      longest = 1.0e-6_wp
+      time_error = 1.0e-16_wp
+      if (run%structure%has_friction) then
+         ! where friction turns in a hop, its height is a difference of coordinates: the lowest hops
+         ! would have the rounding errors of these
+         gap = gap_of(run%regimes(state%regime), state%leaving%row, state%leaving%wall)
+         if (size(rubs_with(run%structure, gap)) > 0) then
+            longest = 1.0e-5_wp
+            time_error = 1.0e-10_wp
+         end if
+      end if
       associate (regime => run%regimes(state%regime), leaving => state%leaving)
          ! most departures are too fast, whatever the phase
          if (2*leaving%speed > longest*regime%unit*bound_second(regime, state%x, state%v, &
@@ -1462,13 +1519,15 @@ contains
          lost = closing*(1 - greatest_below(run%structure%laws(gap), leaving%speed))
          if (.not. 2*leaving%speed <= longest*unit*lost) return
          duration = 2*leaving%speed/lost
+         if (run%structure%has_friction) call hop_with_friction(run%structure, gap, leaving%speed, &
+            closing, duration, status)
+         if (status /= stat%ok .or. .not. closing > 0) return
+         if (run%structure%has_friction .and. duration > longest*unit) return
          if (run%structure%laws(gap)%kind /= constant_law) then
             duration = 2*total_of_speeds(run%structure, gap, leaving%speed)/closing
          end if
          if (abs(d(3))*duration**2 > time_error*unit*closing) return
          if (duration > remaining) return
-         if (size(rubs_with(run%structure, gap)) > 0) status = stat%friction_rests
-         if (status /= stat%ok) return
          allocate (q(size(regime%offset)), rate(size(regime%offset)))
          call state_of(regime, phase, state%x, state%v, q, rate)
       end associate
@@ -1492,6 +1551,50 @@ contains
       call state_now(run, state, q, rate)
       call note(state, stick_event, gap, 0.0_wp, 0.0_wp, q, rate, event)
    end subroutine accumulate
+
+   !> An accumulation of impacts on a gap along which friction acts.
+   !!
+   !! With closing accelerations a on the way up and b = a - 2h/m on the way down, each departure
+   !! speed is R sqrt(b/a) times the one before it.
+   pure subroutine hop_with_friction(structure, gap, speed, closing, duration, status)
+      !> The structure, and the gap.
+      type(structure_type), intent(in) :: structure
+      integer, intent(in) :: gap
+      !> Departure speed.
+      real(wp), intent(in) :: speed
+      !> In: a. Out: b; not above 0 if friction ends a hop before it comes down.
+      real(wp), intent(inout) :: closing
+      !> In: the time to the end without friction. Out: with it.
+      real(wp), intent(inout) :: duration
+      !> `stat%ok`, or `stat%friction_rests` where friction is not along the gap or R is a law.
+      integer, intent(out) :: status
+      integer, allocatable :: rubbing(:)
+      real(wp) :: down, ratio, weakest
+      integer :: i
+
+      status = stat%ok
+      allocate (rubbing, source=rubs_with(structure, gap))
+      if (size(rubbing) == 0) return
+      down = closing
+      weakest = closing
+      do i = 1, size(rubbing)
+         associate (factor => abs(factor_along(structure, rubbing(i), gap)), &
+            law => structure%laws(rubbing(i))%numbers)
+            if (.not. factor > 0) status = stat%friction_rests
+            down = down - 2*law(1)*factor/structure%effective(gap)
+            weakest = weakest - (law(1) + law(2))*factor/structure%effective(gap)
+         end associate
+      end do
+      if (structure%laws(gap)%kind /= constant_law) status = stat%friction_rests
+      if (status /= stat%ok) return
+      if (weakest > 0) then
+         ratio = structure%restitution(gap)*sqrt(down/closing)
+         duration = speed*(1/closing + 1/sqrt(closing*down))/(1 - ratio)
+         closing = down
+      else
+         closing = 0
+      end if
+   end subroutine hop_with_friction
 
    !> The sum of the departure speeds of an accumulation, each R(v) times the one before it.
    pure real(wp) function total_of_speeds(structure, gap, first) result(total)
@@ -1568,7 +1671,7 @@ contains
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       real(wp) :: q(size(run%structure%mass, 1)), rate(size(run%structure%mass, 1)), phase
-      integer :: gap
+      integer :: gap, i
 
       if (reached%time > 0) call leave_instant(state)
       call move(run, state, reached%time)
@@ -1577,6 +1680,15 @@ contains
       call state_of(run%regimes(state%regime), phase, state%x, state%v, q, rate)
       ! its force is 0, and so is the acceleration of its opening, unless the record ends here
       state%released = merge(gap, 0, state%elapsed > 0 .or. .not. run%load%step > 0)
+      if (run%structure%has_friction) then
+         ! a force that falls from the stick to the slip level makes it jump
+         do i = 1, size(run%structure%openings)
+            if (.not. abs(factor_along(run%structure, i, gap)) > 0) cycle
+            associate (numbers => run%structure%laws(i)%numbers)
+               if (numbers(2) > numbers(1)) state%released = 0
+            end associate
+         end do
+      end if
       call change_contact(run, release_event, gap, phase, q, rate, state, event, status)
    end subroutine release
 
