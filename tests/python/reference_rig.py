@@ -41,6 +41,8 @@ class Rig:
     noise: float = 0.01
     lowpass: float | None = None
     offset: float = 0.0
+    #: Standard deviation of the gains of both sensors.
+    calibration: float = 0.01
 
     @property
     def d(self):
@@ -140,6 +142,8 @@ def record(rig, seed=0, settle=400):
     load = rig.F0 * np.sin(2 * math.pi * rig.frequency * (t + first))
     a = a + rig.offset + rig.noise * a.std() * random.standard_normal(t.size)
     load = load + 0.01 * load.std() * 2**0.5 * random.standard_normal(t.size)
+    gains = 1 + rig.calibration * np.random.default_rng([seed, 11]).standard_normal(2)
+    load, a = gains[0] * load, gains[1] * a
     inside = (impacts[:, 0] >= first) & (impacts[:, 0] < first + rig.duration)
     shown = impacts[inside] - [first, 0, 0]
     return t, load, a, shown

@@ -36,7 +36,7 @@ def true_of_law(walls, v0):
 @pytest.mark.parametrize("walls", [LAW, (0.75, 0.65)])
 def test_a_power_law_is_found(walls):
     """Three loads tell the exponent, 0 for constants; the law found is that of the rig, with its multipliers."""
-    found = vi.identify(records_at_loads(walls, 1), known=KNOWN, law="power")
+    found = vi.identify(records_at_loads(walls, 1), calibration=0, known=KNOWN, law="power")
     assert found.undetermined == []
     true = true_of_law(walls, found.values["v0"])
     for name, value in true.items():
@@ -60,13 +60,17 @@ def test_a_power_law_is_found(walls):
 def test_a_power_law_holds_where_constants_fail():
     """Impacts of different speeds in one period tell the exponent too; constants do not fit them."""
     record = records_at_loads(LAW, 1)[1]
-    constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
+    constant, found = (
+        vi.identify(record, calibration=0, known=KNOWN, law=law) for law in ("constant", "power")
+    )
     assert constant.misfit > 5
     assert found.misfit < 2
     for name, value in true_of_law(LAW, found.values["v0"]).items():
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
     assert found.nearest_boundary().distance < 0.1
-    here = vi.identify(record, known=KNOWN | {"exponent": 0.1}, law="power", law_speed=0.3)
+    here = vi.identify(
+        record, calibration=0, known=KNOWN | {"exponent": 0.1}, law="power", law_speed=0.3
+    )
     assert here.values["v0"] == 0.3
     assert abs(here.values["R1"] - float(LAW[0](0.3))) < 4 * here.errors["R1"]
 
@@ -75,7 +79,7 @@ def test_a_knee_is_said_not_to_be_fitted():
     """At a knee a power law fits one record; its coefficients at the impacts are right, a note names the rest."""
     walls = tuple(vi.PowerLaw(R, speed=0.3, exponent=0.2) for R in (0.9, 0.8))
     record = records_at_loads(walls, 1)[0]
-    found = vi.identify(record, known=KNOWN, law="power")
+    found = vi.identify(record, calibration=0, known=KNOWN, law="power")
     speeds, each, sides = (
         found._of(0, "impacts", name) for name in ("speed", "restitution", "side")
     )
@@ -120,7 +124,9 @@ def test_equal_speeds_do_not_tell_the_exponent():
     walls = (vi.PowerLaw(1.0, speed=0.02, exponent=0.1, sharpness=20),) * 2
     rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": walls, "frequency": 20.6})
     record = rig.record(seed=4)
-    constant, found = (vi.identify(record, known=KNOWN, law=law) for law in ("constant", "power"))
+    constant, found = (
+        vi.identify(record, calibration=0, known=KNOWN, law=law) for law in ("constant", "power")
+    )
     assert found.undetermined == ["exponent"]
     assert np.isinf(found.errors["exponent"])
     for name in ("xi", "R1", "R2", "d"):
@@ -135,7 +141,9 @@ def test_a_power_law_of_each_wall_is_found():
         vi.PowerLaw(R, speed=0.02, exponent=p, sharpness=20) for R, p in ((1.0, 0.1), (0.9, 0.12))
     )
     records = records_at_loads(walls, 1)
-    one, each = (vi.identify(records, known=KNOWN, law=law) for law in ("power", "powers"))
+    one, each = (
+        vi.identify(records, calibration=0, known=KNOWN, law=law) for law in ("power", "powers")
+    )
     assert one.misfit > 2
     assert each.misfit < 1.5
     v0 = each.values["v0"]
@@ -144,7 +152,7 @@ def test_a_power_law_of_each_wall_is_found():
         assert abs(each.values[name] - value) < 4 * each.errors[name], name
     assert [law.exponent for law in each.restitution] == pytest.approx([0.1, 0.12], abs=1e-3)
     assert all(motion.stable for motion in each.motions)
-    here = vi.identify(records, known=KNOWN | {"exponent2": 0.12}, law="powers")
+    here = vi.identify(records, calibration=0, known=KNOWN | {"exponent2": 0.12}, law="powers")
     assert abs(here.values["exponent1"] - 0.1) < 4 * here.errors["exponent1"]
 
 
@@ -165,7 +173,7 @@ def records_of(walls, loads=KNEE_LOADS, seed=1):
 def test_a_knee_is_found(kind, loads, left, tmp_path):
     """Speeds about the knee tell it, of both walls or of each; the law is that of the rig and is saved."""
     walls = (vi.PowerLaw(0.9, 0.3, 0.2), vi.PowerLaw(*left))
-    found = vi.identify(records_of(walls, loads), known=KNOWN, law=kind)
+    found = vi.identify(records_of(walls, loads), calibration=0, known=KNOWN, law=kind)
     assert found.undetermined == []
     assert found.misfit < 1.5
     ends = ("", "") if kind == "knee" else ("1", "2")
@@ -193,7 +201,9 @@ def piecewise(speeds, values):
 def test_a_table_is_found():
     """Each wall's table has its knots among the speeds of its impacts; R there is that of the rig."""
     walls = (piecewise([0.5, 0.9], [0.78, 0.72]), piecewise([0.1, 0.6], [0.76, 0.64]))
-    found = vi.identify(records_of(walls, (5.6, 6.0, 6.4)), known=KNOWN, law="tables")
+    found = vi.identify(
+        records_of(walls, (5.6, 6.0, 6.4)), calibration=0, known=KNOWN, law="tables"
+    )
     assert found.undetermined == []
     assert found.misfit < 1.5
     values = found.values
@@ -211,7 +221,7 @@ def test_a_table_is_found():
 def test_what_two_speeds_tell_of_a_table_is_named():
     """A periodic motion with one and two speeds on its walls determines no table of five knots, and no knee."""
     record = vi.VirtualRig(**BENCH).record(seed=1)
-    tables = vi.identify(record, known=KNOWN, law="tables", law_knots=5)
+    tables = vi.identify(record, calibration=0, known=KNOWN, law="tables", law_knots=5)
     # one speed on the right wall, at the middle knot; two on the left one
     assert set(tables.undetermined) >= {
         "R1[1]",
@@ -225,7 +235,9 @@ def test_what_two_speeds_tell_of_a_table_is_named():
     assert tables.misfit < 1.5
     assert abs(tables.d - 0.006) < 4 * tables.errors["d"]
     walls = (vi.PowerLaw(0.9, 0.3, 0.2), vi.PowerLaw(0.8, 0.3, 0.2))
-    assert vi.identify(records_of(walls, (5.8,)), known=KNOWN, law="knee").undetermined == [
+    assert vi.identify(
+        records_of(walls, (5.8,)), calibration=0, known=KNOWN, law="knee"
+    ).undetermined == [
         "exponent",
         "knee",
     ]
@@ -243,7 +255,9 @@ def test_intervals_of_a_law(law, walls, share):
     loads = {"power": LOADS, "knee": (5.4, 5.8, 6.4), "tables": (5.6, 6.0, 6.4)}[law]
     inside = {}
     for seed in range(count):
-        found = vi.identify(records_of(walls, loads, 100 * seed), known=KNOWN, law=law)
+        found = vi.identify(
+            records_of(walls, loads, 100 * seed), calibration=0, known=KNOWN, law=law
+        )
         v0 = found.values["v0"]
         true = {"xi": 0.01143, "d": 0.006} | {
             "power": {"exponent": 0.1, "R1": walls[0](v0), "R2": walls[1](v0)},

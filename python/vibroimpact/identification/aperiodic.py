@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import SingularError
 from ..base.libraries import scipy
-from .fit import Fit, covariance_of
+from .fit import FAR_OFF, Fit, covariance_of, far_off_gain
 from .flights import (
     DECAYS,
     LEAST_DAMPED,
@@ -54,6 +54,8 @@ NEAR_ENDS = 1e-3
 BLURRED, LAWFUL = 2e-3, 0.6
 #: Fewest impacts that tell something.
 LEAST_IMPACTS = 6
+#: Share of a step that is taken once the first ones are.
+DAMPED = 0.5
 #: What a flight counts at most where one more mode is tried.
 CLIPPED = 50.0
 #: Step for derivatives along the imaginary axis.
@@ -223,7 +225,7 @@ class Windows:
         for _ in range(STEPS):
             W, g = self.with_priors(now[4], now[5], self.common)
             W, g = W[np.ix_(free, free)], g[free]
-            scale = np.sqrt(np.diag(W))
+            scale = np.sqrt(np.maximum(np.diag(W), 0))
             scale[scale == 0] = 1
             A = W / np.outer(scale, scale)
             moved = False
@@ -265,7 +267,9 @@ class Windows:
         flight = np.searchsorted(self.times, t, side="right")
         since = t - self.begins[flight]
         waves = (self.waves(since, self.common)[0] * self.states[flight]).sum(axis=1)
-        inside = (since > self.after) | (flight == 0)
+        ahead = np.append(self.times, math.inf)[flight] - t
+        inside = ((since > self.after) | (flight == 0)) & (ahead > self.before)
+        inside &= t >= self.t[self.used[0]]
         return np.where(self.flies[flight] & inside, self.loaded(t) + waves, math.nan)
 
     def free(self) -> NDArray[np.int64]:
@@ -671,6 +675,10 @@ def by_laws(
             values | {f"exponent{end}": 0.0 for end in ends}
         ).items()}  # fmt: skip
     names = [name for name in ("mu", *law.names, "d") if name not in shared]
+    # the sensor of the motion has a gain, which is known to its calibration
+    calibration = windows.data.calibration
+    values["gain"] = 1.0
+    names += ["gain"] * (calibration > 0)
     free = flown.free[flown.free < 4]
     K = free.size
 
@@ -680,7 +688,7 @@ def by_laws(
         """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
         t, X, V, after = windows.events(states, common, flown.times)
         value = {**values, **{name: g[..., j, None] for j, name in enumerate(names)}}
-        z = X + 0.5 * signs * value["d"]
+        z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
@@ -749,6 +757,9 @@ def by_laws(
             F = flown.free.size
             information[:F, :F] += flown.weights
             slope = B.T @ solved[:, -1]
+            if calibration:
+                information[-1, -1] += calibration**-2
+                slope[-1] += (g[-1] - 1) / calibration**2
             step = -scaled_solve(information, slope, scales)
             new, dg = step[:F], step[F:]
             part = (
@@ -756,6 +767,8 @@ def by_laws(
                 if g.size
                 else 1.0
             )
+            # nonlinear equations may send it to and fro about the minimum
+            part = min(part, DAMPED) if rounds > 8 else part
             multiplier = solved[:, -1] + solved[:, :-1] @ step
             new_eta = np.zeros_like(eta)
             M = multiplier.reshape(n, 2)
@@ -772,7 +785,7 @@ def by_laws(
             )
             if not (np.isfinite(g).all() and np.isfinite(change).all()):
                 break
-            if rounds > 8 and part == 1 and (moved < 1e-4 or abs(old - chi) < 1e-4):
+            if rounds > 8 and part >= DAMPED and (moved < 1e-4 or abs(old - chi) < 1e-4):
                 converged = True
                 break
     if not converged:
@@ -781,6 +794,16 @@ def by_laws(
         )
     common = flown.common.copy()
     common[flown.free] += change
+    for place, name in ((2, "static"), (3, "phase")):
+        if name in windows.priors:
+            value, error = windows.priors[name]
+            if abs(common[place] - value) > FAR_OFF * error:
+                raise SingularError(
+                    f"the load by its channel is {abs(common[place] - value) / error:.3g} standard errors from that "
+                    f"by the motion; {HINT}"
+                )
+    if calibration and abs(g[-1] - 1) > FAR_OFF * calibration:
+        raise SingularError(far_off_gain(float(g[-1]), calibration))
     # errors grow with what the laws leave, and with noise that is stronger at low frequencies
     count = 2 * int(ok.sum())
     misfit = chi / max(1, count - g.size)
@@ -795,15 +818,24 @@ def by_laws(
         ),
         *names,
     ]
-    order = [name for name in ("omega", "xi", *names, "F0/K 0") if name in places]
+    order = [
+        name for name in ("omega", "xi", *names, "F0/K 0") if name in places and name != "gain"
+    ]
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
     values |= dict(zip(names, g.tolist(), strict=True))
     lawful[1:-1] = ok
+    if calibration:
+        # the length F0/K is in the units of the sensor
+        place = order.index("F0/K 0")
+        part = covariance[np.ix_(columns, columns)]
+        part[place, place] += (calibration * common[2]) ** 2
+    else:
+        part = covariance[np.ix_(columns, columns)]
     found = Fit(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
-        covariance[np.ix_(columns, columns)], [name for name in order if places.index(name) in vague],
-        [max(misfit, flown.colour)],
+        part, [name for name in order if places.index(name) in vague],
+        [misfit * flown.colour],
     )  # fmt: skip
     return found, law, lawful
 

@@ -24,6 +24,8 @@ NEAR = 0.05
 VAGUE = 0.5
 #: Share of what impacts do to the record that a fit leaves unexplained, above which it is none.
 BAD = 0.5
+#: Largest deviation of what was measured otherwise, in standard errors.
+FAR_OFF = 5.0
 
 
 @dataclass
@@ -40,6 +42,8 @@ class Fit:
     covariance: _Array
     undetermined: list[str]
     misfits: list[float]
+    #: What the sensor of the motion shows of 1, within its calibration.
+    gain: float = 1.0
 
 
 def fit(
@@ -57,12 +61,16 @@ def fit(
     count = len(records)
     free = [name for name in law.shared if name not in known]
     names = [*free, *(f"F0/K {i}" for i in range(count)), *(f"phase {i}" for i in range(count))]
+    # the sensor of the motion has a gain, which is known to its calibration
+    calibration = max(data.calibration if data.places.size else 0.0 for data in records)
+    ones = ["gain"] * (calibration > 0)
+    names += ones
     place = {name: i for i, name in enumerate(names)}
-    x = np.array([*(starts[name] for name in free), *lengths, *phases])
+    x = np.array([*(starts[name] for name in free), *lengths, *phases, *[1.0 for _ in ones]])
     typical = {name: law.typical(name, starts[name]) for name in law.names if name in free}
     typical["xi"] = max(starts["xi"], 0.005)
     scales = np.array(
-        [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *([1.0] * count)]
+        [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *[1.0] * (count + len(ones))]
     )  # fmt: skip
     # no step leaves what the parameters can be
     bounds = {"xi": (0.0, 0.9), **dict.fromkeys(("omega", "mu", "d"), (0.0, math.inf))}
@@ -105,6 +113,10 @@ def fit(
         ]
         both = [residuals_of(i, p, x) for i, p in enumerate(here)]
         sizes[:] = [f.size for f, _ in both]
+        if ones:
+            by = np.zeros((1, x.size))
+            by[0, -1] = 1 / calibration
+            both.append((np.array([(x[-1] - 1) / calibration]), by))
         return np.concatenate([f for f, _ in both]), np.vstack([J for _, J in both])
 
     def accept() -> None:
@@ -131,9 +143,13 @@ def fit(
             by = one.angles @ motion.by[0] + one.jumps @ motion.by[1]
             own = np.column_stack([one.omega, one.xi, one.static, one.phase])
             by[:, [0, 1, of_static, of_phase]] += own
-            both = np.column_stack([one.value - data.values, by]) / data.errors[:, None]
+            gain = float(x[place["gain"]]) if ones else 1.0
+            both = np.column_stack([gain * one.value - data.values, gain * by, one.value])
+            both /= data.errors[:, None]
             both -= data.beside @ (data.beside.T @ both)
-            row(both[:, 0], both[:, 1:])
+            row(both[:, 0], both[:, 1:-1])
+            if ones:
+                J[-1][:, -1] = both[:, -1]
         else:
             errors = data.angle_errors
             row((motion.angles - data.angles) / errors, motion.by[0] / errors[:, None])
@@ -164,6 +180,8 @@ def fit(
             f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted "
             f"residuals add up to {float(f @ f):.3g}; {HINT}"
         )
+    if ones and abs(x[-1] - 1) > FAR_OFF * calibration:
+        raise SingularError(far_off_gain(float(x[-1]), calibration))
     # what is projected out are degrees of freedom too
     freedoms = [size - data.beside.shape[1] for size, data in zip(sizes, records, strict=True)]
     found = finished(sizes, freedoms, records, x, f, J, names, place, shared(x), guesses, scales)
@@ -176,6 +194,14 @@ def fit(
     return found
 
 
+def far_off_gain(gain: float, calibration: float) -> str:
+    """What is said of a sensor that would have another gain than its calibration allows."""
+    return (
+        f"the motion is {gain:.4g} times that of what is known, with a calibration to {calibration:.3g}: what is "
+        f"known may be wrong, or the calibration; {HINT}"
+    )
+
+
 def explained(data: Measured, found: Fit, i: int, share: float) -> float:
     """Sum of squares that record i leaves, with a share of the jumps of the fitted motion."""
     if not data.places.size:
@@ -185,7 +211,7 @@ def explained(data: Measured, found: Fit, i: int, share: float) -> float:
         data, data.places, data.order, values["omega"], values["xi"], found.lengths[i], found.phases[i],
         motion.angles, share * motion.jumps,
     )  # fmt: skip
-    off = (here.value - data.values) / data.errors
+    off = (found.gain * here.value - data.values) / data.errors
     off -= data.beside @ (data.beside.T @ off)
     return float(off @ off)
 
@@ -215,10 +241,10 @@ def finished(
     freedom = max(1, sum(freedoms) - determined)
     misfit = float(f @ f) / freedom
     covariance *= max(1.0, misfit) * max(data.drift * data.colour for data in records)
-    kept = [name for name in names if not name.startswith("phase")]
+    kept = [name for name in names if not name.startswith(("phase", "gain"))]
     undetermined = [name for name in kept if place[name] in vague]
     columns = [place[name] for name in kept]
-    each = np.split(f, np.cumsum(sizes)[:-1])
+    each = np.split(f, np.cumsum(sizes))[:count]
     parts = [
         float(own @ own) / max(1, n - 4) * data.drift
         for own, n, data in zip(each, freedoms, records, strict=True)
@@ -228,4 +254,5 @@ def finished(
         [float(x[place[f"phase {i}"]]) for i in range(count)],
         list(motions), kept,
         covariance[np.ix_(columns, columns)], undetermined, parts,
+        float(x[place["gain"]]) if "gain" in place else 1.0,
     )  # fmt: skip

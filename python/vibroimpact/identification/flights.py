@@ -76,6 +76,8 @@ class Measured:
     #: ratios of variances.
     colour: float = 1.0
     drift: float = 1.0
+    #: Relative standard error of the calibration of the motion; that of the load is part of its error.
+    calibration: float = 0.0
     #: Which derivative of the displacement the motion is.
     order: int = 2
     #: (n, q) Orthonormal directions, over the errors, of what is projected out: offset and ringing.

@@ -29,6 +29,8 @@ from .tables import said, tables_of
 __all__ = ["Identification", "identify"]
 
 _Array = NDArray[np.float64]
+#: Relative standard error of the calibration of a sensor.
+CALIBRATION = 0.01
 #: The keys of &identify for them.
 OF_KEYS = {
     "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
@@ -393,6 +395,7 @@ class Identification(Noun, study="identify"):
             "law": keys.get("law", "constant"),
             "law_speed": keys.get("law_speed"),
             "law_knots": keys.get("law_knots"),
+            "calibration": keys.get("calibration", CALIBRATION),
         }
         if "impact_times" in keys:
             options |= {
@@ -443,6 +446,7 @@ def identify(
     law: str = "constant",
     law_speed: float | None = None,
     law_knots: int | None = None,
+    calibration: float = CALIBRATION,
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
@@ -490,6 +494,9 @@ def identify(
     law_knots : int, optional
         Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds, the
         outer ones a little beyond them.
+    calibration : float
+        Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
+        of all errors: that of the load and of the motion change xi at a resonance, and that of the motion lengths.
 
     Returns
     -------
@@ -528,7 +535,7 @@ def identify(
             raise ParameterError("impact_times: must be given without a record")
         return identified(
             impact_times=impact_times, impact_sides=impact_sides, frequency=frequency, load_phase=load_phase,
-            known=known, start=start, law=law, law_speed=law_speed, law_knots=law_knots,
+            known=known, start=start, law=law, law_speed=law_speed, law_knots=law_knots, calibration=calibration,
         )  # fmt: skip
     if record is None:
         if not given:
@@ -553,7 +560,7 @@ def identify(
         raise ParameterError("record = []: must be at least one record")
     return identified(
         [one_record(item) for item in several], frequency=frequency, known=known, start=start, law=law,
-        law_speed=law_speed, law_knots=law_knots,
+        law_speed=law_speed, law_knots=law_knots, calibration=calibration,
     )  # fmt: skip
 
 
@@ -575,12 +582,17 @@ def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
-    law_knots: int | None = None, case: str = "",
+    law_knots: int | None = None, calibration: float = CALIBRATION, case: str = "",
 ) -> Identification:  # fmt: skip
     """All steps; arguments as of `identify`."""
     if frequency is not None:
         frequency = positive(frequency, "frequency")
     scale, shared = known_values(known or {})
+    calibration = positive(calibration, "calibration", zero=True)
+    if not calibration < 1:
+        raise ParameterError(
+            f"calibration = {calibration!r}: must be below 1, such as 0.01 for 1 %"
+        )
     law = checks.choice(law, "law", KINDS)
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
@@ -616,7 +628,8 @@ def identified(
         steps = [of_times(impact_times, impact_sides, frequency, load_phase, scale, shared)]
     else:
         steps = [
-            of_record(record, frequency, scale, i, len(records)) for i, record in enumerate(records)
+            of_record(record, frequency, scale, i, len(records), calibration)
+            for i, record in enumerate(records)
         ]
     steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed)
     return Identification(tables_of(steps, found, scale, shared, own, case))

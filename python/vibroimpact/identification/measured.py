@@ -249,6 +249,8 @@ class VirtualRig:
         velocity at the sensor over that of the primary mass. A share of 0 is none.
     drift : float
         Share by which the coefficients of restitution fall from the start to the end of a record.
+    calibration : float
+        Relative standard deviation of the gains of both sensors, drawn once for each record.
     amplitude : float
         The load amplitude of a record differs from F0 by up to this share; drawn once for each record.
 
@@ -282,12 +284,24 @@ class VirtualRig:
     ring_share: float = 0.3
     drift: float = 0.0
     amplitude: float = 0.0
+    calibration: float = 0.0
 
     def __post_init__(self) -> None:
         above = ("M", "K", "m", "d", "F0", "frequency", "rate", "bandwidth", "ring_frequency")
-        for name in (*above, "xi", "ring_damping", "ring_share", "drift", "amplitude"):
+        for name in (
+            *above,
+            "xi",
+            "ring_damping",
+            "ring_share",
+            "drift",
+            "amplitude",
+            "calibration",
+        ):
             value = positive(getattr(self, name), name, zero=name not in above)
-            if name in ("xi", "drift", "amplitude", "ring_damping") and not value < 1:
+            if (
+                name in ("xi", "drift", "amplitude", "calibration", "ring_damping")
+                and not value < 1
+            ):
                 raise ParameterError(f"{name} = {value!r}: must be a number with 0 <= {name} < 1")
             object.__setattr__(self, name, value)
         for name in ("M", "K", "m"):
@@ -451,7 +465,11 @@ class VirtualRig:
         lead = before / self.rate
         moved, load = self._sensed(phase, lead + duration, before + n, F0, quantity, settle, motion)
         channels: dict[str, Any] = {}
-        for name, clean in (("load", load[before:]), (quantity, moved[before:])):
+        gains = 1 + self.calibration * np.random.default_rng([seed, 1]).standard_normal(2)
+        for name, clean in (
+            ("load", gains[0] * load[before:]),
+            (quantity, gains[1] * moved[before:]),
+        ):
             noise = 0.0
             if self.snr is not None:
                 noise = math.sqrt(float(np.mean(clean**2))) * 10 ** (-self.snr / 20)

@@ -118,7 +118,7 @@ def identified_by(
     failed: SingularError | None = None
     if any(step.data is None for step in steps):
         return apart(steps, *given)
-    for attempt in ("as it is", "fewer", "apart", "twice"):
+    for attempt in ("as it is", "fewer", "exactly", "apart", "twice"):
         others = [copy(step) for step in steps]
         measured = [step for step in others if step.record is not None]
         if failed is not None and not measured:
@@ -135,7 +135,11 @@ def identified_by(
                     step.data = replace(step.data, k=2 * step.data.k)
                     if step.data.k > step.most_cycles:
                         raise SingularError("too few periods")
-                flown(step, scale, shared, guess, attempt == "fewer")
+                if attempt == "exactly" and not (
+                    step.data.calibration and step.data.F0 is not None
+                ):
+                    raise SingularError("the sensors are exact, or there is no load")
+                flown(step, scale, shared, guess, attempt == "fewer", attempt == "exactly")
             if not all(step.rhythm.status == "periodic" for step in others):
                 single = apart(steps, *given)
                 if clear(single[1]):

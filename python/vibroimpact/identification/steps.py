@@ -68,21 +68,24 @@ class Step:
         #: sample.
         self.free: FreeFit | None = None
         self.fold: Folded | None = None
-        #: By the load cycles of a period; copies of a step share them.
-        self.known_flights: dict[int, tuple[FreeFit, Folded]] = {}
+        #: By the load cycles of a period, and whether the sensors are exact; copies of a step share them.
+        self.known_flights: dict[tuple[int, bool], tuple[FreeFit, Folded]] = {}
         self.noise = math.nan
         #: Largest number of load cycles in a period.
         self.most_cycles = 0
         #: Amplitude of the load by its channel, and its error (N).
         self.F0: float | None = None
         self.F0_error = math.nan
+        #: Its error without that of the calibration.
+        self.F0_scatter = math.nan
         #: What is doubtful.
         self.notes: list[str] = []
 
 
 def of_record(
-    record: SensorRecord, frequency: float | None, scale: Mapping[str, float], i: int, count: int
-) -> Step:
+    record: SensorRecord, frequency: float | None, scale: Mapping[str, float], i: int, count: int,
+    calibration: float = 0.0,
+) -> Step:  # fmt: skip
     """The steps before the fit; errors name what is wrong with the record."""
     where = (record.name and f"{record.name}: ") or (f"record {i + 1}: " if count > 1 else "")
     quantity = next((name for name in MOTIONS if getattr(record, name) is not None), None)
@@ -152,7 +155,9 @@ def of_record(
         most = int(min(0.4 * rate * 2 * math.pi / Omega, MOTION_TONES)) * k
         Omega += k * tones(values, rate, Omega / k, most).off
         step.Omega = Omega
-    data = Measured(Omega, max(k, 1), order=order, colour=colour, drift=drift)
+    data = Measured(
+        Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration
+    )
     if step.load is not None:
         # both channels have the same delay, which only shifts the times of the impacts
         size = float(abs(step.load.values[1]))
@@ -165,6 +170,9 @@ def of_record(
         passed = sensor_response(
             np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi), record.bandwidth
         )
+        assert step.F0 is not None
+        step.F0_scatter = step.F0_error
+        step.F0_error = math.hypot(step.F0_error, calibration * step.F0)
         data.F0, data.F0_error = step.F0, step.F0_error
         clear = [
             j
@@ -195,35 +203,43 @@ def known_of(
     stiffness = scale.get("K", scale.get("M", math.nan) * (omega or math.nan) ** 2)
     if data.F0 is not None and math.isfinite(stiffness):
         static = data.F0 / stiffness
-        priors["static"] = static, max(data.F0_error / stiffness, 1e-6 * static)
+        # as the sensor of the motion shows it
+        error = math.hypot(data.F0_error / stiffness, data.calibration * static)
+        priors["static"] = static, max(error, 1e-6 * static)
     if data.phase is not None:
         priors["phase"] = data.phase, max(data.phase_error, 1e-6)
     if "xi" in known:
         priors["xi"] = known["xi"], 1e-9
     force = None
     if omega is None and data.F0 is not None and "M" in scale:
-        force = scale["M"], data.F0, max(data.F0_error, 1e-6 * data.F0)
+        force = (
+            scale["M"],
+            data.F0,
+            math.hypot(data.F0_error, max(data.calibration, 1e-6) * data.F0),
+        )
     return omega, priors, force
 
 
 def flown(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
-    fewer: bool = False,
+    fewer: bool = False, exactly: bool = False,
 ) -> None:  # fmt: skip
     """The free flights of a record, from which its impacts are known below the sample; perhaps without the
-    weakest."""
+    weakest, and perhaps as if the sensors were exact, from which a fit may start."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
     values: _Array = getattr(record, step.quantity)
-    omega, priors, force = known_of(data, scale, known)
+    trusted = replace(data, F0_error=step.F0_scatter, calibration=0.0) if exactly else data
+    omega, priors, force = known_of(trusted, scale, known)
     fold = folded(values, record.rate, data.Omega, data.k, PLACES)
     flights = Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
-    if data.k in step.known_flights:
-        free, flights.fold = step.known_flights[data.k]
+    which = data.k, exactly
+    if which in step.known_flights:
+        free, flights.fold = step.known_flights[which]
     else:
         free = flights.best(onsets(values, record.rate, data.Omega, data.k))
-        step.known_flights[data.k] = free, flights.fold
+        step.known_flights[which] = free, flights.fold
     if fewer and free.data.angles.size > 2:
         free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
     if free.misfit > HOPELESS:

@@ -168,7 +168,7 @@ def tables_of(
             (
                 False,
                 f"undetermined: {names_of}; what would help most is one of them as known ({more}), or a record at "
-                "another frequency",
+                "another frequency, or one that is not periodic",
             )
         )
     if found is not None and law.shape in ASSUMED:
@@ -226,7 +226,7 @@ def modelled(data: Measured, i: int, step: Step, found: Fit, angles: Any) -> Any
     assert fold is not None
 
     def at(angles: Any) -> Any:
-        value = free.offset + predicted(
+        value = free.offset + found.gain * predicted(
             data, angles, data.order, found.values["omega"], found.values["xi"], found.lengths[i],
             found.phases[i], motion.angles, motion.jumps,
         ).value  # fmt: skip

@@ -144,7 +144,8 @@ def draw_motion(ax: Any, found: Identification, record: int) -> None:
     t, motion, fitted = samples(found, record, "time", "motion", "motion_fit")
     ax.plot(t, motion, color="0.75", lw=2.5, label="record")
     if np.isfinite(fitted).any():
-        ax.plot(t, fitted, color=style.PRIMARY, lw=0.6, label="fitted exact motion")
+        what = "fitted exact motion" if found.pattern_of(record) else "fitted flights"
+        ax.plot(t, fitted, color=style.PRIMARY, lw=0.6, label=what)
     ax.set_ylabel(LABELS[found._one("quantity", record)])
     ax.set_xlabel("$t$ (s)")
     legend(ax)

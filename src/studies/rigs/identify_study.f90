@@ -41,6 +41,8 @@ module vi_identify_study
       key_type('bandwidth', low=tiny_value, high=huge_value, never=with_times, may_miss=.true., &
       unit='Hz', meaning='-3 dB frequency of the low-pass (Butterworth, order 4) of the motion&
       & channel; by default none'), &
+      key_type('calibration', low=0.0_wp, high=0.5_wp, never=with_times, may_miss=.true., &
+      meaning='relative standard error of the calibration of each sensor; by default 0.01'), &
       key_type('primary_mass', low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
       meaning='M, if it is known'), &
       key_type('spring', low=tiny_value, high=huge_value, may_miss=.true., unit='N/m', &
