@@ -41,7 +41,8 @@ def scored(seed, kind, chaos):
     except vi.VibroimpactError:
         return "doubtful", [], time.perf_counter() - begin
     spent = time.perf_counter() - begin
-    if found.doubts or found.undetermined or (found.pattern is None) != chaos:
+    vague = found.oscillator is None or found.undetermined or found.doubts
+    if vague or (found.pattern is None) != chaos:
         return "doubtful", [], spent
     if not chaos:
         _, k, sides = made[1:]

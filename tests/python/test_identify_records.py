@@ -1,11 +1,12 @@
 """Ten records made by an independent generator, of which all parameters are known.
 
-Its model: exact flights of the pair by matrix exponentials; each impact is a half sine of finite duration (0.2 to
-1 ms), whose area is the jump of the velocity of M, followed by the ringing of a second mode (430 Hz, decay 180
-1/s, 15 % of the jump; none in g); white noise on both channels. The accelerations of h and i pass a low-pass of 600 and
-2000 Hz, which is not known, and the load cell of i shows 1 % too much. a to i are periodic, j is chaotic. Of each
-record the first seconds are kept, as second differences of whole steps of half the noise; `*_truth` has the rate
-(Hz), the steps of load (N) and acceleration (m/s^2), xi, mu, R of both walls, d (m) and F0 (N).
+Its model: exact flights of the pair by matrix exponentials; each impact is a half sine of finite duration (0.2
+to 1 ms), whose area is the jump of the velocity of M, followed by the ringing of a second mode (430 Hz, decay
+180 1/s, 15 % of the jump; none in g); white noise on both channels. The accelerations of h and i pass a low-pass
+of 600 and 2000 Hz, which is not known, and the load cell of i shows 1 % too much. a to i are periodic, j is
+chaotic. Of each record the first seconds are kept, as second differences of whole steps of half the noise;
+`*_truth` has the rate (Hz), the steps of load (N) and acceleration (m/s^2), xi, mu, R of both walls, d (m) and
+F0 (N).
 """
 
 from pathlib import Path

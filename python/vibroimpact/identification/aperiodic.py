@@ -233,6 +233,7 @@ class Windows:
                 step = np.linalg.solve(A + damping * np.eye(free.size), g / scale) / scale
                 common = self.common.copy()
                 common[free] += step
+                common[1] = max(common[1], 0.0)
                 if self.allowed(common):
                     trial = self.fitted(common)
                     total = self.total(trial[3], common)
@@ -406,8 +407,7 @@ class Windows:
 
     def jumps_of(self, states: _Array) -> _Array:
         """Jumps of the velocity where flights meet, 0 where they do not."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            here = self.events(states, self.common, self.times)
+        here = self.events(states, self.common, self.times)
         return np.where(self.flies[:-1] & self.flies[1:], here[3] - here[2], 0.0)
 
     def lengths(self, now: tuple[Any, ...]) -> None:
@@ -421,6 +421,7 @@ class Windows:
         self.after = max(after, SHRINK * self.after)
         self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
 
+    @np.errstate(all="ignore")  # where flights are none, or do not meet
     def events(self, states: Any, common: Any, times: Any) -> Any:
         """Where flights meet: times, displacements, velocities before and after (4, ..., N).
 
@@ -441,8 +442,7 @@ class Windows:
         before, after = states[..., :-1, :], states[..., 1:, :]
         both = [free(before, self.begins[:-1], times), free(after, self.begins[1:], times)]
         slope = both[1][1] - both[0][1]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            t = times - (both[1][0] - both[0][0]) / slope
+        t = times - (both[1][0] - both[0][0]) / slope
         X, V = free(before, self.begins[:-1], t)
         V_after = free(after, self.begins[1:], t)[1]
         load, speed = under_load(self.data, omega, xi, static, phase, t)
@@ -799,8 +799,8 @@ def by_laws(
             value, error = windows.priors[name]
             if abs(common[place] - value) > FAR_OFF * error:
                 raise SingularError(
-                    f"the load by its channel is {abs(common[place] - value) / error:.3g} standard errors from that "
-                    f"by the motion; {HINT}"
+                    f"the load by its channel is {abs(common[place] - value) / error:.3g} standard errors from "
+                    f"that by the motion; {HINT}"
                 )
     if calibration and abs(g[-1] - 1) > FAR_OFF * calibration:
         raise SingularError(far_off_gain(float(g[-1]), calibration))
