@@ -65,7 +65,8 @@ class Identification(Noun, study="identify"):
     ----------
     status : str
         What the impacts do: "periodic", "not periodic", "accumulation", "rest" or "no impacts". Only periodic
-        records have motions, and parameters that are fitted.
+        records have motions and patterns; of others the flights between impacts give parameters, as far as they
+        can.
     values, errors : dict
         The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
         were fitted; infinite where the records do not determine a parameter. Laws of restitution add theirs.
@@ -455,7 +456,8 @@ def identify(
     predict. Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of
     the velocity at instants that are fitted, and modes that ring after the impacts, are fitted outside of the
     pulses, whose lengths the data tell. So the shape of a contact does not matter, nor a delay of the sensor of
-    the motion. Exact motions are then fitted to the same data, weighted by the scatter of the samples.
+    the motion. Where nothing repeats, each flight has its own state, and momentum and restitution where flights
+    meet give the parameters. Exact motions are then fitted to the same data, weighted by the scatter of the samples.
 
     Parameters
     ----------
