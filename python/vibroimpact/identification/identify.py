@@ -456,8 +456,9 @@ def identify(
     predict. Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of
     the velocity at instants that are fitted, and modes that ring after the impacts, are fitted outside of the
     pulses, whose lengths the data tell. So the shape of a contact does not matter, nor a delay of the sensor of
-    the motion. Where nothing repeats, each flight has its own state, and momentum and restitution where flights
-    meet give the parameters. Exact motions are then fitted to the same data, weighted by the scatter of the samples.
+    the motion. Exact motions are then fitted to the same data, weighted by the scatter of the samples. Where
+    nothing repeats, each flight has its own state, and momentum and restitution where flights meet give the
+    parameters.
 
     Parameters
     ----------
