@@ -142,7 +142,9 @@ def record(rig, seed=0, settle=400):
     load = rig.F0 * np.sin(2 * math.pi * rig.frequency * (t + first))
     a = a + rig.offset + rig.noise * a.std() * random.standard_normal(t.size)
     load = load + 0.01 * load.std() * 2**0.5 * random.standard_normal(t.size)
-    gains = 1 + rig.calibration * np.random.default_rng([seed, round(1e9 * rig.xi)]).standard_normal(2)
+    gains = 1 + rig.calibration * np.random.default_rng(
+        [seed, round(1e9 * rig.xi)]
+    ).standard_normal(2)
     load, a = gains[0] * load, gains[1] * a
     inside = (impacts[:, 0] >= first) & (impacts[:, 0] < first + rig.duration)
     shown = impacts[inside] - [first, 0, 0]
