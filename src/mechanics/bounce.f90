@@ -4,16 +4,16 @@
 !! speed, so that ever shorter bounces keep their relative accuracy.
 module vi_bounce
    use vi_kinds, only: wp
-   use vi_transition, only: bounds_after, moment_of, transition_type
+   use vi_march, only: bounds_after, moment_of
+   use vi_transition, only: longest => shortest_flight, transition_type
    implicit none (type, external)
    private
 
    public :: bounce, falls, series
 
-   !> Terms of the series, and the time (over the shortest time scale) for which it is used: the
-   !! omitted terms are below 0.1^10/10! = 3e-17 of the amplitude.
+   !> Terms of the series; for times up to `longest` (over the shortest time scale) the omitted ones
+   !! are below 0.1^10/10! = 3e-17 of the amplitude.
    integer, parameter :: terms = 9
-   real(wp), parameter :: longest = 0.1_wp
 
 contains
 
@@ -100,7 +100,7 @@ contains
       real(wp), intent(in) :: k(0:), end, s, c, x, x_dot
       real(wp) :: bounds(0:2), bound, steepest
 
-      bounds = bounds_after(m, moment_of(m, s, c, x, x_dot))
+      bounds = bounds_after(m, moment_of(m, s, c, x, x_dot, 0.0_wp, 0.0_wp))
       bound = 0.2_wp*bounds(2)
       steepest = max(k(1), k(1) + end*k(2), k(1) + end*(2*k(2) + 3*end*k(3)))
       falls = steepest + bound*end**3/6 < 0 .and. &

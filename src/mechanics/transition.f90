@@ -11,7 +11,7 @@ module vi_transition
    implicit none (type, external)
    private
 
-   public :: bounds_after, idle_time, moment_after, moment_of, new_transition
+   public :: idle_time, moment_after, new_transition
 
    !> Sizes of cells: their half widths are 1, 2, 4 and 8 nodes.
    integer, parameter, public :: largest = 3
@@ -20,8 +20,12 @@ module vi_transition
    !> Cells of all sizes, and the first one of each size.
    integer, parameter :: cells = nodes - nodes/2**(largest + 1)
    integer, parameter, public :: first_cell(0:largest) = nodes - nodes/[1, 2, 4, 8]
-   !> Terms of each parity for a step of half a time scale: 0.5^16/16! = 7e-19 is left out.
-   integer, parameter :: terms = 8
+   !> Terms of a step from the nearest node, which is not longer than the distance between nodes:
+   !! 0.125^12/12! = 3e-20 is left out.
+   integer, parameter, public :: terms = 12
+   !> A flight in which a gap closes after this share of the shortest time scale is left to
+   !! vi_bounce.
+   real(wp), parameter, public :: shortest_flight = 0.1_wp
 
    !> The four functions are u and v, the free motions with u = 1, u' = 0 and v = 0, v' = 1 at 0,
    !! and cos(r t), sin(r t).
@@ -34,12 +38,14 @@ module vi_transition
       real(wp) :: in_phase = 0, behind = 0
       !> Amplitudes of the derivatives of the forced part of orders 0, 4 and 5.
       real(wp) :: forced(0:2) = 0
-      !> Distance between the nodes, 1/8 of the shortest time scale.
-      real(wp) :: h = 0
+      !> Distance between the nodes, 1/8 of the shortest time scale, and its inverse.
+      real(wp) :: h = 0, inverse_h = 0
       !> The functions at t = j h.
       real(wp) :: table(4, 0:nodes)
-      !> Their Taylor coefficients: even and odd ones of u, of v, those of cos, of sin.
-      real(wp) :: taylor(6, 0:terms - 1)
+      !> (function, power): their Taylor coefficients around 0.
+      real(wp) :: taylor(4, 0:terms - 1)
+      !> Those of powers 2 to 5, (power, function).
+      real(wp) :: higher(4, 4)
       !> (Bernstein coefficient, function, cell): cubics near the functions and their derivatives.
       real(wp) :: position(4, 4, 0:cells - 1), velocity(4, 4, 0:cells - 1)
       !> (.., size): the same for (f(t) - f(0) - f'(0) t)/t in a cell at the start.
@@ -66,7 +72,6 @@ contains
       real(wp), intent(in) :: xi, r, in_phase, behind
       !> All tables filled.
       type(transition_type), intent(out) :: m
-      real(wp), dimension(0:2*terms - 1) :: u, v, c
       integer :: n
 
       m%xi = xi
@@ -78,23 +83,17 @@ contains
       m%behind = behind
       m%forced = hypot(in_phase, behind)*[1.0_wp, r**4, r**5]
       m%h = 0.125_wp/max(1.0_wp, r)
+      m%inverse_h = 1/m%h
       do n = 0, nodes
          m%table(:, n) = later(m, n*m%h)
       end do
-      u(0:1) = [1, 0]
-      v(0:1) = [0, 1]
-      c(0:1) = [1.0_wp, r]
-      do n = 2, 2*terms - 1
-         u(n) = -(2*xi*(n - 1)*u(n - 1) + u(n - 2))/(n*(n - 1))
-         v(n) = -(2*xi*(n - 1)*v(n - 1) + v(n - 2))/(n*(n - 1))
-         c(n) = -r**2*c(n - 2)/(n*(n - 1))
+      m%taylor(:, 0) = [1, 0, 1, 0]
+      m%taylor(:, 1) = [0.0_wp, 1.0_wp, 0.0_wp, r]
+      do n = 2, terms - 1
+         m%taylor(:2, n) = -(2*xi*(n - 1)*m%taylor(:2, n - 1) + m%taylor(:2, n - 2))/(n*(n - 1))
+         m%taylor(3:, n) = -r**2*m%taylor(3:, n - 2)/(n*(n - 1))
       end do
-      m%taylor(1, :) = u(0::2)
-      m%taylor(2, :) = u(1::2)
-      m%taylor(3, :) = v(0::2)
-      m%taylor(4, :) = v(1::2)
-      m%taylor(5, :) = c(0::2)
-      m%taylor(6, :) = c(1::2)
+      m%higher = transpose(m%taylor(:, 2:5))
       do n = 0, largest
          call set_cubics(m, n)
       end do
@@ -180,20 +179,6 @@ contains
       c(:, 4) = f(4)*b(:, 3) + f(3)*b(:, 4)
    end function shifted
 
-   !> The state of the primary mass at a phase of the load; the free mass is left at 0.
-   pure function moment_of(m, s, c, x, x_dot) result(at)
-      !> Tables of the run; only r and the forced part are read.
-      type(transition_type), intent(in) :: m
-      !> Sine and cosine of the load phase, position (F0/K) and velocity (omega F0/K).
-      real(wp), intent(in) :: s, c, x, x_dot
-      type(moment_type) :: at
-
-      at%sine = m%in_phase*s - m%behind*c
-      at%cosine = m%in_phase*c + m%behind*s
-      at%free = x - at%sine
-      at%free_dot = x_dot - m%r*at%cosine
-   end function moment_of
-
    !> The state a time t after another one.
    pure function moment_after(m, from, t) result(to)
       !> Tables of the run; only xi and r are read.
@@ -213,21 +198,6 @@ contains
       to%z = from%z + from%z_dot*t
       to%z_dot = from%z_dot
    end function moment_after
-
-   !> Bounds on the derivatives of x of orders 0, 4 and 5 from a given state on.
-   !!
-   !! A derivative does not change the amplitude of the free part, and multiplies that of the forced
-   !! part by r.
-   pure function bounds_after(m, at) result(bounds)
-      !> Tables of the run.
-      type(transition_type), intent(in) :: m
-      !> State from which the bounds hold.
-      type(moment_type), intent(in) :: at
-      real(wp) :: bounds(0:2)
-
-      bounds = sqrt(at%free**2 + m%inverse*(at%free_dot + m%xi*at%free)**2)
-      bounds = (bounds + m%forced)*(1 + 16*epsilon(1.0_wp))
-   end function bounds_after
 
    !> How long no contact is possible: the time (1/omega) for which both walls are out of reach even
    !! at the greatest amplitude of x; 0 where that is not certain.

@@ -6,11 +6,11 @@ module mechanics_bounds
    use random_systems, only: pi
    use vi_bounce, only: bounce, falls, series
    use vi_flight, only: flight_type, new_flight
-   use vi_march, only: direction
+   use vi_march, only: bounds_after, direction, moment_of
    use vi_kinds, only: wp
    use vi_oscillation, only: derivative_bound, derivatives
-   use vi_transition, only: bounds_after, first_cell, idle_time, largest, moment_of, moment_type, &
-      new_transition, nodes, transition_type
+   use vi_transition, only: first_cell, idle_time, largest, moment_type, new_transition, nodes, &
+      transition_type
    implicit none (type, external)
    private
 
@@ -68,7 +68,7 @@ contains
       end if
       b%flight = new_flight(xi, r, amplitude, phase - lag, b%x, b%x_dot, 0.0_wp, 0.0_wp, 1.0_wp)
       call new_transition(xi, r, amplitude*cos(lag), amplitude*sin(lag), b%m)
-      b%at = moment_of(b%m, b%s, b%c, b%x, b%x_dot)
+      b%at = moment_of(b%m, b%s, b%c, b%x, b%x_dot, 0.0_wp, 0.0_wp)
    end subroutine draw_both
 
    !> Bounds on derivatives from a time on, against many samples after it.
@@ -410,7 +410,7 @@ contains
       b%flight = new_flight(xi, r, abs(response), phase + atan2(response%im, response%re), b%x, &
          b%x_dot, 0.0_wp, 0.0_wp, 1.0_wp)
       call new_transition(xi, r, response%re, -response%im, b%m)
-      b%at = moment_of(b%m, b%s, b%c, b%x, b%x_dot)
+      b%at = moment_of(b%m, b%s, b%c, b%x, b%x_dot, 0.0_wp, 0.0_wp)
    end subroutine draw_system
 
    !> The acceleration at the start.

@@ -173,7 +173,8 @@ contains
       call check(status == stat%ok .and. rests > 4 .and. n > 3*rests, 'history: flights and rests')
    end subroutine test_history
 
-   !> The last cycles of a long simulation.
+   !> The last cycles of a simulation that is longer than chaotic transients, which last 600 cycles
+   !! on average.
    subroutine settle(system, finish)
       type(forced_system_type), intent(in) :: system
       type(end_type), intent(out) :: finish
@@ -181,7 +182,7 @@ contains
       type(event_type), allocatable :: events(:)
       integer :: status
 
-      call simulate_case(system, [0.0_wp, 0.1_wp, 0.0_wp, 0.1_wp, 0.5_wp], 12.0_wp, 1500.0_wp, &
+      call simulate_case(system, [0.0_wp, 0.1_wp, 0.0_wp, 0.1_wp, 0.5_wp], 12.0_wp, 9000.0_wp, &
          1000000, moments, events, status)
       call check(status == stat%ok .and. size(events) >= 24, 'a simulation with impacts')
       finish%of = [system%r, system%load, system%clearance, &

@@ -1,4 +1,4 @@
-!> The data of a simulation: the forced system, its state, and its events.
+!> The forced system of a simulation, its state, and what follows from them.
 module vi_forced_system
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_contact, only: departure_type
@@ -7,47 +7,17 @@ module vi_forced_system
    use vi_oscillation, only: oscillation_type
    use vi_oscillator, only: gain, lag, oscillator_type
    use vi_parting, only: leading_order
+   use vi_processor, only: runs_wide
    use vi_rest, only: new_rest
-   use vi_transition, only: new_transition, transition_type
+   use vi_simulation, only: event_type, forced_system_type, impact_event, release_event, &
+      state_type, stick_event
+   use vi_transition, only: new_transition
    implicit none (type, external)
    private
 
+   public :: forced_system_type, state_type, event_type, impact_event, stick_event, release_event
    public :: new_forced_system, initial_state, least_clearance, state_time, flight_from, &
       rest_from, departure_from, stays_together
-
-   !> Kinds of events.
-   integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3
-
-   !> The system in motion: oscillator, frequency ratio, load amplitude f, clearance (same unit).
-   type, public :: forced_system_type
-      type(oscillator_type) :: osc
-      real(wp) :: r = 1, load = 1, clearance = 1
-      !> Amplitude of the motion without impacts, and its lag behind the load, equation (4).
-      real(wp) :: amplitude = 0, lag = 0
-      !> Tables that advance both parts of x in time.
-      type(transition_type) :: transition
-   end type forced_system_type
-
-   !> State of the system (lengths in F0/K, velocities in omega F0/K). The load phase r t is kept as
-   !! whole cycles and the remainder, so that its error does not grow with time.
-   type, public :: state_type
-      integer(int64) :: cycle = 0
-      !> In [0, 2 pi).
-      real(wp) :: phase = 0
-      real(wp) :: x = 0, x_dot = 0, z = 0, z_dot = 0
-      !> +1 or -1 while on a wall, 0 inside.
-      integer :: side = 0
-      !> On a wall: the departure speed, whether the free mass rests there or was just released.
-      real(wp) :: speed = 0
-      logical :: resting = .false., released = .false.
-   end type state_type
-
-   !> An impact, or the beginning or the end of a rest.
-   type, public :: event_type
-      integer :: kind, side
-      integer(int64) :: cycle
-      real(wp) :: phase, x, x_dot_before, x_dot_after, z_dot_before, z_dot_after
-   end type event_type
 
 contains
 
@@ -66,6 +36,7 @@ contains
       system%clearance = clearance
       system%amplitude = load*gain(osc%xi, r)
       system%lag = lag(osc%xi, r)
+      system%wide = runs_wide() /= 0
       call new_transition(osc%xi, r, system%amplitude*cos(system%lag), &
          system%amplitude*sin(system%lag), system%transition)
    end function new_forced_system

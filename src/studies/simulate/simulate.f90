@@ -8,7 +8,8 @@ module vi_simulate
       stick_event
    use vi_bounce, only: bounce
    use vi_kinds, only: two_pi, wp
-   use vi_march, only: march, touch_type
+   use vi_march, only: fly, march, touch_type
+   use vi_march_wide, only: fly_wide => fly
    use vi_oscillation, only: derivatives
    use vi_oscillator, only: left, oscillator_type, right
    use vi_progress, only: is_stopped
@@ -59,6 +60,11 @@ contains
       n = 0
       status = stat%ok
       do
+         if (system%wide) then
+            call fly_wide(system, state, last_cycle, last_phase, events, n)
+         else
+            call fly(system, state, last_cycle, last_phase, events, n)
+         end if
          remaining = time_left(system, state, last_cycle, last_phase)
          if (n < size(events)) then
             call go_on(system, state, remaining, events(n + 1), found, status)
