@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""Counts the instructions of nine kinds of computation, and compares them with kept numbers.
+
+usage: check_instructions.py PROGRAM [--renew]
+
+PROGRAM is vibroimpact-batch of a release build. Counts, unlike times, do not depend on what else the machine does,
+but on the compiler, the C library and the kind of processor: those of another combination are not compared. A
+change that is meant, or needed for correctness, is kept by --renew.
+"""
+
+import json
+import os
+import platform
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+KEPT = Path(__file__).with_name("instructions.json")
+#: Largest growth that passes; where a motion is chaotic, the last bits change the number of impacts.
+GROWTH = 0.03
+SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75{} /\n"
+STRUCTURE = """&structure mass = 1, 0.042, damping = 0.01, 0, stiffness = 1, 0 /
+&gap direction = -1, 1, opening = 18.5, restitution = 0.75 /
+&gap direction = 1, -1, opening = 18.5, restitution = 0.75 /
+&load frequency = 0.94, sine = 1, 0 /
+"""
+CASES = {
+    "simulation, stable": SYSTEM.format(", r = 1.04")
+    + "&simulate clearance = 25, discard = 20000, cycles = 1 /",
+    "simulation, chaotic": SYSTEM.format(", r = 1.02")
+    + "&simulate clearance = 11.25, discard = 12000, cycles = 1 /",
+    "basins": SYSTEM.format(", r = 0.94")
+    + "&basins clearance = 37, axes = 'x', 'x_dot', low = -30, -30, "
+    "high = 30, 30, values = 4, 4 /",
+    "response": SYSTEM.format("")
+    + "&response r_min = 0.98, r_max = 1.02, r_points = 3, clearance = 25, states = 3 /",
+    "Lyapunov exponents": SYSTEM.format(", r = 1.04")
+    + "&lyapunov clearance = 12, x_dot = 6, z_dot = 9, cycles = 500 /",
+    "chart": SYSTEM.format("")
+    + "&chart sides = 'RL', symmetric = 'yes', r_min = 0.8, r_max = 1.2, r_points = 20, "
+    "clearance_min = 2, clearance_max = 200, clearance_points = 20 /",
+    "zone": SYSTEM.format("")
+    + "&zone sides = 'RRL', r_min = 0.95, r_max = 1.1, clearance_min = 10, "
+    "clearance_max = 60, lines = 5 /",
+    "simulation of a structure": STRUCTURE.replace("0.01, 0", "0.01, 0.001")
+    + "&simulate discard = 2000, cycles = 1 /",
+    "exact motion of a structure": STRUCTURE + "&motion gaps = 0, 1, phases_over_pi = 0.52, 1.9 /",
+}
+
+
+def count(program, text):
+    """Instructions of a case, with those of the program's start and of writing its few lines."""
+    with tempfile.TemporaryDirectory() as folder:
+        case = Path(folder, "case.nml")
+        case.write_text(text + "\n&output name = 'case' /\n", encoding="utf-8")
+        counter = [
+            "valgrind",
+            "--tool=cachegrind",
+            "--cache-sim=no",
+            "--cachegrind-out-file=/dev/null",
+        ]
+        alone = {
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            "OPENBLAS_CORETYPE": "Haswell",
+        }
+        run = subprocess.run(
+            [*counter, program, str(case), "-o", folder],
+            capture_output=True,
+            text=True,
+            env=os.environ | alone,
+        )
+    found = re.search(r"I\s+refs:\s+([\d,]+)", run.stderr)
+    if run.returncode or not found:
+        sys.exit(f"{text}\n{run.stdout[-500:]}\n{run.stderr[-1500:]}")
+    return int(found[1].replace(",", ""))
+
+
+def combination():
+    """Compiler, C library and kind of processor."""
+    compiler = subprocess.run(
+        ["gfortran", "-dumpfullversion"], capture_output=True, text=True
+    ).stdout.strip()
+    flags = (
+        Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
+    )
+    wide = next((name for name in ("avx512f", "avx2") if name in flags), "plain")
+    return f"gfortran {compiler}, {' '.join(platform.libc_ver())}, {platform.machine()} {wide}"
+
+
+def main():
+    """Count, and compare or keep; the exit status is 1 if a count has grown."""
+    program, renew = sys.argv[1], "--renew" in sys.argv
+    kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
+    here = combination()
+    found = {name: count(program, text) for name, text in CASES.items()}
+    if renew:
+        KEPT.write_text(json.dumps(kept | {here: found}, indent=2) + "\n", encoding="utf-8")
+        return 0
+    if here not in kept:
+        print(f"no counts are kept for {here}; --renew keeps them")
+        return 0
+    grown = False
+    for name, n in found.items():
+        change = n / kept[here][name] - 1
+        grown |= change > GROWTH
+        print(f"{name}: {n / 1e6:.1f} million, {change:+.1%}{' GROWN' if change > GROWTH else ''}")
+    if grown:
+        print(
+            "if this is meant: .ci/check_instructions.py build/fortran/src/vibroimpact-batch --renew"
+        )
+    return int(grown)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
