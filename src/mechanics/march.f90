@@ -131,10 +131,14 @@ contains
       real(wp), intent(out) :: s, c
       integer, parameter :: angles = 64
       integer :: k
-      real(wp), parameter :: sines(0:angles - 1) = [(sin(k*(two_pi/angles)), k=0, angles - 1)]
-      real(wp), parameter :: cosines(0:angles - 1) = [(cos(k*(two_pi/angles)), k=0, angles - 1)]
+      real(wp), parameter :: step = two_pi/angles
+      ! from angles of the first quadrant, which are rounded least
+      real(wp), parameter :: first_sines(16) = [(sin(k*step), k=0, 15)], &
+         first_cosines(16) = [(cos(k*step), k=0, 15)], &
+         sines(0:angles - 1) = [first_sines, first_cosines, -first_sines, -first_cosines], &
+         cosines(0:angles - 1) = [first_cosines, -first_sines, -first_cosines, first_sines]
       !> The angle between two of them, in two parts: small multiples of the first one are exact.
-      real(wp), parameter :: parts(2) = [aint(two_pi/angles*2.0_wp**40)/2.0_wp**40, &
+      real(wp), parameter :: parts(2) = [aint(step*2.0_wp**40)/2.0_wp**40, &
          1.602090094746574242618e-13_wp]
       real(wp) :: shifted, turns, y, q, sine, versine
 

@@ -8,7 +8,7 @@ module mechanics_march
    use vi_flight, only: flight_type, new_flight
    use vi_bounce, only: bounce
    use vi_kinds, only: wp
-   use vi_march, only: march, touch_type
+   use vi_march, only: march, sine_cosine, touch_type
    use vi_oscillation, only: derivative_bound, derivatives
    use vi_oscillator, only: gain, lag
    use vi_transition, only: new_transition, transition_type
@@ -33,12 +33,28 @@ contains
       type(random_type) :: random
       real(wp) :: decided
 
+      call test_sine_cosine(random)
       call compare_flights(random, 20000, .false., decided)
       call check(decided > 0.7_wp, 'most flights are decided by the march')
       call compare_flights(random, 5000, .true., decided)
       call test_long_drift()
       call test_idle()
    end subroutine test_march
+
+   !> Sine and cosine of load phases, also at both ends and at the limits of the pieces.
+   subroutine test_sine_cosine(random)
+      type(random_type), intent(inout) :: random
+      real(wp) :: phase, s, c
+      integer :: i
+
+      do i = 0, 20000
+         phase = draw(random, 0.0_wp, 2*pi)
+         if (i <= 128) phase = nearest(i*(2*pi/128), 1.0_wp - mod(i, 3))
+         call sine_cosine(max(0.0_wp, phase), s, c)
+         call check_close(s, sin(max(0.0_wp, phase)), 1.5_wp*epsilon(s), 'sine of a phase')
+         call check_close(c, cos(max(0.0_wp, phase)), 1.5_wp*epsilon(c), 'cosine of a phase')
+      end do
+   end subroutine test_sine_cosine
 
    !> Random flights; `grazing` ones pass or miss the other wall by 1e-2 to 1e-12 of the
    !! clearance.

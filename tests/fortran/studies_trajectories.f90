@@ -4,11 +4,14 @@ module studies_trajectories
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check, check_close
+   use random_numbers, only: draw, draw_log, random_type
    use vi_attractor_performance, only: acceleration, displacement, figures, force, least_gap, &
       least_speed, perform, rms, speed
    use vi_bundle, only: simulate_bundle
-   use vi_forced_system, only: event_type, forced_system_type, impact_event, initial_state, &
-      new_forced_system, release_event, state_time, state_type, stick_event
+   use vi_contact, only: contact_type, first_contact
+   use vi_forced_system, only: departure_from, event_type, flight_from, forced_system_type, &
+      impact_event, initial_state, new_forced_system, release_event, state_time, state_type, &
+      stick_event
    use vi_found_motion, only: described_type, scale_of
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
@@ -35,6 +38,7 @@ module studies_trajectories
 contains
 
    subroutine test_trajectories()
+      call test_flights()
       call test_records()
       call test_bundle()
       call test_history()
@@ -69,6 +73,60 @@ contains
             faster*1.05_wp, 1.0_wp, wider*30.0_wp)
       end if
    end function settling_system
+
+   !> Each impact of random systems is the first contact that the plain search finds from the one
+   !! before it, and what is compiled for wide registers gives the same bits.
+   subroutine test_flights()
+      integer, parameter :: systems = 60, room = 400
+      type(random_type) :: random
+      type(forced_system_type) :: system
+      type(state_type) :: state, start, final
+      type(event_type) :: events(room), plain(room)
+      type(contact_type) :: contact
+      real(wp) :: restitution(2), r, clearance, duration, half
+      integer :: i, j, k, n, n_plain, status, seen
+
+      seen = 0
+      do k = 1, systems
+         restitution = [draw(random, 0.3_wp, 1.0_wp), draw(random, 0.3_wp, 1.0_wp)]
+         r = draw_log(random, 0.3_wp, 5.0_wp)
+         clearance = draw_log(random, 0.2_wp, 40.0_wp)
+         system = new_forced_system(oscillator_type(draw_log(random, 1e-3_wp, 0.5_wp), &
+            draw_log(random, 1e-2_wp, 0.5_wp), restitution), r, 1.0_wp, clearance)
+         half = 0.5_wp*clearance
+         start = initial_state(system, [0.0_wp, 0.0_wp, 0.1_wp, 0.0_wp, draw(random, -2.0_wp, &
+            2.0_wp)])
+         state = start
+         call simulate(system, state, 200_int64, 0.0_wp, events, n, final, status)
+         state = start
+         system%wide = .false.
+         call simulate(system, state, 200_int64, 0.0_wp, plain, n_plain, final, status)
+         call check(n == n_plain, 'as many impacts in wide registers')
+         do i = 2, min(n, n_plain)
+            associate (before => events(i - 1), e => events(i), p => plain(i))
+               j = e%side
+               call check(e%cycle == p%cycle .and. .not. any(abs([e%phase - p%phase, e%x - p%x, &
+                  e%x_dot_before - p%x_dot_before, e%x_dot_after - p%x_dot_after, &
+                  e%z_dot_before - p%z_dot_before, e%z_dot_after - p%z_dot_after]) > 0), &
+                  'the same bits in wide registers')
+               if (before%kind /= impact_event .or. e%kind /= impact_event) cycle
+               duration = state_time(e%cycle - before%cycle, e%phase - before%phase, r)
+               state = state_type(before%cycle, before%phase, before%x, before%x_dot_after, &
+                  before%x + before%side*half, before%z_dot_after, before%side, &
+                  before%side*(before%x_dot_after - before%z_dot_after))
+               ! of shorter flights the departure speed has too few digits
+               if (state%speed < 1e-3_wp) cycle
+               contact = first_contact(flight_from(system, state, 2*duration + 1), half, &
+                  departure_from(state, half), 2*duration + 1, 0.0_wp)
+               call check(contact%side == j, 'a flight ends at its first contact')
+               call check_close((contact%time - duration)*contact%speed, 0.0_wp, &
+                  1e-12_wp*(clearance + abs(before%x) + system%amplitude), 'after its time')
+               seen = seen + 1
+            end associate
+         end do
+      end do
+      call check(seen > 5000, 'flights were seen')
+   end subroutine test_flights
 
    !> A bundle ends where its simulations end, with their numbers of impacts and rests, whatever
    !! its arrays held before.
