@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from typing import Any, ClassVar, NamedTuple, NoReturn, overload
 
 import numpy as np
@@ -14,6 +15,7 @@ from .. import _core
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..base.progress import reported
 from ..base.sizes import memory_for
 from ..base.status import EVENT_LIMIT, GAP_CLOSED, MORE_EVENTS, NARROW_GAP, raise_status, sentence
 from ..results import namelist
@@ -83,6 +85,8 @@ EVENTS_OF_STRUCTURE = np.dtype([
 TURN = 2 * np.pi
 #: Largest number of events of a trajectory, as in the core: 88 bytes each.
 MOST_KEPT = 50_000_000
+#: Load cycles from which a simulation shows a bar.
+MANY_CYCLES = 10_000
 #: Longest period in load cycles, and largest difference of its phases from the period before.
 MOST_CYCLES, TOLERANCE = 16, 0.05
 
@@ -1022,22 +1026,26 @@ def simulate(
         )
     whole = discard + cycles or 1.0
     checks.progress(progress)
+    # a bar costs as much as some impacts
+    with reported(progress, "simulate") if whole > MANY_CYCLES else nullcontext(progress) as told:
 
-    def report(done: float) -> None:
-        """Reports the number of load cycles that are done."""
-        if progress is not None:
-            progress(done / whole, "simulation")
+        def report(done: float) -> None:
+            """Reports the number of load cycles that are done."""
+            if told is not None:
+                told(done / whole, "simulation")
 
-    if discard:
-        _, now, begun, complete = _run(system, now, begun, discard, max_events, report, keep=False)
-        if not complete:
-            raise ParameterError(
-                f"max_events = {max_events}: must be more; it was reached within the discarded cycles"
+        if discard:
+            _, now, begun, complete = _run(
+                system, now, begun, discard, max_events, report, keep=False
             )
-    first = state_of(system, now, begun)
-    events, now, begun, complete = _run(
-        system, now, begun, cycles, max_events, lambda done: report(discard + done), keep=True
-    )
+            if not complete:
+                raise ParameterError(
+                    f"max_events = {max_events}: must be more; it was reached within the discarded cycles"
+                )
+        first = state_of(system, now, begun)
+        events, now, begun, complete = _run(
+            system, now, begun, cycles, max_events, lambda done: report(discard + done), keep=True
+        )
     events.flags.writeable = False
     start = as_numbers(state)
     request = start and {

@@ -53,7 +53,7 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
     "%": (0.01, (0, 0, 0), False),
 }  # fmt: skip
 #: A number and the rest of the text; one unit with its power.
-QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of verbs, by name; a state is a mapping of its own.
 ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0"}
