@@ -16,7 +16,8 @@ DIMENSIONS = {
     "mass": (0, 1, 0), "damping": (0, 1, -1), "stiffness": (0, 1, -2), "frequency": (0, 0, -1),
     "sine": FORCE, "cosine": FORCE, "constant": FORCE, "record": FORCE, "step": (0, 0, 1),
     "opening": (1, 0, 0), "law_speed": (1, 0, -1), "law_speeds": (1, 0, -1),
-    "preload": FORCE, "slip": FORCE, "stick": FORCE, "speed": (1, 0, -1), "q": (1, 0, 0), "q_dot": (1, 0, -1), "start": (0, 0, 1), "duration": (0, 0, 1),
+    "preload": FORCE, "slip": FORCE, "stick": FORCE, "speed": (1, 0, -1),
+    "q": (1, 0, 0), "q_dot": (1, 0, -1), "start": (0, 0, 1), "duration": (0, 0, 1),
 }  # fmt: skip
 #: The dimension of columns of results that no key shares a name with.
 OF_COLUMNS = {
