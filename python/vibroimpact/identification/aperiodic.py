@@ -905,7 +905,7 @@ def slopes(
 
 
 def own_blocks(A: _Array, spread: _Array, ok: _Bool) -> _Array:
-    """Covariances of the two equations of each impact."""
+    """The covariances of the two equations of each impact."""
     n = A.shape[0]
     block = sum(
         np.einsum("naq,nqr,nbr->nab", A[:, :, j], spread[j : j + n], A[:, :, j]) for j in range(4)
@@ -914,7 +914,7 @@ def own_blocks(A: _Array, spread: _Array, ok: _Bool) -> _Array:
 
 
 def banded(A: _Array, spread: _Array, ok: _Bool) -> _Array:
-    """Covariances of all equations, as the lower bands that `solveh_banded` takes."""
+    """The covariances of all equations, as the lower bands that `solveh_banded` takes."""
     n = A.shape[0]
     bands = np.zeros((8, 2 * n))
     for k in range(4):
