@@ -499,7 +499,7 @@ def atlas(
 
     >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
     >>> vi.atlas(wall, vi.Load(1.0, cosine=[1]), ("frequency", 0.8, 1.2), ("load", 0.5, 2), survey=20)
-    <Atlas of 1 zones, 20 attractors surveyed; survey of 20 points: 20 periodic>
+    <Atlas of 2 zones, 20 attractors surveyed; survey of 20 points: 20 periodic>
     """
     keys = {
         **window(r, clearance), "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey,

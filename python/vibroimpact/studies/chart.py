@@ -367,7 +367,7 @@ def chart(
     >>> motion = vi.exact(wall, load, vi.simulate(wall, load, cycles=300))
     >>> data = vi.chart(motion, ("frequency", 0.8, 1.2), ("load", 0.5, 2), points=(9, 7))
     >>> data.stable.dims, int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
-    (('motion', 'y', 'x'), 61)
+    (('motion', 'y', 'x'), 59)
     """
     xarray("charts")
     options = {"slots": slots, "guesses": guesses, "seeds": seeds}

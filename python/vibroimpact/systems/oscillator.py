@@ -421,7 +421,7 @@ class Oscillator:
         ...     M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
         ... )
         >>> rig.at("19.5 Hz", "4 mm")
-        <Oscillator(xi=0.011, mu=0.0407407, restitution=(0.75, 0.75)) at r = 0.982362, d K/F0 = 28>
+        <Oscillator(xi=0.011, mu=0.04074074074074074, restitution=(0.75, 0.75)) at r = 0.982362, d K/F0 = 28>
         """
         ratio, gap, force = (
             dimensionless(self, name, value)
