@@ -89,7 +89,7 @@ def test_bad_atlas(old, new, wanted, line, batch):
     (ZONE.replace(WALLS, ""), "&zone: no &system or &structure stands before it"),
     (SYSTEM + ZONE.replace(WALLS, ""),
      "&system r = 0.94: must be left out: it is not for a &chart, &zone, &atlas or &response"),
-    (ATLAS.replace(WALLS, ""), "&atlas: no &system stands before it"),
+    (ATLAS.replace(WALLS, ""), "&atlas: no &system or &structure stands before it"),
     (SYSTEM + ATLAS.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart, &zone"),
     (ATLAS.replace("xi = 0.0114", "xi = 0"), "&atlas r_min = 1.0: must be a number with 1e-6"),
     (ZONE.replace("xi = 0.0114", "xi = 0"), "&zone r_min = 0.8: must be a number with 1e-6"),

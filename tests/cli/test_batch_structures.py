@@ -15,12 +15,12 @@ MODES = """&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1
 
 FAULTS = [
     (GAP + CASE, "gap", "must stand after a &structure", 1),
-    (STRUCTURE + RUN, "structure", "no &gap follows", 1),
+    (STRUCTURE + RUN, "structure", "no &gap, &stop or &friction follows", 1),
     (STRUCTURE + GAP, "structure", "no &motion, &simulate", 1),
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
     (CASE + GAP, "gap", "must stand after a &structure, before its studies", 5),
     (CASE + LOAD, "load", "must stand after a &structure, before its studies", 5),
-    (STRUCTURE + GAP + "&atlas max_impacts = 2 /\n", "atlas", "is not a study of a &structure; must be", 3),
+    (STRUCTURE + GAP + "&decay cycles = 2 /\n", "decay", "is not a study of a &structure; must be", 3),
     (RUN, "simulate", "no &system or &structure stands before it", 1),
     (STRUCTURE + GAP * 501 + RUN, "gap", "must be at most 500", 502),
     *[(CASE.replace("mass = 1, 0.1", f"mass = {v}"), "structure", wanted, 1) for v, wanted in (
@@ -88,7 +88,7 @@ FAULTS = [
         ("record = 1, 2, 3", "it has 3 numbers for the 2 columns of all coordinates"),
         ("record = 1, 2", "it has one sample"), ("record = 1, nan", "must be one number for each column"),
         ("record = 3*1, base = 'motion'", "it has 3 numbers for the 2 columns of base"),
-        ("record = 3*1, acts_on = 2", "there are 2 coordinates"),
+        ("record = 3*1, acts_on = 2", "must be the number of a coordinate, from 0"),
         ("record = 4*1, acts_on = 0, 0", "no number twice"),
         ("record = 3*1, weights = 1, 2, 3", "it has 3 numbers for 2 coordinates"),
         ("record = 3*1, weights = 1, 2, acts_on = 1", "acts_on = 1: must be left out beside weights"),

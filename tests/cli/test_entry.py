@@ -34,7 +34,7 @@ def tool(tmp_path):
 
 
 @pytest.mark.parametrize("name", [
-    "vibroimpact", "numpy", "numpy.linalg", "vibroimpact._core", "vibroimpact.studies.zone",
+    "vibroimpact", "numpy", "numpy.linalg", "vibroimpact._core", "vibroimpact.results.tables",
     "vibroimpact.commands.command", "argparse", "vibroimpact.commands.lyapunov", "vibroimpact.commands.cases",
 ])  # fmt: skip
 def test_interrupt_at_the_start(name, tool):

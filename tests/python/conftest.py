@@ -40,8 +40,9 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def kept_cases(pytestconfig):
-    """The kept cases with their answers; with --once, every fifth."""
-    return load()[:: 5 if pytestconfig.getoption("--once") else 1]
+    """The kept cases with their answers; with --once every fifth, with a --share every third."""
+    step = 3 if pytestconfig.getoption("--share") < 1 else 1
+    return load()[:: 5 if pytestconfig.getoption("--once") else step]
 
 
 @pytest.fixture(scope="session")

@@ -86,7 +86,8 @@ def test_peaks_are_the_greatest_displacements(osc, clearance, start):
     greatest = np.array([half.max() for half in halves])
     peaks = np.abs(found.x[: greatest.size])
     assert greatest.size >= 30
-    assert (greatest <= peaks * (1 + 1e-14)).all()
+    # simulations of whole flights round otherwise, and 40 impacts amplify that
+    assert (greatest <= peaks * (1 + 1e-11)).all()
     np.testing.assert_allclose(greatest, peaks, rtol=1e-3)
 
 

@@ -428,12 +428,6 @@ def test_words_of_arguments(pair):
 
 
 def test_motions_that_cannot_be_followed_are_named():
-    ball = vi.Structure([1, 1], [0, 0], [1, 0], [vi.Gap([1, -1], 0.0, 0.2)])
-    load = vi.Load(0.8, cosine=[0.5, 0], constant=[0, -1])
-    rests = [m for m in vi.find(ball, load, max_impacts=0) if len(m.rests)]
-    assert rests
-    with pytest.raises(ParameterError, match="without rest"):
-        vi.branch(rests[0], "frequency", (0.7, 0.9))
     twice = (PHASES + [phase + 2 * math.pi for phase in PHASES], [0, 1, 0, 1], 2)
     repeats = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), twice)
     with pytest.raises(SingularError, match="repeats itself"):

@@ -166,9 +166,12 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         (i, name) for i, name in enumerate(names) if name in (*ARGUMENTS, "state", *OF_PARAMETER)
     ]
     with_units = ", ".join(f"`{name}`" for name in names if name in ARGUMENTS)
-    summary, *text = inspect.cleandoc(function.__doc__ or "").split("\n\n", 1)
-    note = f"With units, as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
-    function.__doc__ = "\n\n".join([summary, note, *text])
+    if with_units:
+        parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
+        # behind the summary, and the form for structures
+        place = 2 if len(parts) > 1 and parts[1].startswith("Of a ") else 1
+        note = f"With units, as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
+        function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]])
 
     @functools.wraps(function)
     def converted(*args: Given.args, **kwargs: Given.kwargs) -> Found:
