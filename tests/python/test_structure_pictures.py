@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.plot.animation import _Bodies
-from vibroimpact.plot.branch import parameter_label
 from vibroimpact.plot.history import KINDS_OF_STRUCTURE as KINDS
 from vibroimpact.plot.history import modes_of
 from vibroimpact.plot.sketch import bodies_of, draw_sketch
-from vibroimpact.plot.style import REST, condition_name
+from vibroimpact.plot.style import REST, condition_name, parameter_label
 
 plt = pytest.importorskip("matplotlib.pyplot")
 same_color = pytest.importorskip("matplotlib.colors").same_color

@@ -17,12 +17,6 @@ if TYPE_CHECKING:
 COLUMNS = (
     "r", "clearance", "xi", "mu", "R1", "R2", "attenuation", "x_max", "x_min", "tau", "A",
 )  # fmt: skip
-#: Symbols of parameters, and of columns of a branch with a number.
-PARAMETERS = {
-    "frequency": r"$\Omega$", "load": "load factor", "constant": "factor of the constant forces",
-    "damping": "factor of $C$", "stiffness": "factor of $K$", "opening": "$e$", "restitution": "$R$",
-    "mass": "$M$", "function": "parameter",
-}  # fmt: skip
 SYMBOLS = {
     "q_max": r"$\max q_{%s}$", "q_min": r"$\min q_{%s}$", "speed": "$v_{%s}$", "impulse": r"$\lambda_{%s}$",
     "phase": r"$\Omega t_{%s}$ (rad)",
@@ -33,15 +27,6 @@ MARKERS = {
     "simultaneous": ("X", "#E69F00"), "branch_point": ("*", "k"),
 }  # fmt: skip
 STYLES = {"stable": "-", "unstable": "--", "inadmissible": ":"}
-
-
-def parameter_label(name: str) -> str:
-    """The label of an axis along a parameter."""
-    word, *numbers = name.split("_")
-    if not numbers:
-        return PARAMETERS.get(word, name)
-    symbol = {"damping": "C", "stiffness": "K", "mass": "M", "opening": "e", "restitution": "R"}
-    return f"${symbol.get(word, word)}_{{{','.join(numbers)}}}$"
 
 
 def draw_branch(
@@ -55,7 +40,7 @@ def draw_branch(
     if not isinstance(y, str) or y not in columns:
         raise ParameterError(f"y = {y!r}: must be {', '.join(map(repr, columns))}")
     column, label = columns[y]
-    along, name = branch.values, parameter_label(branch.parameter)
+    along, name = branch.values, style.parameter_label(branch.parameter)
     if not branch.of_structure:
         along, name = scales.of(branch.parameter, along), scales.name(branch.parameter)
     if ax is None:

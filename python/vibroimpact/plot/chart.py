@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..systems.units import Units
-from .branch import parameter_label
 from .style import (
     ONE_COLUMN,
     PRIMARY,
@@ -20,6 +19,7 @@ from .style import (
     identify,
     is_geometric,
     log_scale,
+    parameter_label,
     pyplot,
 )
 

@@ -268,3 +268,20 @@ def plain(value: float) -> str:
 def condition_name(kind: str) -> str:
     """The printed name of a bifurcation."""
     return kind.replace("neimark_sacker", "Neimark–Sacker").replace("_", " ")
+
+
+#: Symbols of parameters, and of columns of a branch with a number.
+PARAMETERS = {
+    "frequency": r"$\Omega$", "load": "load factor", "constant": "factor of the constant forces",
+    "damping": "factor of $C$", "stiffness": "factor of $K$", "opening": "$e$", "restitution": "$R$",
+    "mass": "$M$", "function": "parameter",
+}  # fmt: skip
+
+
+def parameter_label(name: str) -> str:
+    """The label of an axis along a parameter."""
+    word, *numbers = name.split("_")
+    if not numbers:
+        return PARAMETERS.get(word, name)
+    symbol = {"damping": "C", "stiffness": "K", "mass": "M", "opening": "e", "restitution": "R"}
+    return f"${symbol.get(word, word)}_{{{','.join(numbers)}}}$"

@@ -13,7 +13,6 @@ from ..studies.atlas import OUTCOMES_OF_STRUCTURE, Atlas
 from ..studies.zone import Piece, Zone, default_label
 from ..systems.units import Units
 from . import style
-from .branch import parameter_label
 
 #: Line style and colour of each type of boundary: no two differ by colour alone.
 LINES = {
@@ -54,8 +53,8 @@ class StructurePlane(style.Plane):
     def label_axes(self, ax: Any) -> None:
         ax.set_xlim(*self.zone.x)
         ax.set_ylim(*self.zone.y)
-        ax.set_xlabel(parameter_label(self.zone.x_parameter))
-        ax.set_ylabel(parameter_label(self.zone.y_parameter))
+        ax.set_xlabel(style.parameter_label(self.zone.x_parameter))
+        ax.set_ylabel(style.parameter_label(self.zone.y_parameter))
 
 
 def draw_zone(
