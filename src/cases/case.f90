@@ -1,15 +1,18 @@
 !> A case: the input of one computation, from the groups of a namelist.
 module vi_case
-   use vi_key, only: a_word, key_type, of_oscillator, of_structure
+   use vi_key, only: a_word, key_type, of_names, of_oscillator, of_structure, place_of
    use vi_kinds, only: wp
+   use vi_namelist, only: group_type
    use vi_oscillator, only: at_resonance, oscillator_type
    use vi_text, only: append, letter_length, line_type
-   use vi_values, only: values_type
+   use vi_units, only: are_units, dimensionless, forces, in_units, lengths, times, undecided, &
+      units_type, units_type_of
+   use vi_values, only: read_values, values_type
    use vi_version, only: version
    implicit none (type, external)
    private
 
-   public :: check_output, check_system, echo, name_part
+   public :: check_output, check_system, echo, name_part, read_system
 
    !> A case with the values of its groups, defaults included.
    type, public :: case_type
@@ -35,33 +38,38 @@ module vi_case
       type(values_type) :: start
    end type case_type
 
-   !> Units of length, force and time.
-   character(*), parameter :: lengths = 'm mm cm um km in ft', forces = 'N mN kN MN lbf kgf', &
-      times = 's ms us min h'
-   character(*), parameter :: known(3) = [character(24) :: lengths, forces, times]
-
    type(key_type), parameter, public :: system_keys(*) = [ &
-      key_type('xi', low=0.0_wp, high=1.0_wp, below=.true., &
+      key_type('xi', low=0.0_wp, high=1.0_wp, below=.true., or='damping', &
       meaning='damping ratio C/(2 sqrt(K M))'), &
-      key_type('mu', low=0.0_wp, high=1.0e6_wp, meaning='mass ratio m/M'), &
+      key_type('mu', low=0.0_wp, high=1.0e6_wp, or='free_mass', meaning='mass ratio m/M'), &
       key_type('restitution', most=2, low=0.0_wp, high=1.0_wp, &
       takes='one number for both walls or two (right, left), each with 0 <= R <= 1', &
       meaning='coefficient of restitution of both walls, or of the right and the left one'), &
-      key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., &
+      key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., unit='omega', &
       meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios'), &
       key_type('mass', low=0.0_wp, above=.true., may_miss=.true., only='stiffness', &
-      option='-', unit='unit_names', &
+      option='-', unit=of_names, &
       meaning='primary mass M, by which a result is known in physical units, too'), &
       key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', option='-', &
-      unit='unit_names', &
+      unit=of_names, &
       meaning='stiffness K, for physical units'), &
+      key_type('damping', low=0.0_wp, may_miss=.true., only='mass', option='-', unit=of_names, &
+      meaning='damping coefficient C, in place of xi'), &
+      key_type('free_mass', low=0.0_wp, may_miss=.true., only='mass', option='-', unit=of_names, &
+      meaning='free mass m, in place of mu'), &
       key_type('force', low=0.0_wp, above=.true., may_miss=.true., only='mass', option='-', &
-      unit='unit_names', &
+      unit=of_names, &
       meaning='load amplitude F0, for physical units'), &
+      key_type('units', a_word, may_miss=.true., only='mass', never='unit_names', option='-', &
+      takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
+      ' and '//times, &
+      meaning='units of all numbers of the case that have a dimension: clearance = 4 is then &
+      &4 mm; a frequency stays the ratio r if it has no unit'), &
       key_type('unit_names', a_word, may_miss=.true., only='mass', option='-', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &
-      meaning='units of mass, stiffness and force; ''m N s'' if it is not given')]
+      meaning='units of mass, stiffness, damping and force alone: other numbers are &
+      &dimensionless, as in a result')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
@@ -90,7 +98,6 @@ contains
       logical, intent(in) :: needs_r
       !> Why no study needs one, for the message.
       character(*), intent(in) :: why
-      character(:), allocatable :: units
 
       if (len(system%fault) > 0) return
       if (needs_r .and. .not. system%has('r')) then
@@ -102,28 +109,132 @@ contains
       end if
       if (size(system%numbers('restitution')) == 1) call system%set('restitution', &
          spread(system%number('restitution'), 1, 2))
-      if (.not. system%has('unit_names')) return
-      call system%text('unit_names', units)
-      if (.not. are_units(units)) call system%refuse('unit_names')
    end subroutine check_system
 
-   !> Whether a text names a unit of length, one of force and one of time.
-   pure logical function are_units(text)
-      !> The text.
-      character(*), intent(in) :: text
-      character(:), allocatable :: rest
-      integer :: i, last
+   !> Reads &system with what it says of units.
+   pure subroutine read_system(group, system, units)
+      !> The group as read from the file.
+      type(group_type), intent(in) :: group
+      !> Its values: xi and mu also where C and m are given, `unit_names` also where `units` is.
+      type(values_type), intent(out) :: system
+      !> The units of the cases that follow.
+      type(units_type), intent(out) :: units
+      type(key_type) :: keys(size(system_keys))
+      type(values_type) :: part
+      character(:), allocatable :: names
+      integer :: bare
 
-      rest = text//' '
-      are_units = .false.
-      do i = 1, 3
-         last = index(rest, ' ')
-         if (last == 1) return
-         if (index(' '//trim(known(i))//' ', ' '//rest(:last)) == 0) return
-         rest = rest(last + 1:)
+      ! the units of M, K and F0, then these: other keys may be texts with units
+      keys = system_keys
+      call read_part(group, keys, [character(10) :: 'units', 'unit_names'], part)
+      names = 'm N s'
+      bare = undecided
+      if (part%has('unit_names')) then
+         bare = dimensionless
+         call part%text('unit_names', names)
+      else if (part%has('units')) then
+         bare = in_units
+         call part%text('units', names)
+      end if
+      if (.not. are_units(names)) names = 'm N s'
+      call name_units(names, keys)
+      call read_part(group, keys, [character(10) :: 'mass', 'stiffness', 'force'], part)
+      if (part%has('mass') .and. part%has('stiffness')) units = units_type_of( &
+         part%number('mass'), part%number('stiffness'), number_or_0(part, 'force'), names, bare)
+      call read_values('system', keys, group, system, units)
+      if (len(system%fault) > 0) return
+      if (system%has('damping')) then
+         call system%set('xi', [system%number('damping')/(2*sqrt(system%number('stiffness')* &
+            system%number('mass')))])
+         if (.not. system%number('xi') < 1) call system%refuse('damping', &
+            'C/(2 sqrt(K M)) must be below 1')
+         call system%drop('damping')
+      end if
+      if (system%has('free_mass')) then
+         call system%set('mu', [system%number('free_mass')/system%number('mass')])
+         if (system%number('mu') > 1.0e6_wp) call system%refuse('free_mass', &
+            'm/M must be at most 1e6')
+         call system%drop('free_mass')
+      end if
+      if (.not. system%has('mass')) return
+      if (system%has('unit_names')) then
+         call system%text('unit_names', names)
+         if (.not. are_units(names)) call system%refuse('unit_names')
+         return
+      end if
+      if (system%has('units')) then
+         call system%text('units', names)
+         if (.not. are_units(names)) call system%refuse('units')
+         call system%drop('units')
+      end if
+      ! the numbers of a result are dimensionless
+      call system%set_word('unit_names', names)
+   end subroutine read_system
+
+   !> Reads some keys of a group alone; a fault in them is found again with all keys.
+   pure subroutine read_part(group, keys, names, part)
+      !> The group as read from the file.
+      type(group_type), intent(in) :: group
+      !> All its keys.
+      type(key_type), intent(in) :: keys(:)
+      !> Names of some of them.
+      character(*), intent(in) :: names(:)
+      !> Their values.
+      type(values_type), intent(out) :: part
+      type(group_type) :: some
+      type(key_type) :: own(size(names))
+      integer :: i
+
+      some%name = group%name
+      some%line = group%line
+      some%items = group%items(pack([(i, i=1, size(group%items))], &
+         [(any(names == group%items(i)%key), i=1, size(group%items))]))
+      do i = 1, size(names)
+         own(i) = keys(place_of(keys, trim(names(i))))
+         own(i)%only = ''
+         own(i)%never = ''
       end do
-      are_units = len(rest) == 0
-   end function are_units
+      call read_values(group%name, own, some, part)
+   end subroutine read_part
+
+   !> The number of a key, 0 if it has none.
+   pure real(wp) function number_or_0(values, name) result(number)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The key.
+      character(*), intent(in) :: name
+
+      number = 0
+      if (values%has(name)) number = values%number(name)
+   end function number_or_0
+
+   !> Names the units of the keys of &system that are in `unit_names`.
+   pure subroutine name_units(names, keys)
+      !> Units of length, force and time.
+      character(*), intent(in) :: names
+      !> The keys.
+      type(key_type), intent(inout) :: keys(:)
+      integer :: i, second, third
+
+      second = index(names, ' ')
+      third = index(names, ' ', back=.true.)
+      associate (length => names(:second - 1), force => names(second + 1:third - 1), &
+         time => names(third + 1:))
+         do i = 1, size(keys)
+            if (keys(i)%unit /= of_names) cycle
+            select case (keys(i)%name)
+            case ('stiffness')
+               keys(i)%unit = force//'/'//length
+            case ('damping')
+               keys(i)%unit = force//' '//time//'/'//length
+            case ('force')
+               keys(i)%unit = force
+            case default
+               keys(i)%unit = force//' '//time//'^2/'//length
+            end select
+         end do
+      end associate
+   end subroutine name_units
 
    !> Checks the name of a result.
    pure subroutine check_output(output)

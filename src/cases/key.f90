@@ -16,6 +16,10 @@ module vi_key
    !> The models of systems: &system, and &structure with its gaps and its load. What is declared
    !! for `every_model` belongs to both.
    integer, parameter, public :: every_model = 0, of_oscillator = 1, of_structure = 2
+   !> Units that depend on other keys: on `parameter`, on the two `axes` of a plane of states, on
+   !! the place in a state, and on `unit_names`.
+   character(20), parameter, public :: of_parameter = 'units of parameter', &
+      of_axes = 'units of axes', of_state = 'units of a state', of_names = 'unit_names'
    !> No bound on one side.
    real(wp), parameter, public :: unbounded = huge(1.0_wp)
    !> Largest number of characters of a description of the values of a key.
@@ -55,8 +59,9 @@ module vi_key
       !> The command-line option for it, if its name differs from that of the key; an option that
       !! several keys share takes one value for each. A dash means that there is none.
       character(16) :: option = ''
-      !> Its unit, and what it means.
-      character(16) :: unit = ''
+      !> Its unit, and what it means. The unit of a frequency ratio is omega; some units depend on
+      !! the values of other keys, see below.
+      character(20) :: unit = ''
       character(160) :: meaning = ''
       !> The model whose cases have it. A key that differs for both is declared twice.
       integer :: model = every_model

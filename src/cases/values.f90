@@ -5,12 +5,14 @@
 module vi_values
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_buffer, only: add, buffer_type
-   use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, place_of
+   use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, of_axes, of_parameter, &
+      of_state, place_of
    use vi_kinds, only: wp
    use vi_matrix_file, only: beside
    use vi_namelist, only: assignment_type, group_type
    use vi_parse, only: parse_numbers, parse_subscript, parse_words
    use vi_text, only: append, exact, lengthen, line_type, lower, number_text, whole
+   use vi_units, only: dimensionless, to_own_unit, units_type
    implicit none (type, external)
    private
 
@@ -39,14 +41,14 @@ module vi_values
       type(value_type), allocatable, private :: values(:)
       type(assignment_type), allocatable, private :: items(:)
    contains
-      procedure :: count_numbers, drop, echo, find_files, given, has, is, number, numbers, &
-         refuse, forbid, set, set_word, text, whole_number, whole_numbers, word
+      procedure :: count_numbers, count_words, drop, echo, find_files, given, has, is, number, &
+         numbers, refuse, forbid, set, set_word, text, whole_number, whole_numbers, word
    end type values_type
 
 contains
 
    !> Reads a group; without a group, all keys get their defaults.
-   pure subroutine read_values(name, keys, group, values)
+   pure subroutine read_values(name, keys, group, values, units)
       !> Name of the group.
       character(*), intent(in) :: name
       !> The table of its keys.
@@ -55,6 +57,9 @@ contains
       type(group_type), intent(in), optional :: group
       !> The values of the group, or its first fault.
       type(values_type), intent(out) :: values
+      !> What is known of the units of the system, if it is a &system.
+      type(units_type), intent(in), optional :: units
+      character(:), allocatable :: why
       integer :: i
 
       values%name = name
@@ -68,7 +73,7 @@ contains
          allocate (values%items(0))
       end if
       do i = 1, size(values%items)
-         call assign(values, i)
+         call assign(values, i, units)
          if (len(values%fault) > 0) return
       end do
       do i = 1, size(keys)
@@ -76,7 +81,8 @@ contains
             call check_list(values, i)
          else if (len_trim(keys(i)%default) > 0) then
             call interpret(keys(i), trim(keys(i)%default), values%values(i)%numbers, &
-               values%values(i)%words, values%values(i)%there)
+               values%values(i)%words, why)
+            values%values(i)%there = .true.
          end if
       end do
       if (len(values%fault) == 0) call check_order(values)
@@ -87,14 +93,16 @@ contains
    end subroutine read_values
 
    !> Stores one assignment in its key.
-   pure subroutine assign(values, i)
+   pure subroutine assign(values, i, units)
       !> The group, read up to this assignment.
       type(values_type), intent(inout) :: values
       !> The assignment.
       integer, intent(in) :: i
+      !> What is known of the units of the system.
+      type(units_type), intent(in), optional :: units
       real(wp), allocatable :: numbers(:)
       type(line_type), allocatable :: words(:)
-      character(:), allocatable :: text
+      character(:), allocatable :: text, why
       integer :: place, first, last, n, j
       logical :: good
 
@@ -109,7 +117,12 @@ contains
          end if
          associate (key => values%keys(place), value => values%values(place))
             call parse_subscript(item%target(len(item%key) + 1:), key%most, first, last, good)
-            if (good) call interpret(key, item%value, numbers, words, good)
+            why = ''
+            if (good) then
+               call interpret(key, item%value, numbers, words, why, cshift(units_of(values, key), &
+                  first - 1), units)
+               good = .not. allocated(why)
+            end if
             n = 0
             if (good .and. key%kind == a_word) n = size(words)
             if (good .and. key%kind /= a_word) n = size(numbers)
@@ -117,6 +130,7 @@ contains
                call describe_key(values%keys, place, text)
                if (key%kind == a_number .and. vanishes(item%value)) text = text// &
                   '; a number so near 0 is not represented, write 0'
+               if (allocated(why)) text = text//why
                call blame(values, item, 'must be '//text)
                return
             end if
@@ -187,8 +201,44 @@ contains
       end if
    end subroutine enlarge
 
+   !> The units of the numbers of a key, from the first one on; the last ones follow each other.
+   pure function units_of(values, key) result(units)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The key.
+      type(key_type), intent(in) :: key
+      character(20), allocatable :: units(:)
+      character(*), parameter :: state(5) = [character(20) :: '1/omega', 'F0/K', 'omega F0/K', &
+         'F0/K', 'omega F0/K'], names(5) = [character(20) :: 't', 'x', 'x_dot', 'y', 'z_dot']
+      type(line_type), allocatable :: words(:)
+      integer :: i, j, at
+      logical :: good
+
+      units = [key%unit]
+      if (key%unit == of_state) units = state
+      if (key%unit /= of_parameter .and. key%unit /= of_axes) return
+      units = ['']
+      do i = 1, size(values%items)
+         ! the key that decides may stand behind this one
+         if (key%unit == of_parameter .and. values%items(i)%key /= 'parameter') cycle
+         if (key%unit == of_axes .and. values%items(i)%key /= 'axes') cycle
+         call parse_words(values%items(i)%value, 2, words, good)
+         units = [(repeat(' ', 20), j=1, size(words))]
+         do j = 1, size(words)
+            if (key%unit == of_axes) then
+               at = findloc(names, lower(words(j)%text), 1)
+               if (at > 0) units(j) = state(at)
+            else
+               if (lower(words(j)%text) == 'r') units(j) = 'omega'
+               if (lower(words(j)%text) == 'clearance') units(j) = 'F0/K'
+            end if
+         end do
+         return
+      end do
+   end function units_of
+
    !> Converts the text of a value for a key.
-   pure subroutine interpret(key, text, numbers, words, good)
+   pure subroutine interpret(key, text, numbers, words, why, own, units)
       !> The key.
       type(key_type), intent(in) :: key
       !> The text as written in the file.
@@ -197,8 +247,14 @@ contains
       real(wp), allocatable, intent(out) :: numbers(:)
       !> The value of a word or list of words, spelled as in the table of keys.
       type(line_type), allocatable, intent(out) :: words(:)
-      !> Whether the key accepts it.
-      logical, intent(out) :: good
+      !> Allocated if the key does not accept it: empty, or what else is to be said, from a
+      !! semicolon on.
+      character(:), allocatable, intent(out) :: why
+      !> The units of its numbers.
+      character(*), intent(in), optional :: own(:)
+      !> What is known of the units of the system.
+      type(units_type), intent(in), optional :: units
+      logical :: good
       integer :: i
 
       if (key%kind == a_word) then
@@ -207,12 +263,51 @@ contains
             if (good .and. len_trim(key%words) > 0) call match_word(key%words, words(i)%text, good)
          end do
       else
-         call parse_numbers(text, key%kind == a_whole, key%most, numbers, good)
+         if (key%kind == a_number .and. scan(text, '''"') > 0 .and. present(own)) then
+            call parse_words(text, min(key%most, len(text)), words, good)
+            allocate (numbers(size(words)), source=0.0_wp)
+            good = good .and. (present(units) .or. any(own /= ''))
+         else
+            call parse_numbers(text, key%kind == a_whole, key%most, numbers, good)
+         end if
+         if (good .and. key%kind == a_number .and. present(own)) call convert(words, own, units, &
+            numbers, why)
+         if (allocated(why)) return
          good = good .and. all(numbers >= key%low .and. numbers <= key%high)
          if (key%above) good = good .and. all(numbers > key%low)
          if (key%below) good = good .and. all(numbers < key%high)
       end if
+      if (.not. good) why = ''
    end subroutine interpret
+
+   !> Converts numbers to the units of their key.
+   pure subroutine convert(words, own, units, numbers, why)
+      !> The numbers with their units as texts, if they are texts.
+      type(line_type), allocatable, intent(in) :: words(:)
+      !> The units of the key, in turn.
+      character(*), intent(in) :: own(:)
+      !> What is known of the units of the system.
+      type(units_type), intent(in), optional :: units
+      !> In: if they are no texts, the numbers. Out: in the units of the key.
+      real(wp), intent(inout) :: numbers(:)
+      !> Allocated if one has another unit: what is to be said of it, from a semicolon on.
+      character(:), allocatable, intent(out) :: why
+      character(:), allocatable :: text, reason
+      integer :: i
+
+      text = ''
+      if (.not. allocated(words)) then
+         if (.not. present(units)) return
+         if (units%bare == dimensionless) return
+      end if
+      do i = 1, size(numbers)
+         if (allocated(words)) text = words(i)%text
+         call to_own_unit(text, own(modulo(i - 1, size(own)) + 1), units, numbers(i), reason)
+         if (len(reason) == 0) cycle
+         why = '; '//reason
+         return
+      end do
+   end subroutine convert
 
    !> Finds a word among those that a key accepts, ignoring case.
    pure subroutine match_word(words, text, good)
@@ -718,6 +813,17 @@ contains
       end do
       text = buffer%text(:buffer%n)
    end subroutine add_numbers
+
+   !> Number of words of a key.
+   pure integer function count_words(values, name) result(n)
+      !> The group.
+      class(values_type), intent(in) :: values
+      !> The key.
+      character(*), intent(in) :: name
+
+      n = 0
+      if (values%has(name)) n = size(values%values(place_of(values%keys, name))%words)
+   end function count_words
 
    !> Number of all numbers of a group.
    pure integer function count_numbers(values) result(n)

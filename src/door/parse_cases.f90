@@ -6,7 +6,7 @@
 !! its start and not a case of its own.
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
-      output_keys, system_keys
+      output_keys, read_system
    use vi_common_keys, only: most_numbers
    use vi_key, only: is_for, key_type, of_oscillator, of_structure, place_of
    use vi_kinds, only: wp
@@ -21,6 +21,7 @@ module vi_parse_cases
    use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
    use vi_text, only: brief, lower, printable, whole, whole_width
+   use vi_units, only: dimensionless, has_two_readings, units_type
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -44,6 +45,8 @@ module vi_parse_cases
       !> &system or &structure; without a name before the first of them.
       type(values_type) :: values
       integer :: model = of_oscillator
+      !> Of a &system: its units; of a structure not allocated, since it has those of its user.
+      type(units_type), allocatable :: units
       !> Of a structure: its number of coordinates, gaps and load.
       integer :: coordinates = 0
       type(values_type), allocatable :: parts(:)
@@ -158,8 +161,8 @@ contains
                   n = n + 1
                   call take_case(studies, path, groups, i, system, cases(n), line, message)
                   n_before = i
-                  if (len(message) == 0) call take_sweep(groups, n_before, cases(n), line, &
-                     message)
+                  if (len(message) == 0) call take_sweep(studies, groups, n_before, system, &
+                     cases(n), line, message)
                   if (len(message) == 0) call take_output(path, groups(n_before:), n, &
                      size(cases), cases(n), line, message)
                end if
@@ -220,8 +223,9 @@ contains
          message = '&system: no '//names//' follows'
          return
       end if
+      allocate (system%units)
       associate (values => system%values)
-         call read_values('system', system_keys, groups(1), values)
+         call read_system(groups(1), values, system%units)
          needed = needs_r(studies, groups(2:))
          names = ''
          if (.not. needed .and. values%has('r')) call explain_own_r(studies, names)
@@ -427,14 +431,14 @@ contains
             end if
             associate (start => studies(place_of_study(studies, study%starts_from(model), model)))
                call start%keys_of(model, keys)
-               call read_values(trim(start%name), keys, groups(j), case%start)
+               call read_values(trim(start%name), keys, groups(j), case%start, system%units)
             end associate
             call study%check_start(case, groups(i)%line)
             call pass_on(case%start, line, message)
             if (len(message) > 0) return
          end if
          call study%keys_of(model, keys)
-         call read_values(groups(i)%name, keys, groups(i), case%study)
+         call read_values(groups(i)%name, keys, groups(i), case%study, system%units)
          call case%study%find_files(path)
          if (associated(study%check)) call study%check(case)
       end associate
@@ -442,22 +446,41 @@ contains
    end subroutine take_case
 
    !> Reads the &sweep after a study, if there is one.
-   subroutine take_sweep(groups, last, case, line, message)
+   subroutine take_sweep(studies, groups, last, system, case, line, message)
+      !> All studies.
+      type(study_type), intent(in) :: studies(:)
       !> All groups of the file.
       type(group_type), intent(in) :: groups(:)
       !> In: place of the study. Out: that of its &sweep, if it has one.
       integer, intent(inout) :: last
+      !> The system of the case.
+      type(system_type), intent(in) :: system
       !> The case.
       type(case_type), intent(inout) :: case
       !> Out: line of the fault; not changed if there is none.
       integer, intent(inout) :: line
       !> Out: the fault; empty if there is none.
       character(:), allocatable, intent(inout) :: message
+      type(key_type), allocatable :: keys(:)
+      character(24) :: name
+      integer :: i, place
 
       if (last == size(groups)) return
       if (groups(last + 1)%name /= 'sweep') return
       last = last + 1
       call read_values('sweep', sweep_keys, groups(last), case%sweep)
+      if (len(case%sweep%fault) == 0 .and. allocated(system%units)) then
+         call studies(place_of_study(studies, case%study_name, system%model))%keys_of( &
+            system%model, keys)
+         do i = 1, case%sweep%count_words('keys')
+            name = case%sweep%word('keys', i)
+            place = place_of(keys, trim(name(index(name, '.') + 1:)))
+            if (place == 0 .or. system%units%bare == dimensionless) cycle
+            if (has_two_readings(keys(place)%unit)) call case%sweep%refuse('keys', 'values of '// &
+               trim(name)//' in a &sweep are dimensionless, so that &system must have unit_names, &
+               &not units')
+         end do
+      end if
       call pass_on(case%sweep, line, message)
    end subroutine take_sweep
 

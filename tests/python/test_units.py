@@ -7,7 +7,7 @@ import pytest
 import vibroimpact as vi
 from vibroimpact.base.errors import ParameterError, ParameterTypeError
 from vibroimpact.results.tables import language
-from vibroimpact.systems.units import MIXED, powers_of
+from vibroimpact.systems.units import MIXED, NAMED, powers_of
 
 M, K, m, F0 = 2.7, 42e3, 0.11, 6.0
 C = 2 * 0.0114 * math.sqrt(K * M)
@@ -138,7 +138,7 @@ def test_namelist(tmp_path):
     """A namelist gives the units to its results; errors name the key."""
     text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
     path = tmp_path / "rig.nml"
-    path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6"))
+    path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6, unit_names = 'm N s'"))
     case = vi.read_namelist(path)[0]
     assert case.osc.units() == UNITS
     assert case.run()[0].osc.units() == UNITS
@@ -154,6 +154,151 @@ def test_namelist(tmp_path):
         path.write_text(text.format(wrong))
         with pytest.raises(ParameterError, match=name):
             vi.read_namelist(path)
+
+
+def case_in(tmp_path, system, study):
+    """The only case of a namelist."""
+    path = tmp_path / "case.nml"
+    path.write_text(f"&system restitution = 1, {system} /\n&{study} /\n")
+    (case,) = vi.read_namelist(path)
+    return case
+
+
+@pytest.mark.parametrize("names", ["m N s", "mm N s", "in lbf ms"])
+def test_namelist_in_units(tmp_path, names):
+    """Numbers in `units`, and texts with units, are the dimensionless numbers that Python's verbs take."""
+    own = vi.Oscillator.from_dimensional(
+        M="2.7 kg", K="42 kN/m", C="7.7 N s/m", m="0.11 kg", restitution=1.0, F0="6 N", units=names
+    )
+    as_text = (
+        "mass = '2.7 kg', stiffness = '42 kN/m', damping = '7.7 N s/m', free_mass = '0.11 kg', "
+        "force = '6 N', units = '{}', r = '19.5 Hz'"
+    )
+    as_number = (
+        f"mass = {own.M!r}, stiffness = {own.K!r}, xi = {own.xi!r}, mu = {own.mu!r}, force = {own.F0!r}, "
+        "units = '{}', r = '1170 rpm'"
+    )
+    units = own.units()
+    length = units.to("SI").length
+    travel = 4e-3 / length
+    study = "simulate clearance = {}, cycles = 2, z = '-1 mm', z_dot = {}, load = {}"
+    texts = [
+        case_in(tmp_path, system.format(names), study.format(*values))
+        for system in (as_text, as_number)
+        for values in (
+            ("'4 mm'", "'0.5 m/s'", "'3 N'"),
+            (
+                4e-3 / length * units.length,
+                0.5 / units.to("SI").velocity * units.velocity,
+                0.5 * units.F0,
+            ),
+        )
+    ]
+    r = units.frequency_ratio("19.5 Hz")
+    for case in texts:
+        assert case.osc.units().names == names
+        found = [case.osc.xi, case.osc.mu, case.osc.M, case.osc.K, case.osc.F0, case.r]
+        assert found == pytest.approx([own.xi, own.mu, own.M, own.K, own.F0, r], rel=1e-14)
+        own_keys = [case.keys[key] for key in ("clearance", "z", "z_dot", "load")]
+        wanted = [travel, -travel / 4, 0.5 / units.to("SI").velocity, 0.5]
+        assert own_keys == pytest.approx(wanted, rel=1e-14)
+        # the case is dimensionless, so that its text is an input with the same digits
+        (tmp_path / "again.nml").write_text(case.text)
+        assert vi.read_namelist(tmp_path / "again.nml")[0].text == case.text
+
+
+def test_each_unit_is_that_of_python(tmp_path):
+    """Each unit has the size in a namelist that it has in Python."""
+    rig = "mass = 1, stiffness = 1, force = 1, xi = 0.1, mu = 0.1, units = 'm N s', r = "
+    kinds = {(1, 0, 0): "x", (0, 1, 0): "load", (0, 0, 1): "t"}
+    for name, (size, powers, angular) in NAMED.items():
+        for spelled in {
+            name,
+            name.replace("u", "\N{MICRO SIGN}"),
+            name.replace("u", "\N{GREEK SMALL LETTER MU}"),
+        }:
+            if powers in kinds:
+                case = case_in(
+                    tmp_path,
+                    rig + "0.5",
+                    f"simulate cycles = 1, clearance = 1e9, {kinds[powers]} = '3 {spelled}'",
+                )
+                assert case.keys[kinds[powers]] == pytest.approx(3 * size, rel=1e-15), spelled
+            elif powers == (0, 0, -1) and angular:
+                case = case_in(tmp_path, rig + f"'3 {name}'", "simulate cycles = 1, clearance = 1")
+                assert case.r == pytest.approx(3 * size, rel=1e-15), name
+            elif name == "%":
+                case = case_in(
+                    tmp_path, "mu = 0.1, r = 0.5, xi = '3 %'", "simulate cycles = 1, clearance = 1"
+                )
+                assert case.osc.xi == 0.03
+            elif not angular:
+                text = f"mass = '3 {name}', stiffness = 1, force = 1, mu = 0.1, xi = 0.1, r = 0.5"
+                case = case_in(tmp_path, text, "simulate cycles = 1, clearance = '1 m'")
+                assert case.osc.M == pytest.approx(3 * size, rel=1e-15), name
+
+
+@pytest.mark.parametrize(
+    ("rig", "study", "why"),
+    [
+        ("mass = 2.7, stiffness = 42e3", "simulate clearance = 0.004, cycles = 2", "two ways"),
+        ("mass = 2.7, stiffness = 42e3, force = 6", "simulate clearance = 0.004, cycles = 2", "two ways"),
+        ("mass = 2.7, stiffness = 42e3, units = 'm N s'", "simulate clearance = 0.004, cycles = 2", "force"),
+        ("", "simulate clearance = '4 mm', cycles = 2", "mass, stiffness and force"),
+        ("mass = 2.7, stiffness = 42e3, force = 6", "simulate clearance = '4 N', cycles = 2", "of a length"),
+        ("mass = 2.7, stiffness = 42e3, force = 6", "simulate clearance = '4 q', cycles = 2", "unknown unit q"),
+        ("mass = 2.7, stiffness = 42e3, force = 6", "simulate clearance = '4', cycles = 2", "with its unit"),
+        ("mass = '3 N', stiffness = 42e3", "simulate clearance = 4, cycles = 2", "not that of a mass"),
+        ("mass = 2, stiffness = 2, damping = 4", "simulate clearance = '4 mm', cycles = 2", "beside damping"),
+        (
+            "mass = 2.7, stiffness = 42e3, force = 6, units = 'm N s'",
+            "bifurcation parameter = 'clearance', low = '19 Hz', high = 2, values = 3",
+            "of a length",
+        ),
+        ("mass = 1, stiffness = 1, units = 'm N s', unit_names = 'm N s'", "simulate clearance = 4", "beside"),
+    ],
+)  # fmt: skip
+def test_namelist_refuses_what_has_no_reading(tmp_path, rig, study, why):
+    """A number that can be read in two ways, and a text whose unit is another one, are refused."""
+    with pytest.raises(ParameterError, match=why):
+        case_in(tmp_path, f"xi = 0.1, mu = 0.1, r = 0.98{', ' * bool(rig)}{rig}", study)
+
+
+def test_planes_and_lines_in_units(tmp_path):
+    """Bounds have the unit of their parameter or axis, whichever key stands first."""
+    rig = "mass = 2.7, stiffness = 42e3, xi = 0.01, mu = 0.04, force = 6, units = 'm N s', r = 0.98"
+    length, speed = 6 / 42e3, 6 / np.sqrt(2.7 * 42e3)
+    case = case_in(
+        tmp_path, rig,
+        "basins low = '-1 mm', '-10 mm/s', axes = 'x', 'x_dot', high = 0.001, 0.01, values = 3, 3, "
+        "clearance = 0.004",
+    )  # fmt: skip
+    assert case.keys["low"] == pytest.approx([-1e-3 / length, -1e-2 / speed], rel=1e-14)
+    assert case.keys["high"] == pytest.approx([1e-3 / length, 1e-2 / speed], rel=1e-14)
+    states = "basins list = 0.1, 0.001, 0.01, 0.002, 0.02, 0, 0, 0, 0, '1 m/s', clearance = 0.01"
+    with pytest.raises(ParameterError, match="list"):  # numbers or texts
+        case_in(tmp_path, rig, states)
+    case = case_in(tmp_path, rig, states.replace("'1 m/s'", "1"))
+    omega = np.sqrt(42e3 / 2.7)
+    wanted = [
+        0.1 * omega,
+        1e-3 / length,
+        0.01 / speed,
+        2e-3 / length,
+        0.02 / speed,
+        0,
+        0,
+        0,
+        0,
+        1 / speed,
+    ]
+    assert case.keys["list"] == pytest.approx(wanted, rel=1e-14)
+    line = "bifurcation low = {}, high = {}, parameter = 'clearance', values = 3"
+    case = case_in(tmp_path, rig, line.format("'2 mm'", "'4 mm'"))
+    assert [case.keys["low"], case.keys["high"]] == pytest.approx(
+        [2e-3 / length, 4e-3 / length], rel=1e-14
+    )
+    assert case_in(tmp_path, rig, line.format("0.002", "0.004")).text == case.text
 
 
 def test_motion_in_physical_units(every):
@@ -391,14 +536,14 @@ def test_command_draws_in_physical_units(tmp_path, capsys):
 
     text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
     path = tmp_path / "rig.nml"
-    path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6"))
+    path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6, unit_names = 'm N s'"))
     assert main(["plot", str(path), "--units", MM, "-o", str(tmp_path)]) == 0
     assert (tmp_path / "rig.png").exists()
     capsys.readouterr()
     for keys, units in (
-        ("mass = 2.7, stiffness = 42000", MM),
+        ("mass = 2.7, stiffness = 42000, unit_names = 'm N s'", MM),
         ("", "SI"),
-        ("mass = 1, stiffness = 1, force = 1", "mm"),
+        ("mass = 1, stiffness = 1, force = 1, unit_names = 'm N s'", "mm"),
     ):
         path.write_text(text.format(keys))
         assert main(["plot", str(path), "--units", units, "-o", str(tmp_path / "other")]) == 2

@@ -23,7 +23,8 @@ module vi_basins_study
    use vi_structure_keys, only: check_start_state, needs_frequency, place_in_state, start_keys
    use vi_structure_return, only: settled_type
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
-      of_oscillator, of_structure, result_type, study_type, values_type, wholes, words
+      of_axes, of_oscillator, of_state, of_structure, result_type, study_type, values_type, &
+      wholes, words
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    implicit none (type, external)
    private
@@ -40,7 +41,7 @@ module vi_basins_study
       meaning='number of random states, instead of a plane'), &
       key_type('list', least=5, most=5*most_numbers, may_miss=.true., never='states', &
       low=-most_state, high=most_state, &
-      takes='numbers from -1e100 to 1e100: t, x, x_dot, z and z_dot of each state', &
+      takes='numbers from -1e100 to 1e100: t, x, x_dot, z and z_dot of each state', unit=of_state, &
       meaning='t, x, x_dot, z and z_dot of each state, instead of a plane', &
       model=of_oscillator), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=real(huge(1), wp), only='states', &
@@ -54,11 +55,11 @@ module vi_basins_study
       key_type('low', least=2, most=2, low=-most_state, high=most_state, &
       never=beside, why=random, &
       takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
-      meaning='first value along each axis'), &
+      unit=of_axes, meaning='first value along each axis'), &
       key_type('high', least=2, most=2, low=-most_state, high=most_state, &
       over='low', never=beside, why=random, &
       takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
-      meaning='last value along each axis'), &
+      unit=of_axes, meaning='last value along each axis'), &
       key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=beside, &
       why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values along each axis'), &

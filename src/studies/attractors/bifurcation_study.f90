@@ -16,7 +16,8 @@ module vi_bifurcation_study
    use vi_structure_sweep, only: cell_type
    use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
-      of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
+      of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
+      values_type, wholes, words
    use vi_text, only: append, counted, exact, line_type, whole, whole_width
    implicit none (type, external)
    private
@@ -31,16 +32,16 @@ module vi_bifurcation_study
       meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each value'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., never='parameter=r', why='=: it is the parameter', option='r-list', &
-      meaning='frequency ratio at each value, if it changes with it'), &
+      unit='omega', meaning='frequency ratio at each value, if it changes with it'), &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='parameter that changes'), &
       key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
-      &numbers in the range of the parameter', &
+      &numbers in the range of the parameter', unit=of_parameter, &
       meaning='values of the parameter, if they are not evenly spaced'), &
       key_type('low', never='list', takes=range_takes, option='values', &
-      meaning='first value of the parameter'), &
+      unit=of_parameter, meaning='first value of the parameter'), &
       key_type('high', over='low', never='list', takes=range_takes, option='values', &
-      meaning='last value of the parameter'), &
+      unit=of_parameter, meaning='last value of the parameter'), &
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', option='values', &
       meaning='number of values'), &
       key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &

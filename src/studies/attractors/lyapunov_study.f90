@@ -15,7 +15,7 @@ module vi_lyapunov_study
    use vi_structure_keys, only: check_start_state, start_keys
    use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
-      of_oscillator, of_structure, result_type, study_type, wholes
+      of_oscillator, of_parameter, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
    use vi_trajectory, only: pack_state
    implicit none (type, external)
@@ -31,7 +31,7 @@ module vi_lyapunov_study
       never='parameter=clearance', why='=: it is the parameter', unit='F0/K', &
       meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each point'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
-      may_miss=.true., never=with, option='r-list', &
+      may_miss=.true., never=with, option='r-list', unit='omega', &
       meaning='frequency ratios of points that are not evenly &
       &spaced on a line, one number or one for each point'), &
       key_type('shape', a_whole, most=3, low=1.0_wp, high=1.0e6_wp, may_miss=.true., only='r', &
@@ -40,9 +40,11 @@ module vi_lyapunov_study
       key_type('parameter', a_word, may_miss=.true., words='r clearance', &
       takes='''r'' or ''clearance''; low, high and values go with it', &
       option='-', meaning='parameter that varies along a line of points'), &
-      key_type('low', only=with, option='-', meaning='first value of the parameter', &
+      key_type('low', only=with, option='-', unit=of_parameter, &
+      meaning='first value of the parameter', &
       takes=range_takes), &
-      key_type('high', only=with, over='low', option='-', meaning='last value of the parameter', &
+      key_type('high', only=with, over='low', option='-', unit=of_parameter, &
+      meaning='last value of the parameter', &
       takes=range_takes), &
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, only=with, option='-', &
       meaning='number of values'), &

@@ -24,12 +24,12 @@ module vi_response_study
 
    type(key_type), parameter :: response_keys(*) = [ &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
-      may_miss=.true., option='r-list', &
+      may_miss=.true., option='r-list', unit='omega', &
       meaning='frequency ratios, if they are not evenly spaced'), &
       key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
-      option='r', meaning='first frequency ratio'), &
+      option='r', unit='omega', meaning='first frequency ratio'), &
       key_type('r_max', low=window_keys(1)%low, high=window_keys(1)%high, over='r_min', never='r', &
-      option='r', meaning='last frequency ratio'), &
+      option='r', unit='omega', meaning='last frequency ratio'), &
       key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, never='r', option='r', &
       meaning='number of frequency ratios'), &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
@@ -43,7 +43,7 @@ module vi_response_study
       meaning='load cycles simulated before the motion is examined')]
 
    type(key_type), parameter :: load_key = key_type('load', default='1', low=0.0_wp, &
-      above=.true., high=1.0e12_wp, meaning='load amplitude')
+      above=.true., high=1.0e12_wp, unit='F0', meaning='load amplitude')
 
    type(column_type), parameter :: response_columns(*) = [ &
       column_type('points', 'r', meaning='frequency ratio'), &

@@ -32,8 +32,8 @@ module vi_branch_study
    use vi_structure_start, only: motion_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
-      list_for, of_oscillator, of_structure, result_type, study_type, truths, values_type, &
-      verdicts, wholes, words
+      list_for, of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
+      values_type, verdicts, wholes, words
    use vi_text, only: counted, line_type, number_text, whole
    implicit none (type, external)
    private
@@ -46,9 +46,9 @@ module vi_branch_study
       key_type('parameter', a_word, takes=structure_takes, meaning='parameter that changes', &
       model=of_structure), &
       key_type('low', takes='a number, at most the value that the motion has', &
-      option='bounds', meaning='lower bound of the parameter'), &
+      option='bounds', unit=of_parameter, meaning='lower bound of the parameter'), &
       key_type('high', takes='a number above low, at least the value that the motion has', &
-      option='bounds', meaning='upper bound of the parameter'), &
+      option='bounds', unit=of_parameter, meaning='upper bound of the parameter'), &
       key_type('longest_step', default='0.05', low=1.0e-6_wp, high=1.0_wp, &
       meaning='longest step along the branch, with the parameter scaled to 0 at low and &
       &1 at high'), &

@@ -41,11 +41,11 @@ module vi_chart_study
       cycles_key, &
       key_type('r', most=most_points, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., option='r-list', takes='increasing numbers with 1e-6 <= r <= 1e6', &
-      meaning='the frequency ratios, if they are not evenly spaced'), &
+      unit='omega', meaning='the frequency ratios, if they are not evenly spaced'), &
       key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
-      option='r', meaning='first frequency ratio'), &
+      option='r', unit='omega', meaning='first frequency ratio'), &
       key_type('r_max', low=window_keys(2)%low, high=window_keys(2)%high, over='r_min', never='r', &
-      option='r', meaning='last frequency ratio'), &
+      option='r', unit='omega', meaning='last frequency ratio'), &
       key_type('r_points', a_whole, low=2.0_wp, high=1.0e6_wp, takes=many, never='r', &
       option='r', meaning='number of frequency ratios'), &
       key_type('clearance', most=most_points, low=window_keys(3)%low, high=window_keys(3)%high, &

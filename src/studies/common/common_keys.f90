@@ -35,7 +35,8 @@ module vi_common_keys
       high=most_gap, unit='F0/K', &
       meaning='clearance d K/F0; d is the whole travel of m between the walls')
    type(key_type), parameter, public :: load_key = key_type('load', low=0.0_wp, high=1.0e12_wp, &
-      default='1', meaning='load amplitude, in units of the load that defines the unit of length')
+      default='1', unit='F0', &
+      meaning='load amplitude, in units of the load that defines the unit of length')
    type(key_type), parameter, public :: max_events_key = key_type('max_events', a_whole, &
       default='10000000', low=1.0_wp, high=1.0e9_wp, &
       meaning='events (impacts, rests, releases) after which one simulation is given up')
@@ -58,8 +59,9 @@ module vi_common_keys
 
    !> The window of zones and charts.
    type(key_type), parameter, public :: window_keys(4) = [ &
-      key_type('r_min', low=least_r, high=most_r, option='r', meaning='first frequency ratio'), &
-      key_type('r_max', low=least_r, high=most_r, over='r_min', option='r', &
+      key_type('r_min', low=least_r, high=most_r, option='r', unit='omega', &
+      meaning='first frequency ratio'), &
+      key_type('r_max', low=least_r, high=most_r, over='r_min', option='r', unit='omega', &
       meaning='last frequency ratio'), &
       key_type('clearance_min', low=least_gap, high=most_gap, option='clearance', unit='F0/K', &
       meaning='first clearance d K/F0; d is the whole travel of m between the walls'), &

@@ -27,7 +27,7 @@ module vi_design_study
    type(key_type), parameter :: design_keys(*) = [ &
       key_type('band', most=2, low=least_r, high=most_r, or='amplitude', &
       takes='one frequency ratio, or the lowest and the highest one', &
-      meaning='frequency ratios at which the damper works'), &
+      unit='omega', meaning='frequency ratios at which the damper works'), &
       key_type('amplitude', most=2, low=1.0e-9_wp, high=1.0e9_wp, or='band', unit='F0/K', &
       takes='one displacement, or the least and the greatest one', &
       meaning='displacements from which free vibration starts, for target = ''damping'''), &
@@ -45,7 +45,7 @@ module vi_design_study
       never='free_clearance', meaning='clearance d K/F0 at load 1 (d is the whole travel of m),&
       & if it is not free'), &
       key_type('load', most=1001, default='1', low=tiny_value, high=1.0e6_wp, &
-      never='amplitude', takes='one load amplitude, or as for a tolerance', &
+      never='amplitude', takes='one load amplitude, or as for a tolerance', unit='F0', &
       meaning='load amplitude'), &
       key_type('free_clearance', least=2, most=2, low=least_gap, high=most_gap, may_miss=.true., &
       unit='F0/K', takes='two numbers from 1e-12 to 1e12, the lower one first', &

@@ -1,0 +1,356 @@
+!> Units of physical quantities: numbers with a unit as texts, such as '4 mm', and numbers in the
+!! units of a &system, as the dimensionless numbers of a case.
+module vi_units
+   use vi_kinds, only: wp
+   use vi_parse, only: parse_numbers
+   implicit none (type, external)
+   private
+
+   public :: are_units, has_two_readings, to_own_unit, units_type_of
+
+   !> Units of length, force and time that may be those of a &system.
+   character(*), parameter, public :: lengths = 'm mm cm um km in ft', &
+      forces = 'N mN kN MN lbf kgf', times = 's ms us min h'
+   character(*), parameter :: known(3) = [character(24) :: lengths, forces, times]
+   !> Names of all units, for messages.
+   character(*), parameter :: all_names = lengths//' '//forces//' '//times// &
+      ' kg t lb rad Hz kHz mHz rpm %'
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+   !> A unit: its size in SI is `above`/`below`, so that decimal fractions are rounded once.
+   type :: unit_type
+      character(4) :: name
+      real(wp) :: above, below
+      !> Powers of length, force and time.
+      integer :: powers(3)
+      !> Whether it counts an angle.
+      logical :: angular = .false.
+   end type unit_type
+
+   type(unit_type), parameter :: named(*) = [ &
+      unit_type('m', 1.0_wp, 1.0_wp, [1, 0, 0]), unit_type('mm', 1.0_wp, 1.0e3_wp, [1, 0, 0]), &
+      unit_type('cm', 1.0_wp, 1.0e2_wp, [1, 0, 0]), unit_type('um', 1.0_wp, 1.0e6_wp, [1, 0, 0]), &
+      unit_type('km', 1.0e3_wp, 1.0_wp, [1, 0, 0]), &
+      unit_type('in', 254.0_wp, 1.0e4_wp, [1, 0, 0]), &
+      unit_type('ft', 3048.0_wp, 1.0e4_wp, [1, 0, 0]), unit_type('N', 1.0_wp, 1.0_wp, [0, 1, 0]), &
+      unit_type('mN', 1.0_wp, 1.0e3_wp, [0, 1, 0]), unit_type('kN', 1.0e3_wp, 1.0_wp, [0, 1, 0]), &
+      unit_type('MN', 1.0e6_wp, 1.0_wp, [0, 1, 0]), &
+      unit_type('lbf', 44482216152605.0_wp, 1.0e13_wp, [0, 1, 0]), &
+      unit_type('kgf', 980665.0_wp, 1.0e5_wp, [0, 1, 0]), &
+      unit_type('s', 1.0_wp, 1.0_wp, [0, 0, 1]), unit_type('ms', 1.0_wp, 1.0e3_wp, [0, 0, 1]), &
+      unit_type('us', 1.0_wp, 1.0e6_wp, [0, 0, 1]), unit_type('min', 60.0_wp, 1.0_wp, [0, 0, 1]), &
+      unit_type('h', 3600.0_wp, 1.0_wp, [0, 0, 1]), unit_type('kg', 1.0_wp, 1.0_wp, [-1, 1, 2]), &
+      unit_type('t', 1.0e3_wp, 1.0_wp, [-1, 1, 2]), &
+      unit_type('lb', 45359237.0_wp, 1.0e8_wp, [-1, 1, 2]), &
+      unit_type('rad', 1.0_wp, 1.0_wp, [0, 0, 0], .true.), &
+      unit_type('Hz', 2*pi, 1.0_wp, [0, 0, -1], .true.), &
+      unit_type('kHz', 2*pi, 1.0e-3_wp, [0, 0, -1], .true.), &
+      unit_type('mHz', 2*pi, 1.0e3_wp, [0, 0, -1], .true.), &
+      unit_type('rpm', pi, 30.0_wp, [0, 0, -1], .true.), &
+      unit_type('%', 1.0_wp, 1.0e2_wp, [0, 0, 0])]
+
+   !> How a number that is written without a unit is read: it is dimensionless, it is in the units
+   !! of the &system, or it must not be, since the &system does not say which.
+   integer, parameter, public :: dimensionless = 0, in_units = 1, undecided = 2
+
+   !> What the dimensionless numbers of a case are in physical units.
+   type, public :: units_type
+      !> M, K and F0 in SI; 0 if they are not known.
+      real(wp) :: mass = 0, stiffness = 0, force = 0
+      !> The units of length, force and time of the &system in SI.
+      real(wp) :: sizes(3) = 1
+      !> One of the three above.
+      integer :: bare = dimensionless
+   end type units_type
+
+contains
+
+   !> The units of a &system.
+   pure type(units_type) function units_type_of(mass, stiffness, force, names, bare) result(units)
+      !> M, K and F0 in the units; 0 if they are not known.
+      real(wp), intent(in) :: mass, stiffness, force
+      !> Names of units of length, force and time, which are known.
+      character(*), intent(in) :: names
+      !> How numbers without a unit are read.
+      integer, intent(in) :: bare
+      real(wp) :: sizes(3)
+      integer :: i, first, last, place
+
+      first = 1
+      do i = 1, 3
+         last = first + index(names(first:)//' ', ' ') - 2
+         place = findloc(named%name, names(first:last), 1)
+         sizes(i) = named(place)%above/named(place)%below
+         first = last + 2
+      end do
+      units = units_type(mass*in_sizes([-1, 1, 2], sizes), stiffness*in_sizes([-1, 1, 0], sizes), &
+         force*sizes(2), sizes, bare)
+   end function units_type_of
+
+   !> The size in SI of the unit of some powers of length, force and time.
+   pure real(wp) function in_sizes(powers, sizes) result(size)
+      !> Powers of length, force and time.
+      integer, intent(in) :: powers(3)
+      !> The units of length, force and time in SI.
+      real(wp), intent(in) :: sizes(3)
+
+      size = product(sizes**powers)
+   end function in_sizes
+
+   !> Whether a text names a unit of length, one of force and one of time.
+   pure logical function are_units(text)
+      !> The text.
+      character(*), intent(in) :: text
+      character(:), allocatable :: rest
+      integer :: i, last
+
+      rest = text//' '
+      are_units = .false.
+      do i = 1, 3
+         last = index(rest, ' ')
+         if (last == 1) return
+         if (index(' '//trim(known(i))//' ', ' '//rest(:last)) == 0) return
+         rest = rest(last + 1:)
+      end do
+      are_units = len(rest) == 0
+   end function are_units
+
+   !> A number with or without a unit, as a number in the unit of its key.
+   pure subroutine to_own_unit(text, unit, units, value, why)
+      !> A text such as 4 mm; empty if the number has no unit.
+      character(*), intent(in) :: text
+      !> The unit of the key: a product of powers of F0, K and omega or of units of SI, or empty.
+      character(*), intent(in) :: unit
+      !> What is known of them; without it numbers have no unit but those of SI of their key.
+      type(units_type), intent(in), optional :: units
+      !> In: the number, if there is no text. Out: the number in the unit of the key.
+      real(wp), intent(inout) :: value
+      !> Why it cannot be converted; empty if it can be.
+      character(:), allocatable, intent(out) :: why
+      character(:), allocatable :: missing
+      type(units_type) :: own
+      real(wp) :: scale
+      integer :: powers(3), wanted(3)
+      logical :: angular, is_angle
+
+      why = ''
+      if (present(units)) own = units
+      if (len(text) == 0 .and. own%bare == dimensionless) return
+      call scale_of(unit, own, scale, wanted, is_angle, why)
+      if (len(text) == 0) then
+         if (.not. has_two_readings(unit) .or. .not. abs(value) > 0) then
+            why = ''
+         else if (own%bare == undecided) then
+            why = 'a number without a unit can be read in two ways: write it as ''4 mm'', or give &
+               &units in &system (numbers are in these units) or unit_names (numbers are &
+               &dimensionless)'
+         else if (len(why) == 0) then
+            value = value*in_sizes(wanted, own%sizes)/scale
+         end if
+         return
+      end if
+      missing = why
+      call read_quantity(text, value, powers, angular, why)
+      if (len(why) > 0) return
+      if (any(powers /= wanted) .or. (angular .neqv. is_angle)) then
+         why = 'its unit is not that of '//trim(kind_of(wanted, is_angle))
+      else if (len(missing) > 0) then
+         why = missing
+      else
+         value = value/scale
+      end if
+   end subroutine to_own_unit
+
+   !> Whether a number without a unit can be dimensionless or physical. A frequency is always a
+   !! ratio then.
+   pure logical function has_two_readings(unit)
+      !> The unit of a key.
+      character(*), intent(in) :: unit
+
+      has_two_readings = .not. is_fixed(unit) .and. unit /= 'omega'
+   end function has_two_readings
+
+   !> Whether a unit does not depend on the &system.
+   pure logical function is_fixed(unit)
+      !> The unit of a key.
+      character(*), intent(in) :: unit
+
+      is_fixed = index(unit, 'F0') == 0 .and. index(unit, 'K') == 0 .and. index(unit, 'omega') == 0
+   end function is_fixed
+
+   !> The size in SI of the unit of a key, and what it measures.
+   pure subroutine scale_of(unit, units, scale, powers, angular, why)
+      !> The unit of a key.
+      character(*), intent(in) :: unit
+      !> What is known of F0, K and omega.
+      type(units_type), intent(in) :: units
+      !> Its size in SI.
+      real(wp), intent(out) :: scale
+      !> Powers of length, force and time, and whether it counts an angle.
+      integer, intent(out) :: powers(3)
+      logical, intent(out) :: angular
+      !> What is missing in &system.
+      character(:), allocatable, intent(out) :: why
+      character(:), allocatable :: factor
+      integer :: first, last, sign, power
+
+      why = ''
+      scale = 1
+      powers = 0
+      angular = unit == 'omega'
+      if (len_trim(unit) == 0) return
+      if (is_fixed(unit)) then
+         call read_quantity('1 '//trim(unit), scale, powers, angular, why)
+         return
+      end if
+      sign = 1
+      first = 1
+      do while (first <= len_trim(unit))
+         last = first + scan(unit(first:)//' ', ' /') - 2
+         factor = unit(first:last)
+         power = sign
+         if (index(factor, '^2') > 0) power = 2*sign
+         select case (factor(:max(0, scan(factor//'^', '^') - 1)))
+         case ('F0')
+            powers = powers + power*[0, 1, 0]
+            if (units%force > 0) scale = scale*units%force**power
+            if (.not. units%force > 0) why = '&system must have mass, stiffness and force'
+         case ('K')
+            powers = powers + power*[-1, 1, 0]
+            if (units%stiffness > 0) scale = scale*units%stiffness**power
+         case ('omega')
+            powers = powers + power*[0, 0, -1]
+            if (units%mass > 0) scale = scale*sqrt(units%stiffness/units%mass)**power
+         case default
+            continue
+         end select
+         if (last < len(unit)) sign = merge(-1, sign, unit(last + 1:last + 1) == '/')
+         first = last + 2
+      end do
+      if (.not. units%mass > 0 .and. len(why) == 0) why = '&system must have mass and stiffness'
+   end subroutine scale_of
+
+   !> A number with a unit in SI.
+   pure subroutine read_quantity(text, value, powers, angular, why)
+      !> Such as 19.5 Hz, 42 kN/m or 9.81 m/s^2.
+      character(*), intent(in) :: text
+      !> The number in SI.
+      real(wp), intent(out) :: value
+      !> Powers of length, force and time, and whether it counts an angle.
+      integer, intent(out) :: powers(3)
+      logical, intent(out) :: angular
+      !> What is wrong with it; empty if nothing is.
+      character(:), allocatable, intent(out) :: why
+      character(:), allocatable :: plain
+      real(wp), allocatable :: numbers(:)
+      type(unit_type) :: one
+      real(wp) :: above, below
+      integer :: first, last, i, power, sign, place, mark
+      logical :: good
+
+      call in_ascii(text, plain)
+      value = 0
+      powers = 0
+      angular = .false.
+      why = 'as a text it must be a number with its unit, as ''4 mm'''
+      first = verify(plain//'x', '+-.0123456789eEdD')
+      call parse_numbers(plain(:first - 1), .false., 1, numbers, good)
+      if (.not. good) return
+      plain = trim(adjustl(plain(first:)))
+      if (len(plain) == 0) return
+      why = ''
+      above = numbers(1)
+      below = 1
+      sign = 1
+      first = 1
+      do while (first <= len(plain))
+         if (plain(first:first) == '/') then
+            sign = -1
+            first = first + 1
+            cycle
+         else if (scan(plain(first:first), ' *') > 0) then
+            first = first + 1
+            cycle
+         end if
+         last = first + scan(plain(first:)//' ', ' */') - 2
+         if (plain(first:last) /= '1') then
+            mark = scan(plain(first:last)//'^', '^-0123456789')
+            place = findloc(named%name, plain(first:first + mark - 2)//'', 1)
+            power = 1
+            i = first + mark - 1
+            if (i <= last) then
+               if (plain(i:i) == '^') i = i + 1
+               call parse_numbers(plain(i:last), .true., 1, numbers, good)
+               if (good) power = nint(max(-9.0_wp, min(9.0_wp, numbers(1))))
+            end if
+            if (place == 0 .or. .not. good .or. sign == 0) then
+               why = 'unknown unit '//plain(first:last)//'; units are made of '//all_names
+               return
+            end if
+            power = sign*power
+            one = named(place)
+            if (power > 0) then
+               above = above*one%above**power
+               below = below*one%below**power
+            else
+               above = above*one%below**(-power)
+               below = below*one%above**(-power)
+            end if
+            powers = powers + power*one%powers
+            angular = angular .or. one%angular
+         end if
+         ! one unit after each slash
+         if (sign < 0) sign = 0
+         first = last + 1
+      end do
+      value = above/below
+   end subroutine read_quantity
+
+   !> A text of units with u for micro, ^2 for a raised 2 and blanks for points.
+   pure subroutine in_ascii(text, plain)
+      !> In UTF-8.
+      character(*), intent(in) :: text
+      !> Without them.
+      character(:), allocatable, intent(out) :: plain
+      character(*), parameter :: micro(2) = [char(194)//char(181), char(206)//char(188)], &
+         raised = char(194)//char(178), point = char(194)//char(183)
+      integer :: i
+
+      plain = ''
+      i = 1
+      do while (i <= len(text))
+         if (any(text(i:min(len(text), i + 1)) == micro)) then
+            plain = plain//'u'
+         else if (text(i:min(len(text), i + 1)) == raised) then
+            plain = plain//'^2'
+         else if (text(i:min(len(text), i + 1)) == point) then
+            plain = plain//' '
+         else
+            plain = plain//text(i:i)
+            i = i - 1
+         end if
+         i = i + 2
+      end do
+      plain = trim(adjustl(plain))
+   end subroutine in_ascii
+
+   !> What some powers of length, force and time measure.
+   pure character(32) function kind_of(powers, angular) result(text)
+      !> Powers of length, force and time, and whether an angle is counted.
+      integer, intent(in) :: powers(3)
+      logical, intent(in) :: angular
+
+      text = 'this quantity'
+      if (all(powers == [1, 0, 0])) text = 'a length'
+      if (all(powers == [0, 1, 0])) text = 'a force'
+      if (all(powers == [0, 0, 1])) text = 'a time'
+      if (all(powers == [1, 0, -1])) text = 'a velocity'
+      if (all(powers == [1, 0, -2])) text = 'an acceleration'
+      if (all(powers == [-1, 1, 2])) text = 'a mass'
+      if (all(powers == [-1, 1, 0])) text = 'a stiffness'
+      if (all(powers == [-1, 1, 1])) text = 'a damping coefficient'
+      if (all(powers == 0)) text = 'a number without a dimension'
+      if (angular) text = 'a frequency (Hz, rpm or rad/s)'
+   end function kind_of
+
+end module vi_units
