@@ -58,15 +58,26 @@ def exact_structure(
     if isinstance(guess, (Motion, Trajectory)) and not guess.of_structure:
         raise ParameterError(f"guess = {guess!r}: must be that of a structure, as the system is")
     if isinstance(guess, Trajectory):
-        check_load(structure, load, frequency=True)
+        check_load(structure, load, frequency=True, stops=True)
         return settled(structure, load, guess.end, guess.final_state)
+    checks.instance(structure, "structure", Structure)
+    elastic = not structure._is_rigid
     if isinstance(guess, Motion):
+        if elastic:
+            check_load(structure, load, frequency=True, stops=True)
+            start, state = guess._between_events()
+            start *= guess.load.frequency / load.frequency
+            return of_same_kind(settled(structure, load, start, state, cycles=guess.cycles), guess)
         if len(guess.rests):
             check_load(structure, load, frequency=True)
             start = guess.phases[0] / guess.load.frequency * (guess.load.frequency / load.frequency)
             found = settled(structure, load, start, (guess.q, guess.q_dot), cycles=guess.cycles)
             return of_same_kind(found, guess)
         phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
+    elif elastic:
+        raise ParameterError(
+            f"guess = {guess!r}: must be a Motion or a Trajectory, since the structure has stops or friction"
+        )
     elif isinstance(guess, tuple) and len(guess) in (2, 3):
         phases, gaps, cycles = guess if len(guess) == 3 else (*guess, 1)
     else:
@@ -88,7 +99,7 @@ def settled(
     cycles: int = 0,
 ) -> Motion:
     """The motion of a structure on which a simulation from a state settles."""
-    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load)[:6]
+    matrices, directions, values, _, harmonics, constant = core_arrays(structure, load, True)[:6]
     capacity = 500
     while True:
         counts, labels, impacts, states, rests, matrix, multipliers, scalars, verdicts, status = (

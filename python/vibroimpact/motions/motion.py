@@ -42,7 +42,14 @@ from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
 from .quantities import Quantities, oscillator_quantities
-from .trajectory import EVENTS_OF_STRUCTURE, Trajectory, core_arrays, request_of, segments_of_events
+from .trajectory import (
+    EVENTS_OF_STRUCTURE,
+    Trajectory,
+    core_arrays,
+    request_of,
+    segments_of_events,
+    simulate_structure,
+)
 
 __all__ = ["Motion", "Motions", "Sample"]
 
@@ -680,6 +687,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Nothing is simulated: a simulation would leave an unstable motion, would stop at the first gap that a
         motion closes in between, and could not start again from a gap that is closed to rounding.
         """
+        if not self.structure._is_rigid:
+            return self._simulated()
         n, count = self.structure.coordinates, len(self.phases)
         times = self.phases / self.load.frequency
         times = np.append(times, times[0] + self.period)
@@ -727,6 +736,25 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             permanent=(),
         )  # fmt: skip
 
+    def _simulated(self) -> Trajectory:
+        """Of a structure with stops or friction: the period from just after the first event, simulated.
+
+        The first event may come again at the start, where its limit is reached to rounding.
+        """
+        start = float(self.phases[0] / self.load.frequency)
+        return simulate_structure(
+            self.structure, self.load, duration=self.period, state=(self.q, self.q_dot), start=start
+        )
+
+    def _between_events(self) -> tuple[float, tuple[_Array, _Array]]:
+        """A time in the middle of the longest flight of a motion of a structure, and the state there."""
+        run = self._run()
+        times = np.concatenate([[run.start], run.events["time"], [run.end]])
+        longest = int(np.diff(times).argmax())
+        middle = float(times[longest : longest + 2].mean())
+        q, rate = run.sample([middle])
+        return middle, (q[:, 0], rate[:, 0])
+
     def _facts(self) -> dict[str, str]:
         if self.of_structure:
             return {"coordinates": str(self.structure.coordinates), "impacts": str(len(self.gaps))}
@@ -758,7 +786,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             self.verdicts().removeprefix("consistent, ").replace(f", {self.leading_kind})", ")")
         )
         if self.of_structure:
-            counts = [(len(self.phases), "impact"), (len(self.rests), "rest")]
+            one = "impact" if self.structure._is_rigid else "event"
+            counts = [(len(self.phases), one), (len(self.rests), "rest")]
             parts = [f"{n} {name}{'s' * (n != 1)}" for n, name in counts if n]
             cycles = f"{self.cycles} cycle{'s' * (self.cycles != 1)}"
             return f"<Motion of {' and '.join(parts)} in {cycles}: {verdicts}>"

@@ -296,7 +296,7 @@ class Structure(ByValue):
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        `simulate` takes stops and friction; the other verbs do not, yet.
+        `simulate` and `exact` take stops and friction; the other verbs do not, yet.
 
     Raises
     ------
@@ -484,17 +484,22 @@ class Structure(ByValue):
         """Gaps and stops, and then friction, as the core numbers them."""
         return (*self.gaps, *self.friction)
 
+    @property
+    def _is_rigid(self) -> bool:
+        """Whether it has neither stops nor friction."""
+        return not self.friction and all(isinstance(gap, Gap) for gap in self.gaps)
+
     def _rigid(self) -> list[Gap]:
         """Its gaps; ParameterError if one of them is a stop, or if it has friction."""
         if self.friction:
             raise ParameterError(
-                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate takes friction"
+                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate and exact take friction"
             )
         found = []
         for i, gap in enumerate(self.gaps):
             if isinstance(gap, Stop):
                 raise ParameterError(
-                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate takes stops"
+                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate and exact take stops"
                 )
             found.append(gap)
         return found

@@ -5,6 +5,7 @@
 !! longest
 !! flight without rest; Newton's method uses the derivative of the simulation in closed form.
 module vi_structure_return
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_assess, only: admission, consistency
    use vi_channels, only: first_event, leading_term, leaving_type, pace_type, reached_type, &
@@ -14,6 +15,7 @@ module vi_structure_return
    use vi_lapack, only: solve
    use vi_motion, only: unknown, yes
    use vi_progress, only: is_stopped
+   use vi_restitution, only: friction_law, pushing_law, stop_law
    use vi_status, only: stat
    use vi_structure, only: load_type, regime_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
@@ -236,14 +238,14 @@ contains
       type(run_state_type) :: at
       integer :: n, parts, status
 
-      if (size(found%resting) == 0) then
+      if (size(found%resting) == 0 .and. .not. has_elements(structure)) then
          call shorten(structure, run%load, found, shorter)
          found = shorter
          return
       end if
       do parts = found%cycles, 2, -1
          if (modulo(found%cycles, parts) > 0) cycle
-         if (.not. rests_repeat(found, parts)) cycle
+         if (.not. (rests_repeat(found, parts) .and. impacts_repeat(found, parts))) cycle
          at = state
          shorter%cycles = found%cycles/parts
          call one_cycle(run, at, shorter%cycles, elapsed, events, n, status, progress)
@@ -286,7 +288,7 @@ contains
 
       shorter = found
       n = size(found%gaps)
-      if (size(found%resting) > 0) return
+      if (size(found%resting) > 0 .or. has_elements(structure)) return
       do parts = n, 2, -1
          if (modulo(n, parts) > 0 .or. modulo(found%cycles, parts) > 0) cycle
          m = n/parts
@@ -302,6 +304,25 @@ contains
          return
       end do
    end subroutine shorten
+
+   !> Whether the events of a motion with stops or friction repeat themselves within its period, as
+   !! is assumed with rests, where the number of impacts before a rest depends on rounding.
+   pure logical function impacts_repeat(found, parts)
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> How many times.
+      integer, intent(in) :: parts
+      real(wp), parameter :: near = 1.0e-6_wp
+      integer :: m, n
+
+      n = size(found%gaps)
+      m = n/parts
+      impacts_repeat = size(found%resting) > 0
+      if (impacts_repeat .or. modulo(n, parts) > 0) return
+      impacts_repeat = all(found%gaps(m + 1:) == found%gaps(:n - m)) .and. &
+         all(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - two_pi*found%cycles &
+         /parts) < near)
+   end function impacts_repeat
 
    !> Makes a motion that was looked for too early empty again.
    pure subroutine forget(found)
@@ -374,7 +395,8 @@ contains
       call one_cycle(run, state, found%cycles, elapsed, events, n, status, progress)
       if (status /= stat%ok) return
       ! a gap may rest while others are hit
-      if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1)) then
+      if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1) .or. (n > 0 .and. &
+         has_elements(structure))) then
          call by_return(run, state, elapsed, events, n, found, status)
       else if (n == 0) then
          ! a mass that still moves slowly will hit a gap
@@ -540,7 +562,7 @@ contains
             modulo(elapsed, run%period), events, n, status)
          if (status /= stat%ok) return
          elapsed = at%elapsed
-         if (at%regime == 1 .or. i == 2) exit
+         if (size(run%regimes(at%regime)%resting) == 0 .or. i == 2) exit
          ! a period that begins at an event may lack it, since it is not the motion's yet
          call one_cycle(run, at, found%cycles, elapsed, events, n, status)
          if (status /= stat%ok) return
@@ -557,18 +579,24 @@ contains
          begun = state
          call one_cycle(run, state, found%cycles, elapsed, events, n, status)
          if (status /= stat%ok) return
-         if (state%regime /= 1 .or. begun%regime /= 1) then
-            status = stat%no_convergence
-            return
-         end if
-         call derivative_of_run(run, begun, events(:n), state, p, largest, status)
+         if (size(run%regimes(state%regime)%resting) + size(run%regimes(begun%regime)%resting) &
+            > 0) status = stat%no_convergence
          if (status /= stat%ok) return
+         call derivative_of_run(run, begun, events(:n), state, p, largest, &
+            found%motion%verdicts%law, status)
          call state_now(run, state, image(:m), image(m + 1:))
          scale = [maxval(abs(s(:m))), maxval(abs(s(m + 1:)))]
          scale = max(scale, tiny(1.0_wp))
          step = s - image
          found%motion%residual = max(maxval(abs(step(:m)))/scale(1), maxval(abs(step(m + 1:)))/ &
             scale(2))
+         if (status == stat%zero_approach .and. has_elements(run%structure) .and. &
+            found%motion%residual <= exact_acceptance) then
+            ! a motion at which the period has no derivative
+            p = ieee_value(1.0_wp, ieee_quiet_nan)
+            exit
+         end if
+         if (status /= stat%ok) return
          if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
          ! positions and velocities are compared by their scales
          a = p
@@ -591,6 +619,7 @@ contains
          status = stat%no_convergence
          return
       end if
+      status = stat%ok
       call store_period(run, events(:n), found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
       call examine_rests(run, events(:n), state, push, complete)
@@ -598,11 +627,21 @@ contains
          admission(push, complete)
       found%motion%verdicts%p = p
       allocate (found%motion%verdicts%multipliers(2*m))
-      found%motion%verdicts%multipliers = 0
-      found%motion%verdicts%law = 0
+      found%motion%verdicts%multipliers = cmplx(p(1, 1) - p(1, 1), 0.0_wp, wp)
+      found%motion%verdicts%determinant = p(1, 1) - p(1, 1)
       ! an accumulation of many impacts costs digits: entries are accurate to about 1e-10
-      call assess_multipliers(1.0e-12_wp*largest, found%motion%verdicts)
+      call assess_multipliers(largest*merge(1.0e-12_wp, epsilon(1.0_wp), &
+         any(events(:n)%kind == stick_event)), found%motion%verdicts)
    end subroutine by_return
+
+   !> Whether a structure has stops or friction.
+   pure logical function has_elements(structure)
+      !> The structure; it need not be complete.
+      type(structure_type), intent(in) :: structure
+
+      has_elements = any(structure%laws%kind == stop_law .or. structure%laws%kind == pushing_law &
+         .or. structure%laws%kind == friction_law)
+   end function has_elements
 
    !> Whether no contact pulls while it rests, apart from the simulation: at the beginning of each
    !! rest, after each event during it, and in between.
@@ -694,6 +733,7 @@ contains
       real(wp), intent(out) :: wait
       real(wp) :: times(size(events)), flight, longest
       integer :: i, n, next
+      logical :: only_free
 
       n = size(events)
       do i = 1, n
@@ -703,8 +743,12 @@ contains
       end do
       wait = -1
       longest = 0
+      ! where friction always sticks, what sticks has one speed less to be found
+      only_free = any([(size(run%regimes(events(i)%regime)%held) == 0, i=1, n)])
       do i = 1, n
-         if (events(i)%regime /= 1) cycle
+         associate (regime => run%regimes(events(i)%regime))
+            if (size(regime%resting) > 0 .or. (only_free .and. size(regime%held) > 0)) cycle
+         end associate
          next = modulo(i, n) + 1
          flight = times(next) - times(i)
          if (next <= i) flight = flight + cycles*run%period
@@ -728,7 +772,8 @@ contains
 
       phases = phases_of(run, events)
       whole = two_pi*found%cycles
-      impacts = pack([(i, i=1, size(events))], events%kind == impact_event)
+      impacts = pack([(i, i=1, size(events))], events%kind /= stick_event .and. &
+         events%kind /= release_event)
       sticks = pack([(i, i=1, size(events))], events%kind == stick_event)
       n = size(run%structure%mass, 1)
       found%gaps = events(impacts)%gap

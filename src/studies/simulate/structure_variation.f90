@@ -1,18 +1,25 @@
 !> The derivative of a simulated motion of a structure by its initial state, event by event in
-!! closed
-!! form, through impacts, rests and releases.
+!! closed form: through impacts, rests and releases, and by saltation matrices through contacts with
+!! stops and changes of friction. Where a row h of the regime before an event falls to its limit,
+!!
+!!     S = I + (f+ - f-) grad h^T/h',   h' = grad h.f- + dh/dt
+!!
+!! with the rates f- and f+ of (q, q') before and after. h' is the rate of h along the motion, with
+!! that of the load in a force that holds or pushes. Where friction halts, S takes the direction in
+!! which it would slip to 0.
 module vi_structure_variation
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_channels, only: row_derivatives, size_of_rate
    use vi_columns, only: solve_columns
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_status, only: stat
-   use vi_structure, only: regime_type, structure_type
+   use vi_structure, only: factor_along, regime_type, restitution_of, structure_type
    use vi_structure_map, only: accelerations, apply_flight, apply_impact, from_coordinates, &
       to_coordinates
-   use vi_structure_run, only: impact_event, release_event, run_event_type, run_state_type, &
-      run_type, &
-      stick_event
+   use vi_structure_motion, only: impulse_of
+   use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, press_event, &
+      release_event, run_event_type, run_state_type, run_type, stick_event, touch_event
    implicit none (type, external)
    private
 
@@ -26,14 +33,20 @@ module vi_structure_variation
       real(wp) :: elapsed = 0
       !> (m) The pairs there; (2m, columns) changes of x, then of v.
       real(wp), allocatable :: x(:), v(:), d(:, :)
-      !> (columns) Changes of the time of the last event, if it is an impact.
+      !> (columns) Changes of the time of the last event; 0 after an accumulation.
       real(wp), allocatable :: later(:)
+      !> Factor of volumes of states since the beginning; 0 once a rest or friction that sticks has
+      !! taken a direction away.
+      real(wp) :: volume = 1
+      !> The largest sum of the terms of a rate over the rate itself, of functions of which the zero
+      !! was an event at which accelerations jump.
+      real(wp) :: sharpest = 1
    end type tangent_type
 
 contains
 
    !> The derivative of the final state by the initial one.
-   pure subroutine derivative_of_run(run, first, events, last, p, largest, status)
+   pure subroutine derivative_of_run(run, first, events, last, p, largest, law, status)
       !> The structure, its load and its regimes.
       type(run_type), intent(in) :: run
       !> The state at the beginning.
@@ -44,9 +57,11 @@ contains
       type(run_state_type), intent(in) :: last
       !> (2n, 2n) Derivatives of (q, q') by (q, q').
       real(wp), intent(out) :: p(:, :)
-      !> The largest approach speed over the least one of impacts outside accumulations; 1 if there
-      !! are none.
+      !> The factor of rounding errors: the largest approach speed over the least one of impacts
+      !! outside accumulations, or that of other events; 1 if there are none.
       real(wp), intent(out) :: largest
+      !> What det p must be.
+      real(wp), intent(out) :: law
       !> `stat%ok` or `stat%zero_approach`.
       integer, intent(out) :: status
       type(tangent_type) :: tangent
@@ -58,6 +73,7 @@ contains
       end do
       status = stat%ok
       largest = 1
+      law = 0
       call start_tangent(run, first, p, tangent)
       do i = 1, size(events)
          call through_event(run, events(i), tangent, status)
@@ -65,7 +81,8 @@ contains
       end do
       call to_state(run, last, tangent)
       call to_coordinates(run%regimes(tangent%number), tangent%d, p)
-      largest = spread_of_speeds(events)
+      largest = max(spread_of_speeds(events), tangent%sharpest)
+      law = tangent%volume
    end subroutine derivative_of_run
 
    !> Begins to carry changes of a state.
@@ -78,8 +95,24 @@ contains
       real(wp), intent(in) :: p(:, :)
       !> The changes there.
       type(tangent_type), intent(out) :: tangent
+      real(wp) :: held(size(p, 1), size(p, 2))
+      integer :: n
 
       tangent%number = first%regime
+      associate (regime => run%regimes(first%regime))
+         if (size(regime%held) > size(regime%resting)) then
+            ! friction that sticks keeps its speed
+            tangent%volume = 0
+            n = size(p, 1)/2
+            held = p
+            call project(run%structure, regime%held, held(n + 1:, :))
+            allocate (tangent%d(2*size(first%x), size(p, 2)))
+            allocate (tangent%later(size(p, 2)), source=0.0_wp)
+            call from_coordinates(regime, held, tangent%d)
+            call set_place(first%cycle, first%elapsed, first%x, first%v, tangent)
+            return
+         end if
+      end associate
       allocate (tangent%d(2*size(first%x), size(p, 2)))
       allocate (tangent%later(size(p, 2)), source=0.0_wp)
       call from_coordinates(run%regimes(first%regime), p, tangent%d)
@@ -125,8 +158,14 @@ contains
       n = size(before)
       time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
          tangent%elapsed))
+      if (is_change(run, event, tangent%number)) then
+         call through_change(run, event, time, tangent, status)
+         return
+      end if
       associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime))
+         tangent%volume = tangent%volume*exp(-2*sum(regime%modes%damping)*time)
          if (event%kind == impact_event) then
+            tangent%volume = tangent%volume*volume_of_impact(run%structure, event)
             allocate (x_before, source=tangent%x)
             allocate (v_before, source=tangent%v)
             call advance(regime%modes, time, tangent%x, tangent%v, x_before, v_before)
@@ -151,8 +190,10 @@ contains
                tangent%later = 0
             end if
             ! the accumulation is completed at its last impact, and the rest begins there
-            if (event%kind == stick_event) call apply_rest(run%structure, next%resting, &
-               event%gap, p)
+            if (event%kind == stick_event) then
+               call apply_rest(run%structure, next, event%gap, p)
+               tangent%volume = 0
+            end if
             deallocate (tangent%d)
             allocate (tangent%d(2*size(event%x), size(p, 2)))
             call from_coordinates(next, p, tangent%d)
@@ -163,6 +204,167 @@ contains
       tangent%number = event%regime
       call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
    end subroutine through_event
+
+   !> Whether an event is one of a stop or of friction, or changes the sense of friction or the
+   !! accelerations by it.
+   pure logical function is_change(run, event, number)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> The number of the regime before it.
+      integer, intent(in) :: number
+      integer :: j
+
+      select case (event%kind)
+      case (stick_event)
+         is_change = .false.
+      case (impact_event)
+         is_change = event%regime /= number
+      case (release_event)
+         is_change = run%structure%has_friction
+         if (is_change) is_change = any([(abs(factor_along(run%structure, j, event%gap)) > 0, j=1, &
+            size(run%structure%openings))])
+      case default
+         is_change = .true.
+      end select
+   end function is_change
+
+   !> The factor of volumes at an impact, R (R + R' v).
+   pure real(wp) function volume_of_impact(structure, event) result(factor)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The impact.
+      type(run_event_type), intent(in) :: event
+      real(wp) :: restitution, slope
+
+      call restitution_of(structure, event%gap, event%speed, restitution, slope)
+      factor = restitution*(restitution + slope*event%speed)
+   end function volume_of_impact
+
+   !> Carries changes to the next event and into the regime after it, by the saltation matrix.
+   pure subroutine through_change(run, event, time, tangent, status)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> Time from the place of the tangent to it.
+      real(wp), intent(in) :: time
+      !> In: the changes before it. Out: those just after it.
+      type(tangent_type), intent(inout) :: tangent
+      !> `stat%ok`, or `stat%zero_approach` where a function that falls to its limit has no rate
+      !! there and accelerations jump.
+      integer, intent(out) :: status
+      !> Share of accelerations, and of the terms of a rate, that counts as rounding.
+      real(wp), parameter :: rounding = 1.0e-12_wp
+      real(wp), dimension(size(run%structure%mass, 1)) :: before, after, jump
+      real(wp), allocatable :: p(:, :), x(:), v(:), closing(:)
+      real(wp) :: d(0:3), rate, scale, impulse, slope
+      integer :: j, m, n, row
+
+      status = stat%ok
+      ! a further change at one instant is told of after it is made
+      if (event%regime == tangent%number .and. .not. time > 0) return
+      n = size(before)
+      associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime), &
+         phase => run%load%frequency*event%elapsed)
+         m = size(regime%modes%stiffness)
+         allocate (x(m), v(m), p(2*n, size(tangent%d, 2)), closing(size(tangent%d, 2)))
+         call advance(regime%modes, time, tangent%x, tangent%v, x, v)
+         call apply_flight(regime, time, tangent%d)
+         tangent%volume = tangent%volume*exp(-2*sum(regime%modes%damping)*time)
+         call to_coordinates(regime, tangent%d, p)
+         call accelerations(regime, phase, x, v, before)
+         call accelerations(next, phase, event%x, event%v, after)
+         jump = after - before
+         if (event%kind == impact_event) then
+            associate (direction => run%structure%directions(:, event%gap), &
+               mobility => run%structure%mobility(:, event%gap))
+               if (.not. event%speed > 0) status = stat%zero_approach
+               if (status == stat%ok) then
+                  call impulse_of(run%structure, event%gap, event%speed, impulse, slope)
+                  closing = matmul(direction, p(:n, :))
+                  tangent%later = -closing/event%speed
+                  jump = jump + slope*mobility*dot_product(direction, before)
+                  do j = 1, size(p, 2)
+                     p(n + 1:, j) = p(n + 1:, j) - jump*tangent%later(j) &
+                        - slope*mobility*dot_product(direction, p(n + 1:, j))
+                     p(:n, j) = p(:n, j) + impulse*tangent%later(j)*mobility
+                  end do
+                  tangent%volume = tangent%volume*volume_of_impact(run%structure, event)
+               end if
+            end associate
+         else
+            call find_row(run, regime, event, phase, x, v, row)
+            scale = maxval(abs(after)) + maxval(abs(before))
+            if (row > 0) then
+               call row_derivatives(regime, x, v, phase, row, d)
+               rate = d(1)
+               associate (size_now => size_of_rate(regime, x, v, row, 0.0_wp))
+                  if (abs(rate) > rounding*size_now) then
+                     closing = matmul(regime%position(row, :), tangent%d(:m, :)) &
+                        + matmul(regime%velocity(row, :), tangent%d(m + 1:, :))
+                     tangent%later = -closing/rate
+                     if (any(abs(jump) > rounding*scale)) tangent%sharpest = &
+                        max(tangent%sharpest, size_now/abs(rate))
+                     if (row <= run%structure%channels) then
+                        call row_derivatives(next, event%x, event%v, phase, row, d)
+                        tangent%volume = tangent%volume*(d(1)/rate)
+                     end if
+                  else
+                     if (any(abs(jump) > rounding*scale)) status = stat%zero_approach
+                     tangent%later = 0
+                  end if
+               end associate
+            end if
+            if (event%kind == halt_event) tangent%volume = 0
+            do j = 1, size(p, 2)
+               p(n + 1:, j) = p(n + 1:, j) - jump*tangent%later(j)
+            end do
+         end if
+         if (size(next%held) > 0) call project(run%structure, next%held, p(n + 1:, :))
+         deallocate (tangent%d)
+         allocate (tangent%d(2*size(event%x), size(p, 2)))
+         call from_coordinates(next, p, tangent%d)
+      end associate
+      tangent%number = event%regime
+      call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
+   end subroutine through_change
+
+   !> The row of a regime that falls to its limit at an event; 0 if it is not there, as where a
+   !! force that jumps at the same instant is more than what holds.
+   pure subroutine find_row(run, regime, event, phase, x, v, row)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The regime before the event.
+      type(regime_type), intent(in) :: regime
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> Load phase (rad), and (m) the pairs just before it.
+      real(wp), intent(in) :: phase, x(:), v(:)
+      !> The row.
+      integer, intent(out) :: row
+      !> Share of a stick level by which a force at it may differ from it.
+      real(wp), parameter :: near = 1.0e-9_wp
+      real(wp) :: d(0:3)
+
+      associate (structure => run%structure, number => event%gap)
+         select case (event%kind)
+         case (touch_event, leave_event)
+            row = structure%channel(number)
+         case (let_go_event, press_event)
+            row = structure%push(number)
+         case (release_event)
+            row = structure%channels + findloc(regime%resting, number, dim=1)
+         case default
+            row = structure%channel(number)
+            if (all(regime%held /= number)) return
+            row = structure%channels + findloc(regime%held, number, dim=1)
+            call row_derivatives(regime, x, v, phase, row, d)
+            if (abs(abs(d(0)) - regime%upper(row)) > near*regime%upper(row)) row = 0
+         end select
+      end associate
+   end subroutine find_row
 
    !> How much a gap closes by changes of the pairs.
    pure function closing_of(regime, direction, d) result(closing)
@@ -189,8 +391,14 @@ contains
       !> In and out: the changes.
       type(tangent_type), intent(inout) :: tangent
 
-      call apply_flight(run%regimes(tangent%number), max(0.0_wp, real(last%cycle - tangent%cycle, &
-         wp)*run%period + (last%elapsed - tangent%elapsed)), tangent%d)
+      real(wp) :: time
+
+      time = max(0.0_wp, real(last%cycle - tangent%cycle, wp)*run%period + (last%elapsed &
+         - tangent%elapsed))
+      associate (regime => run%regimes(tangent%number))
+         call apply_flight(regime, time, tangent%d)
+         tangent%volume = tangent%volume*exp(-2*sum(regime%modes%damping)*time)
+      end associate
       call set_place(last%cycle, last%elapsed, last%x, last%v, tangent)
    end subroutine to_state
 
@@ -220,11 +428,12 @@ contains
    !! velocities that keep the gaps closed,
    !!
    !!     Q = [ Pi, 0 ; Pi M^-1 C M^-1 G m G^T, Pi ]
-   pure subroutine apply_rest(structure, resting, gap, p)
+   pure subroutine apply_rest(structure, regime, gap, p)
       !> The structure.
       type(structure_type), intent(in) :: structure
-      !> The gaps that rest from now on, and the one that began to.
-      integer, intent(in) :: resting(:), gap
+      !> The regime of the rest, and the gap that began to rest.
+      type(regime_type), intent(in) :: regime
+      integer, intent(in) :: gap
       !> (2n, columns) In and out: derivatives of q, then of q'.
       real(wp), intent(inout) :: p(:, :)
       real(wp), allocatable :: carried(:, :)
@@ -233,13 +442,22 @@ contains
       n = size(p, 1)/2
       allocate (carried(n, 1))
       carried(:, 1) = matmul(structure%damping, structure%mobility(:, gap))
+      do i = 1, size(regime%closed)
+         associate (j => regime%closed(i))
+            if (j < 0) cycle
+            if (.not. structure%elastic(j)) cycle
+            carried(:, 1) = carried(:, 1) + structure%directions(:, j) &
+               *structure%laws(j)%numbers(2)*dot_product(structure%directions(:, j), &
+               structure%mobility(:, gap))
+         end associate
+      end do
       call solve_columns(structure%mass, carried, status)
       do i = 1, size(p, 2)
          p(n + 1:, i) = p(n + 1:, i) + carried(:, 1)*structure%effective(gap)* &
             dot_product(structure%directions(:, gap), p(:n, i))
       end do
-      call project(structure, resting, p(:n, :))
-      call project(structure, resting, p(n + 1:, :))
+      call project(structure, regime%resting, p(:n, :))
+      call project(structure, regime%held, p(n + 1:, :))
    end subroutine apply_rest
 
    !> Removes from vectors the part that closes or opens some gaps, which rest together: they have a

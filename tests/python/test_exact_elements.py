@@ -1,0 +1,90 @@
+"""Exact motions of structures with elastic stops and friction, against closed forms and known numbers."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+TURN = 2 * math.pi
+
+
+def settled(structure, load, cycles=150):
+    return vi.exact(structure, load, vi.simulate(structure, load, cycles=cycles))
+
+
+def one_stop(opening, **stop):
+    return vi.Structure([1.0], [0.1], [1.0], [vi.Stop([1.0], opening, **stop)])
+
+
+@pytest.mark.parametrize(("k", "c", "phase", "duration", "multiplier"), [
+    (100, 0, 6.22700821679763, .312511699213252, -.6922454190347 + .2329900661328j),
+    (100, 1, 6.23899363049323, .312955115403664, -.5916663376937 + .2001538789779j),
+    (1e8, None, .0758360073610025, 3.14950821512081e-4, -.5842934483009 + .0057887487234j),
+])  # fmt: skip
+def test_one_stop(k, c, phase, duration, multiplier):
+    """Instants and multipliers; a dashpot adds exp(-c t) of the contact to the determinant."""
+    if c is None:
+        c = 2 * -math.log(0.8) / math.hypot(math.pi, math.log(0.8)) * math.sqrt(k)
+    motion = settled(one_stop(1.0, stiffness=k, damping=c), vi.Load(1.0, cosine=[1.0]))
+    assert motion.admissible
+    assert motion.stable
+    touch = int(np.argmax(motion.speeds))
+    assert motion.phases.min() % TURN >= 0
+    assert np.abs(np.exp(1j * motion.phases) - np.exp(1j * phase)).min() < 1e-11, touch
+    assert motion.multipliers[0] == pytest.approx(multiplier, abs=1e-10 if k < 1e8 else 1e-8)
+    law = math.exp(-0.1 * TURN - c * duration)
+    assert motion.law == pytest.approx(law, rel=1e-11)
+    assert motion.determinant == pytest.approx(law, rel=1e-9)
+
+
+@pytest.mark.parametrize(("stop", "modulus"), [
+    ({"damping": 2}, .3843810217164), ({"damping": 2, "release": "force"}, .4253978111505),
+    ({"preload": .3}, .7853223776373),
+])  # fmt: skip
+def test_release_rules(stop, modulus):
+    motion = settled(one_stop(0.5, stiffness=20, **stop), vi.Load(1.3, cosine=[1.0]))
+    assert np.abs(motion.multipliers) == pytest.approx([modulus] * 2, rel=1e-10)
+    assert motion.determinant == pytest.approx(motion.law, rel=1e-11)
+
+
+@pytest.mark.parametrize(("b", "f", "x", "modulus"), [
+    (.8, .3, 2.62610487572348, .69707788), (.6, .25, 1.54387042190387, .37949352),
+])  # fmt: skip
+def test_den_hartog(b, f, x, modulus):
+    s = vi.Structure([1.0], [0.0], [1.0], friction=[vi.Friction([1.0], f)])
+    motion = settled(s, vi.Load(b, cosine=[1.0]))
+    assert np.abs(motion.states[:, 0, 0]) == pytest.approx([x, x], rel=1e-13)
+    assert np.abs(motion.multipliers) == pytest.approx([modulus] * 2, rel=3e-8)
+    assert motion.determinant == pytest.approx(motion.law, rel=1e-12)
+    assert motion.stable
+
+
+def test_with_stick():
+    """Friction that sticks makes one multiplier 0."""
+    s = vi.Structure([1.0], [0.02], [1.0], friction=[vi.Friction([1.0], 0.6)])
+    motion = settled(s, vi.Load(0.4, cosine=[1.0]), 60)
+    expected = [1.14911242025, 3.12341231585, 4.29070507384, 3.12341231585 + math.pi]
+    assert np.sort(motion.phases % TURN) == pytest.approx(expected, abs=2e-11)
+    assert abs(motion.multipliers[1]) < 1e-12
+    assert motion.law == 0
+    assert motion.stable
+
+
+@pytest.mark.parametrize(("xi", "mu", "r", "d", "f", "moduli"), [
+    (.0114, .028, 1.04, 25, .01, (.9231743626846, .5687579284743)),
+    (.0114, .028, 1.04, 25, .05, (.9226700793623, .5690687818813)),
+    (.005, .042, .94, 37, .01, (.9350403254704, .5389817208603)),
+])  # fmt: skip
+def test_damper(xi, mu, r, d, f, moduli):
+    """The damper of 1983 with friction in its slot."""
+    gaps = [vi.Gap([-1, 1], d / 2, 0.75), vi.Gap([1, -1], d / 2, 0.75)]
+    s = vi.Structure([1, mu], [2 * xi, 0], [1, 0], gaps, [vi.Friction([-1, 1], f)])
+    motion = settled(s, vi.Load(r, sine=[1.0, 0.0]), 400)
+    assert motion.admissible
+    assert np.sort(np.abs(motion.multipliers)) == pytest.approx(
+        [moduli[1]] * 2 + [moduli[0]] * 2, rel=1e-10
+    )
+    assert motion.determinant == pytest.approx(motion.law, rel=1e-11)
+    again = vi.exact(s, vi.Load(r, sine=[1.001, 0.0]), motion)
+    assert again.speeds == pytest.approx(motion.speeds, rel=0.05)
