@@ -1,12 +1,14 @@
 """Identification of records that the package did not make: contacts of finite duration, ringing, unknown
 filters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
-from reference_rig import K, M, chaotic_rig, random_rig
+from reference_rig import K, M, chaotic_rig, random_rig, record
 
 
 def score(seed, kind):
@@ -68,6 +70,35 @@ def test_a_chaotic_record_tells_all_parameters(kind):
     assert found.errors["R1"] < 0.005
     assert found.errors["d"] == pytest.approx(0.01 * found.d, rel=0.2)  # by the calibration
     assert found.oscillator.mu == found.values["mu"]
+
+
+@pytest.mark.parametrize("bandwidth", [600.0, {"acceleration": 600.0}])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_low_pass_of_the_motion_alone_does_not_delay_the_load(bandwidth, seed):
+    """The load cell passes everything, so its phase is not that of the motion; the filter has another order."""
+    rig = replace(random_rig(seed, "hi")[0], lowpass=600.0, calibration=0.0)
+    _, load, acceleration, _ = record(rig, seed)
+    given = vi.SensorRecord(rig.rate, load=load, acceleration=acceleration, bandwidth=bandwidth)
+    found = vi.identify(given, known={"M": M, "K": K, "m": M * rig.mu}, calibration=0)
+    assert found.misfit < 1.3
+    for name, value in (("xi", rig.xi), ("R1", rig.restitution[0]), ("d", rig.d)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+@pytest.mark.parametrize(("late", "channel"), [(3e-3, "load"), (3e-3, "acceleration")])
+def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
+    """Channels whose clocks differ by more than an unknown filter would, as it is given."""
+    rig = replace(random_rig(2, "abc")[0], calibration=0.0)
+    _, load, acceleration, _ = record(rig, 2)
+    shift = round(late * rig.rate)
+    channels = {"load": load[shift:], "acceleration": acceleration[shift:]}
+    channels[channel] = {"load": load, "acceleration": acceleration}[channel][:-shift]
+    delay = {"load": 0.0, "acceleration": 0.0, channel: shift / rig.rate}
+    given = vi.SensorRecord(rig.rate, **channels, delay=delay)
+    found = vi.identify(given, known={"M": M, "K": K, "m": M * rig.mu}, calibration=0)
+    for name, value in (("xi", rig.xi), ("R1", rig.restitution[0]), ("d", rig.d)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    assert found.errors["xi"] < 2e-4
 
 
 @pytest.mark.slow

@@ -53,6 +53,15 @@ def flat(channels):
     channels["load"][:] = 3.0
 
 
+def test_samples_beyond_the_range_of_a_sensor_are_named():
+    """A range that is known finds clipped samples before several of them stand in line."""
+    record = vi.VirtualRig(**BENCH).record(seed=1)
+    most = 0.99 * float(abs(record.acceleration).max())
+    given = vi.SensorRecord(record.rate, **record.channels, range=most)
+    with pytest.raises(vi.ParameterError, match="must be within the range of its sensor"):
+        vi.identify(given, known=KNOWN)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -99,7 +108,8 @@ def test_a_bandwidth_above_half_the_rate_is_an_error():
         bandwidth=2000,
     )
     with pytest.raises(
-        vi.ParameterError, match="rate = 1280: must be more than twice the bandwidth"
+        vi.ParameterError,
+        match="rate = 1280: must be more than twice the bandwidth of 2000 Hz of a",
     ):
         vi.identify(every, known=KNOWN)
 
@@ -145,7 +155,7 @@ def test_what_the_errors_do_not_contain_is_said():
     """Samples that were dropped, and coefficients that drift, leave a note."""
     record = vi.VirtualRig(**BENCH).record(seed=1)
     channels = {name: np.delete(values, 9000) for name, values in record.channels.items()}
-    dropped = vi.SensorRecord(record.rate, bandwidth=2000, **channels)
+    dropped = vi.SensorRecord(record.rate, bandwidth=record.bandwidth, **channels)
     drifting = vi.VirtualRig(**BENCH, drift=0.09).record(seed=1)
     for item, text in (
         (dropped, "samples are missing or"),

@@ -234,10 +234,10 @@ def test_whole_numbers_of_sound_are_parts_of_the_full_scale(kind, zero, scale, t
 def test_a_step_and_a_bandwidth_are_variables(tmp_path):
     from scipy.io import savemat
 
-    variables = {"dt": 0.004, "bandwidth": 90.0, "load": RECORD.load}
+    variables = {"dt": 0.004, "bandwidth": 90.0, "load": RECORD.load, "a": RECORD.load}
     savemat(tmp_path / "a.mat", variables)
     found = vi.read_record(tmp_path / "a.mat")
-    assert (found.rate, found.bandwidth) == (250, 90)
+    assert (found.rate, found.bandwidth) == (250, {"acceleration": 90})
     assert np.array_equal(found.load, RECORD.load)
     savemat(tmp_path / "a.mat", variables | {"dt": -0.004})
     with pytest.raises(vi.ParameterError, match=r"dt = -0\.004: must be"):
@@ -352,3 +352,30 @@ def test_times_of_a_matlab_file_count(tmp_path):
     savemat(path, {"t": np.arange(200) / 50, "load": RECORD.load, "fs": 51.0})
     with pytest.raises(vi.ParameterError, match="its rate is 51 Hz and that of its times 50 Hz"):
         vi.read_record(path)
+
+
+def test_what_is_known_of_sensors_is_by_channel():
+    """A bare number is that of the motion; range and noise are in the unit of the channel."""
+    found = vi.read_record(
+        [signal("load", SLOW), signal("acc_g", SLOW)], bandwidth=40, delay={"load": -1e-3},
+        range=[0, 50], noise=[0.1, 0.01],
+    )  # fmt: skip
+    assert found.bandwidth == {"acceleration": 40}
+    assert found.delay == {"load": -1e-3}
+    assert found.range == {"acceleration": pytest.approx(50 * 9.80665)}
+    assert found.noise == {"load": 0.1, "acceleration": pytest.approx(0.0980665)}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"bandwidth": {"load": -1}}, "bandwidth of load = -1: must be"),
+        ({"bandwidth": {"velocity": 10}}, "bandwidth: channel = 'velocity': must be"),
+        ({"delay": np.nan}, "delay = nan: must be a finite number of seconds"),
+        ({"noise": [1, 2, 3]}, r"noise = \[1, 2, 3\]: must be one number, or 2, one a channel"),
+    ],
+)
+def test_faults_of_sensors_are_named(options, message):
+    """The quantity and the channel that are wrong."""
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.read_record([signal("load", SLOW), signal("acc_g", SLOW)], **options)

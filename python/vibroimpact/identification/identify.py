@@ -20,7 +20,7 @@ from ..systems.units import SI as SI_UNITS
 from ..systems.units import Units, positive
 from .known import known_values
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
-from .measured import SensorRecord
+from .measured import OF_SENSORS, PerChannel, SensorRecord
 from .motions import oscillator_of, verified
 from .stages import identified_by
 from .steps import of_record, of_times
@@ -405,7 +405,7 @@ class Identification(Noun, study="identify"):
             }  # fmt: skip
             return identified(case=case.text, **options)
         paths = keys["records"]
-        how = {name: keys.get(name) for name in ("rate", "channels", "bandwidth")}
+        how = {name: keys.get(name) for name in ("rate", "channels", *OF_SENSORS)}
         how["units"] = keys.get("channel_units")
         records = [
             read_record(path, **how) for path in ([paths] if isinstance(paths, str) else paths)
@@ -437,7 +437,10 @@ def identify(
     velocity: ArrayLike | None = None,
     displacement: ArrayLike | None = None,
     units: Mapping[str, str] | None = None,
-    bandwidth: float | None = None,
+    bandwidth: PerChannel = None,
+    delay: PerChannel = None,
+    range: PerChannel = None,  # noqa: A002, the word of a sensor's data sheet
+    noise: PerChannel = None,
     impact_times: ArrayLike | None = None,
     impact_sides: str | Sequence[str] | None = None,
     frequency: float | None = None,
@@ -468,8 +471,8 @@ def identify(
         Sampling rate, Hz.
     load, acceleration, velocity, displacement : array_like (n,)
         The load, and one quantity of the motion of the primary mass.
-    units, bandwidth
-        As of `SensorRecord`.
+    units, bandwidth, delay, range, noise
+        As of `SensorRecord`: a number for the channels of the motion, or one by channel.
     impact_times : array_like (impacts,)
         Times of impacts (s), instead of records of the motion; with `frequency`, `load_phase` if it is known, and
         known M and K, or omega.
@@ -533,6 +536,9 @@ def identify(
         "displacement": displacement,
     }
     given = [name for name, values in arrays.items() if values is not None]
+    sensors: dict[str, Any] = {
+        "units": units, "bandwidth": bandwidth, "delay": delay, "range": range, "noise": noise,
+    }  # fmt: skip
     if impact_times is not None:
         if record is not None or given:
             raise ParameterError("impact_times: must be given without a record")
@@ -547,16 +553,11 @@ def identify(
             )
         if rate is None:
             raise ParameterTypeError("rate = None: must be the sampling rate in Hz")
-        record = SensorRecord(rate, units=units, bandwidth=bandwidth, **arrays)
-    elif given or rate is not None or units is not None or bandwidth is not None:
-        extra = [
-            *given,
-            *(
-                name
-                for name, x in (("rate", rate), ("units", units), ("bandwidth", bandwidth))
-                if x is not None
-            ),
-        ]
+        record = SensorRecord(rate, **arrays, **sensors)
+    elif extra := [
+        *given,
+        *(name for name, x in {"rate": rate, **sensors}.items() if x is not None),
+    ]:
         raise ParameterError(f"{extra[0]}: must be left out beside a record, which has its own")
     several = record if isinstance(record, (list, tuple)) else [record]
     if not several:

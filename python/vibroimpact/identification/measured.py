@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -23,6 +23,10 @@ from ..systems.units import positive, with_u
 __all__ = ["SensorRecord", "VirtualRig", "virtual_record"]
 
 _Array = NDArray[np.float64]
+#: A number for the sensors of the motion, or one for each of some channels by name.
+PerChannel = float | Mapping[str, float] | None
+#: What may be known of the sensor of each channel.
+OF_SENSORS = ("bandwidth", "delay", "range", "noise")
 #: The unit of each channel in which the package computes.
 SI = {"load": "N", "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
 #: Quantities of which one tells the motion of the primary mass; the exponent of i Omega that gives each from the
@@ -76,9 +80,16 @@ class SensorRecord:
     units : mapping, optional
         Units of the channels by name, such as ``{"load": "lbf", "acceleration": "g"}``; N, m/s^2, m/s and m by
         default. The arrays are converted to these.
-    bandwidth : float, optional
-        -3 dB frequency (Hz) of the sensors, taken as Butterworth low-passes of order 4 in all channels; by
-        default they pass everything.
+    bandwidth : float or mapping, optional
+        -3 dB frequency (Hz) of a sensor, taken as a Butterworth low-pass of order 4, by channel, such as
+        ``{"load": 2000, "acceleration": 600}``. A bare number, here and below, is that of the channels of the
+        motion alone. A channel that is not named passes everything.
+    delay : float or mapping, optional
+        By how much a channel is late (s) beside its low-pass, as by a clock of its own, by channel.
+    range : float or mapping, optional
+        Largest magnitude that a channel can show, in its unit, by channel. Samples there are clipped.
+    noise : float or mapping, optional
+        Root mean square of the noise of a channel, in its unit, by channel. It is the least error of its samples.
     start : float
         Time of the first sample, s.
     name : str
@@ -103,15 +114,19 @@ class SensorRecord:
     velocity: _Array | None = None
     displacement: _Array | None = None
     units: Mapping[str, str] = field(default_factory=dict)
-    bandwidth: float | None = None
+    bandwidth: Mapping[str, float] = field(default_factory=dict)
+    delay: Mapping[str, float] = field(default_factory=dict)
+    range: Mapping[str, float] = field(default_factory=dict)
+    noise: Mapping[str, float] = field(default_factory=dict)
     start: float = 0.0
     name: str = ""
 
     def __init__(
         self, rate: float, load: ArrayLike | None = None, acceleration: ArrayLike | None = None,
         velocity: ArrayLike | None = None, displacement: ArrayLike | None = None,
-        units: Mapping[str, str] | None = None, bandwidth: float | None = None, start: float = 0.0,
-        name: str = "",
+        units: Mapping[str, str] | None = None, bandwidth: PerChannel = None, delay: PerChannel = None,
+        range: PerChannel = None,  # noqa: A002, the word of a sensor's data sheet
+        noise: PerChannel = None, start: float = 0.0, name: str = "",
     ) -> None:  # fmt: skip
         object.__setattr__(self, "rate", positive(rate, "rate"))
         given = {
@@ -122,13 +137,12 @@ class SensorRecord:
             raise ParameterTypeError(f"units = {units!r}: must be a unit for each of some channels")
         for channel in units:
             checks.choice(channel, "units: channel", tuple(given))
-        sizes = {}
+        sizes, factors = {}, {}
         for channel, values in given.items():
             array = None
             if values is not None:
-                array = samples_of(values, channel) * factor_of(
-                    channel, units.get(channel, SI[channel])
-                )
+                factors[channel] = factor_of(channel, units.get(channel, SI[channel]))
+                array = samples_of(values, channel) * factors[channel]
                 array.flags.writeable = False
                 sizes[channel] = array.size
             object.__setattr__(self, channel, array)
@@ -137,10 +151,12 @@ class SensorRecord:
         if len(set(sizes.values())) > 1:
             shown = ", ".join(f"{channel} {n}" for channel, n in sizes.items())
             raise ParameterError(f"numbers of samples: {shown}: must be the same of all channels")
-        if bandwidth is not None:
-            bandwidth = positive(bandwidth, "bandwidth")
         object.__setattr__(self, "units", {name: SI[name] for name in sizes})
-        object.__setattr__(self, "bandwidth", bandwidth)
+        for name_of, each in zip(OF_SENSORS, (bandwidth, delay, range, noise), strict=True):
+            own = per_channel(each, name_of, sizes)
+            if name_of in ("range", "noise"):
+                own = {channel: value * factors[channel] for channel, value in own.items()}
+            object.__setattr__(self, name_of, own)
         object.__setattr__(self, "start", checks.to_float(start, "start", "a finite number"))
         object.__setattr__(self, "name", str(name))
 
@@ -164,11 +180,60 @@ class SensorRecord:
         """Times of the samples, s."""
         return self.start + np.arange(len(self)) / self.rate
 
+    def response(self, channel: str, frequency: ArrayLike) -> NDArray[np.complex128]:
+        """What a channel shows of a sine, over the sine, at some frequencies (Hz): low-pass and delay."""
+        late = np.exp(-2j * math.pi * self.delay.get(channel, 0.0) * np.asarray(frequency))
+        response: NDArray[np.complex128] = (
+            sensor_response(frequency, self.bandwidth.get(channel)) * late
+        )
+        return response
+
+    def lowpass_lag(self, channel: str) -> float:
+        """By how much the low-pass of a channel makes it late (s), far below its -3 dB frequency."""
+        bandwidth = self.bandwidth.get(channel)
+        return 0.0 if bandwidth is None else delay_of(bandwidth)
+
+    def lag(self, channel: str) -> float:
+        """By how much a channel is late (s), as far as its low-pass and its delay are known."""
+        return self.delay.get(channel, 0.0) + self.lowpass_lag(channel)
+
     def __repr__(self) -> str:
         return (
             f"<SensorRecord of {len(self)} samples at {self.rate:g} Hz, {self.duration:g} s: "
             f"{', '.join(self.channels)}>"
         )
+
+
+def per_channel(given: PerChannel, name: str, channels: Iterable[str]) -> dict[str, float]:
+    """What is given of some sensors, by channel; a bare number is that of the channels of the motion.
+
+    Examples
+    --------
+    >>> from vibroimpact.identification.measured import per_channel
+    >>> per_channel(600, "bandwidth", ["load", "acceleration"])
+    {'acceleration': 600.0}
+    """
+    if given is None:
+        return {}
+    signed = name == "delay"
+    if not isinstance(given, Mapping):
+        given = {channel: given for channel in channels if channel != "load"}
+        labels = dict.fromkeys(given, name)
+    else:
+        for channel in given:
+            checks.choice(channel, f"{name}: channel", tuple(channels))
+        labels = {channel: f"{name} of {channel}" for channel in given}
+    found = {}
+    for channel, value in given.items():
+        if signed:
+            found[channel] = checks.to_float(value, labels[channel], "a finite number of seconds")
+            if not math.isfinite(found[channel]):
+                raise ParameterError(
+                    f"{labels[channel]} = {value!r}: must be a finite number of seconds"
+                )
+        else:
+            found[channel] = positive(value, labels[channel])
+    return found
 
 
 def samples_of(values: ArrayLike, name: str) -> _Array:
@@ -474,7 +539,9 @@ class VirtualRig:
             if self.snr is not None:
                 noise = math.sqrt(float(np.mean(clean**2))) * 10 ** (-self.snr / 20)
             channels[name] = clean + noise * random.standard_normal(n)
-        return SensorRecord(self.rate, bandwidth=self.bandwidth, name="virtual rig", **channels)
+        return SensorRecord(
+            self.rate, bandwidth=dict.fromkeys(channels, self.bandwidth), name="virtual rig", **channels
+        )  # fmt: skip
 
     def _sensed(
         self,

@@ -20,7 +20,7 @@ from ..base.libraries import need, need_netcdf
 from ..base.matlab import read_variables
 from ..base.sizes import NUMBERS, check_file, check_size, unpacked
 from ..systems.units import positive
-from .measured import SI, UNITS, SensorRecord
+from .measured import OF_SENSORS, SI, UNITS, PerChannel, SensorRecord
 
 _Array = NDArray[np.float64]
 #: What a channel may be called, in lower case; the first one is its name here.
@@ -81,8 +81,12 @@ def read_record(
     rate: float | None = None,
     channels: str | Sequence[str] | None = None,
     units: str | Sequence[str] | None = None,
-    bandwidth: float | None = None,
+    bandwidth: PerChannel | Sequence[float] = None,
     scale: Sequence[float] | None = None,
+    *,
+    delay: PerChannel | Sequence[float] = None,
+    range: PerChannel | Sequence[float] = None,  # noqa: A002, the word of a sensor's data sheet
+    noise: PerChannel | Sequence[float] = None,
 ) -> SensorRecord:
     """Read a record of the load and the motion of a rig.
 
@@ -102,8 +106,9 @@ def read_record(
         What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
         Their units, in their order; by default those of the file, else SI.
-    bandwidth : float, optional
-        -3 dB frequency of the sensors, as of `SensorRecord`.
+    bandwidth, delay, range, noise : float, mapping or sequence of float, optional
+        As of `SensorRecord`: a number for the channels of the motion, one by channel, or one for each channel of
+        the file, in their order (0: not known).
     scale : sequence of float, optional
         What 1 in each channel stands for, in its unit, such as the full scale of a .wav file.
 
@@ -128,8 +133,9 @@ def read_record(
     >>> vi.read_record(path)
     <SensorRecord of 100 samples at 1000 Hz, 0.1 s: load, acceleration>
     """
+    sensors = dict(zip(OF_SENSORS, (bandwidth, delay, range, noise), strict=True))
     if isinstance(path, (Mapping, list)):
-        return assembled(of_sep005(path), "", rate, channels, units, bandwidth, scale)
+        return assembled(of_sep005(path), "", rate, channels, units, scale, sensors)
     place = checks.path(path)
     suffix = place.suffix.lower()
     shown = f"path = {str(path)!r}"
@@ -140,7 +146,7 @@ def read_record(
     try:
         check_file(place)
         content = READERS[suffix](place)
-        return assembled(content, place.name, rate, channels, units, bandwidth, scale)
+        return assembled(content, place.name, rate, channels, units, scale, sensors)
     except MissingExtraError:
         raise
     except (ParameterError, ParameterTypeError) as error:
@@ -154,9 +160,9 @@ def read_record(
 
 def assembled(
     content: Content, name: str, rate: float | None, channels: str | Sequence[str] | None,
-    units: str | Sequence[str] | None, bandwidth: float | None, scale: Sequence[float] | None,
+    units: str | Sequence[str] | None, scale: Sequence[float] | None, sensors: Mapping[str, Any],
 ) -> SensorRecord:  # fmt: skip
-    """The record of some channels."""
+    """The record of some channels, with what is known of their sensors."""
     found = content.channels
     labels = as_list(channels, "channels", len(found))
     given_units = as_list(units, "units", len(found))
@@ -167,6 +173,7 @@ def assembled(
         )
     times: _Array | None = None
     arrays: dict[str, Channel] = {}
+    places: dict[str, int] = {}
     of_units: dict[str, str] = {}
     for i, channel in enumerate(found):
         unit = given_units[i] if given_units else channel.unit
@@ -190,6 +197,7 @@ def assembled(
             )
         assert label is not None
         factor = 1.0 if factors is None else factors[i]
+        places[label] = i
         arrays[label] = channel._replace(values=channel.values * factor)
         if unit:
             of_units[label] = unit
@@ -212,11 +220,27 @@ def assembled(
         raise ParameterError(
             "rate = None: must be the sampling rate in Hz; the record has neither times nor a rate"
         )
-    bandwidth = content.bandwidth if bandwidth is None else bandwidth
+    known: dict[str, Any] = {
+        key: of_channels(value, key, len(found), places) for key, value in sensors.items()
+    }
+    if known["bandwidth"] is None:
+        known["bandwidth"] = content.bandwidth
     return SensorRecord(
-        rate, units=of_units, bandwidth=bandwidth, start=start, name=name,
-        **dict(zip(arrays, samples, strict=True)),
+        rate, units=of_units, start=start, name=name, **known,
+        **dict[str, Any](zip(arrays, samples, strict=True)),
     )  # fmt: skip
+
+
+def of_channels(value: Any, name: str, count: int, places: Mapping[str, int]) -> Any:
+    """What is known of sensors by channel, where it was given in the order of the channels of a file."""
+    if value is None or isinstance(value, Mapping) or np.ndim(value) == 0:
+        return value
+    each = checks.real_array(value, name, "a number, or one for each channel")
+    if each.shape == (1,):
+        return float(each[0])
+    if each.shape != (count,):
+        raise ParameterError(f"{name} = {value!r}: must be one number, or {count}, one a channel")
+    return {label: float(each[i]) for label, i in places.items() if each[i] != 0}
 
 
 def clock_of(channel: Channel, times: _Array | None, rate: float | None) -> Clock:

@@ -15,7 +15,7 @@ from ..base.errors import ParameterError, SingularError
 from .aperiodic import Flown, Windows, picked
 from .flights import MOST_MODES, PLACES, Flights, Folded, FreeFit, Measured, beside, folded, onsets
 from .known import HINT
-from .measured import MOTIONS, SensorRecord, delay_of, sensor_response
+from .measured import MOTIONS, SensorRecord
 from .signals import (
     Rhythm,
     Tones,
@@ -42,8 +42,9 @@ STUCK, STUCK_CYCLES = 16, 0.05
 UNSTEADY, SHIFT = 8.0, 0.2
 #: Time from an impact to its spike, over the inverse of the bandwidth.
 RISE = 0.2
-#: Delay (s) that an unknown filter may have.
-UNKNOWN_DELAY = 2e-3
+#: Delay (s) that an unknown filter may have, and by which share the delays of filters of one -3 dB frequency
+#: differ: of order 2 it is half that of order 4, of order 8 twice.
+UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
 #: Misfit of free flights above which they explain nothing.
 HOPELESS = 25.0
 
@@ -98,7 +99,7 @@ def of_record(
     for name in ("load", quantity):
         channel = getattr(record, name)
         if channel is not None:
-            usable(channel, f"{where}{name}")
+            usable(channel, f"{where}{name}", record.range.get(name))
     rate = record.rate
     near = None if frequency is None else 2 * math.pi * frequency
     force = record.load
@@ -121,28 +122,34 @@ def of_record(
         step.load = tones(force, rate, Omega, LOAD_TONES)
         order_of_channels(force, values, step.load, Omega, rate, quantity, where)
         step.notes += filter(None, [steadiness(force, rate, step.load)])
-        passes = float(abs(sensor_response(Omega / (2 * math.pi), record.bandwidth)))
+        passes = float(abs(record.response("load", Omega / (2 * math.pi))))
+        # white noise leaves this error in an amplitude
+        least = record.noise.get("load", 0.0) * math.sqrt(2 / len(record))
+        step.load = step.load._replace(errors=np.maximum(step.load.errors, least))
         step.F0, step.F0_error = (
             float(size) / passes for size in (abs(step.load.values[1]), step.load.errors[1])
         )
-    if record.bandwidth is not None:
-        if not record.bandwidth < rate / 2:
+    for name in record.bandwidth.keys() & {"load", quantity}:
+        own = record.bandwidth[name]
+        if not own < rate / 2:
             raise ParameterError(
-                f"{where}rate = {rate:g}: must be more than twice the bandwidth of {record.bandwidth:g} Hz, or "
-                "what the sensors pass is folded onto the harmonics"
+                f"{where}rate = {rate:g}: must be more than twice the bandwidth of {own:g} Hz of {name}, or "
+                "what the sensor passes is folded onto the harmonics"
             )
-        if record.bandwidth > rate / 4:
+        if own > rate / 4:
             step.notes.append(
-                f"bandwidth of {record.bandwidth:g} Hz at a rate of {rate:g} Hz: what the sensors pass above half "
+                f"bandwidth of {own:g} Hz of {name} at a rate of {rate:g} Hz: what the sensor passes above half "
                 "the rate is folded, which the errors do not contain"
             )
     for name in ("load", quantity):
         if (channel := getattr(record, name)) is not None:
             changing(channel, rate, Omega, f"{where}{name}")
     k, noise, colour, drift = period_of(values, rate, Omega)
+    noise = max(noise, record.noise.get(quantity, 0.0))
+    bandwidth = record.bandwidth.get(quantity)
     if order == 2:
-        times, step.signs = spikes(values, rate, Omega, record.bandwidth)
-        times -= 0.0 if record.bandwidth is None else RISE / record.bandwidth
+        times, step.signs = spikes(values, rate, Omega, bandwidth)
+        times -= 0.0 if bandwidth is None else RISE / bandwidth
         step.times = times + (len(record) - 1) / 2 / rate + record.start
         step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
     else:
@@ -159,17 +166,19 @@ def of_record(
         Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration
     )
     if step.load is not None:
-        # both channels have the same delay, which only shifts the times of the impacts
-        size = float(abs(step.load.values[1]))
+        # the load as the sensor of the motion shows it: through no low-pass, but as late
+        hertz = np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi)
+        through = record.response(quantity, hertz)
+        load = step.load.values / record.response("load", hertz) * (through / abs(through))
+        size = float(abs(load[1]))
         data.phase, data.phase_error = (
-            float(np.angle(1j * step.load.values[1])), float(step.load.errors[1]) / size,
+            float(np.angle(1j * load[1])), float(step.load.errors[1] / abs(step.load.values[1])),
         )  # fmt: skip
-        if record.bandwidth is None:
-            # the sensor of the motion may have a filter that that of the load has not
-            data.phase_error = math.hypot(data.phase_error, UNKNOWN_DELAY * Omega)
-        passed = sensor_response(
-            np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi), record.bandwidth
-        )
+        # a -3 dB frequency tells the delay of a low-pass only about; alike channels are equally late
+        late = UNKNOWN_DELAY
+        if bandwidth is not None or quantity in record.delay:
+            late = DELAY_OF_OTHERS * abs(record.lowpass_lag(quantity) - record.lowpass_lag("load"))
+        data.phase_error = math.hypot(data.phase_error, late * Omega)
         assert step.F0 is not None
         step.F0_scatter = step.F0_error
         step.F0_error = math.hypot(step.F0_error, calibration * step.F0)
@@ -179,7 +188,7 @@ def of_record(
             for j in range(2, LOAD_TONES + 1)
             if abs(step.load.values[j]) > 4 * step.load.errors[j]
         ]
-        tone = step.load.values[clear] / abs(passed[clear]) / (size / abs(passed[1]))
+        tone = load[clear] / size
         data.orders = np.array([1.0, *clear])
         data.shape = np.append(-1j, tone * np.exp(-1j * np.array(clear) * data.phase))
     if "F0" in scale:
@@ -264,7 +273,7 @@ def flown(
     # all impacts of the record, without the delay of its sensors
     turns = np.arange(math.ceil(record.duration * data.Omega / whole) + 2)[:, None]
     half = (len(record) - 1) / 2 / record.rate
-    lag = 0.0 if record.bandwidth is None else delay_of(record.bandwidth)
+    lag = record.lag(step.quantity)
     times = (
         (data.angles[order] % whole + whole * (turns - turns.size // 2 - 1)) / data.Omega
         + half
@@ -303,7 +312,7 @@ def flown_apart(
         known.get("xi", guess["xi"]), priors, (static, data.phase or 0.0),
     )  # fmt: skip
     found = windows.run()
-    lag = 0.0 if record.bandwidth is None else delay_of(record.bandwidth)
+    lag = record.lag(step.quantity)
     step.times = found.times - t[0] + record.start - lag
     step.signs = np.sign(found.jumps)
     return found
@@ -324,11 +333,17 @@ def smooth(values: _Array, rate: float, order: int) -> _Array:
     return shape
 
 
-def usable(values: _Array, name: str) -> None:
-    """An error if a channel does not vary, or is clipped."""
+def usable(values: _Array, name: str, most: float | None = None) -> None:
+    """An error if a channel does not vary, or is clipped, as where it reaches its range."""
     low, high = float(values.min()), float(values.max())
     if not high > low:
         raise ParameterError(f"{name} = {low:g} in all samples: must vary")
+    if most is not None and max(-low, high) >= most:
+        place = int(np.argmax(abs(values) >= most))
+        raise ParameterError(
+            f"{name}[{place}] = {values[place]:.6g}: must be within the range of its sensor, {most:g}; "
+            f"{int((abs(values) >= most).sum())} samples are not"
+        )
     for end in (low, high):
         at = np.flatnonzero(values == end)
         runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
