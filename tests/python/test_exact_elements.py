@@ -88,3 +88,21 @@ def test_damper(xi, mu, r, d, f, moduli):
     assert motion.determinant == pytest.approx(motion.law, rel=1e-11)
     again = vi.exact(s, vi.Load(r, sine=[1.001, 0.0]), motion)
     assert again.speeds == pytest.approx(motion.speeds, rel=0.05)
+
+
+def test_saved_and_loaded(tmp_path):
+    s = one_stop(0.5, stiffness=4)
+    motion = settled(s, vi.Load(0.7, cosine=[1.0]))
+    motion.save(tmp_path / "motion.json")
+    loaded = vi.load(tmp_path / "motion.json")
+    assert loaded.structure == s
+    for name in ("gaps", "phases", "speeds", "impulses", "states", "multipliers"):
+        assert np.array_equal(getattr(loaded, name), getattr(motion, name))
+
+
+def test_guess_by_numbers_is_refused():
+    wanted = (
+        r"guess = .*: must be a Motion or a Trajectory, since the structure has stops or friction"
+    )
+    with pytest.raises(vi.ParameterError, match=wanted):
+        vi.exact(one_stop(0.5, stiffness=4), vi.Load(0.7, cosine=[1.0]), ([0.3], [0]))

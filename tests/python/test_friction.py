@@ -452,7 +452,10 @@ def test_studies_that_refuse(tmp_path, study):
 def test_verbs_that_refuse():
     s, load = den_hartog(0.8, 0.05, 0.3)
     run = vi.simulate(s, load, cycles=5)
-    wanted = r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; only simulate and exact take friction"
+    wanted = (
+        r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; "
+        "only simulate and exact take friction"
+    )
     for call in (
         lambda: vi.periodic(s, load, [0.1], [0]),
         lambda: vi.find(s, load),

@@ -477,7 +477,10 @@ def test_studies_that_refuse(tmp_path, study):
 def test_verbs_that_refuse():
     s, load = one_stop(0.5, stiffness=20), vi.Load(1.3, cosine=[1.0])
     run = vi.simulate(s, load, cycles=5)
-    wanted = r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; only simulate and exact take stops"
+    wanted = (
+        r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; "
+        "only simulate and exact take stops"
+    )
     for call in (
         lambda: vi.periodic(s, load, [0.1], [0]),
         lambda: vi.find(s, load),
