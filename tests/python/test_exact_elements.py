@@ -106,3 +106,62 @@ def test_guess_by_numbers_is_refused():
     )
     with pytest.raises(vi.ParameterError, match=wanted):
         vi.exact(one_stop(0.5, stiffness=4), vi.Load(0.7, cosine=[1.0]), ([0.3], [0]))
+
+
+def of_chance(seed):
+    """A chain of 1 to 3 masses with gaps, stops and friction, and its load."""
+    rng = np.random.default_rng(seed)
+    n = rng.integers(1, 4)
+    springs = rng.uniform(0.3, 2, n + 1)
+    stiffness = (
+        np.diag(springs[:-1] + springs[1:]) - np.diag(springs[1:-1], 1) - np.diag(springs[1:-1], -1)
+    )
+
+    def direction():
+        row = np.zeros(n)
+        places = rng.permutation(n)
+        row[places[0]] = rng.choice([-1, 1])
+        if n > 1 and rng.random() < 0.4:
+            row[places[1]] = -row[places[0]]
+        return row
+
+    gaps = [
+        vi.Stop(direction(), rng.uniform(0.1, 1), rng.uniform(1, 100), rng.uniform(0, 1))
+        if rng.random() < 0.5
+        else vi.Gap(direction(), rng.uniform(0.1, 1), rng.uniform(0.3, 0.9))
+        for _ in range(rng.integers(1, 4))
+    ]
+    slip = rng.uniform(0.02, 0.3)
+    friction = [vi.Friction(direction(), slip, stick=slip * rng.uniform(1, 1.3))]
+    masses, load = rng.uniform(0.3, 2, n), rng.uniform(-1.5, 1.5, n)
+    s = vi.Structure(masses, 0.1 * stiffness, stiffness, gaps, friction)
+    return s, vi.Load(rng.uniform(0.5, 2), cosine=load)
+
+
+def test_multipliers_are_those_of_differences():
+    """Traces of [P] and of its square are those of differences of simulations over a period."""
+    judged = 0
+    for seed in range(16):
+        s, load = of_chance(seed)
+        run = vi.simulate(s, load, cycles=600, discard=500)
+        try:
+            motion = vi.exact(s, load, run)
+        except (vi.ParameterError, vi.SingularError):
+            continue  # it has no impacts, rests for ever or is not periodic
+        state = np.concatenate(run.final_state)
+        duration = motion.cycles * TURN / load.frequency
+
+        def after(state, s=s, load=load, run=run, duration=duration):
+            parts = np.split(state, 2)
+            end = vi.simulate(s, load, duration=duration, start=run.end, state=parts).final_state
+            return np.concatenate(end)
+
+        assert after(state) == pytest.approx(state, abs=1e-6)
+        steps = 1e-6 * np.eye(len(state))
+        columns = [(after(state + step) - after(state - step)) / 2e-6 for step in steps]
+        P = np.transpose(columns)
+        found = [np.sum(motion.multipliers**k).real for k in (1, 2)]
+        assert found == pytest.approx([np.trace(P), np.trace(P @ P)], abs=1e-6)
+        assert motion.determinant == pytest.approx(motion.law, abs=1e-9)
+        judged += 1
+    assert judged >= 8
