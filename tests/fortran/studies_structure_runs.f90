@@ -313,7 +313,7 @@ contains
       type(run_type) :: run
       type(run_state_type) :: first, last
       type(run_event_type) :: events(300)
-      real(wp) :: largest, least, p(2, 2), spread
+      real(wp) :: largest, law, least, p(2, 2), spread
       integer :: i, j, n, status, with(2)
 
       with = 0
@@ -326,8 +326,10 @@ contains
          call simulate_structure(run, last, int(draw_integer(random, 1, 4), int64), 0.0_wp, &
             events, n, status)
          if (status /= stat%ok) cycle
-         call derivative_of_run(run, first, events(:n), last, p, spread, status)
+         call derivative_of_run(run, first, events(:n), last, p, spread, law, status)
          call check(status == stat%ok, 'spread: a derivative')
+         call check_close(p(1, 1)*p(2, 2) - p(1, 2)*p(2, 1), law, 1.0e-10_wp*max(1.0_wp, &
+            abs(p(1, 1)*p(2, 2))), 'spread: the law of the determinant')
          largest = 0
          least = huge(1.0_wp)
          do j = 1, n
@@ -353,7 +355,7 @@ contains
       type(run_type) :: run
       type(run_state_type) :: first, last
       type(run_event_type) :: events(20)
-      real(wp) :: at(4), damping, ends(4, -2:2), p(4, 4), slopes(4), spread
+      real(wp) :: at(4), damping, ends(4, -2:2), law, p(4, 4), slopes(4), spread
       integer :: i, j, k, n, status
 
       do i = 1, 20
@@ -372,7 +374,7 @@ contains
             call check(after%gap == 1 .and. abs(after%elapsed - events(1)%elapsed) <= 0, &
                'released by an impact: at its time')
          end associate
-         call derivative_of_run(run, first, events(:n), last, p, spread, status)
+         call derivative_of_run(run, first, events(:n), last, p, spread, law, status)
          ! the first body must not move at the start
          do j = 2, 4, 2
             do k = -2, 2
