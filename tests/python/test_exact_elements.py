@@ -100,6 +100,24 @@ def test_saved_and_loaded(tmp_path):
         assert np.array_equal(getattr(loaded, name), getattr(motion, name))
 
 
+def test_namelist_of_a_motion(tmp_path):
+    """The case of a motion gives it again; other kinds of &motion refuse stops."""
+    s = one_stop(0.5, stiffness=4)
+    motion = settled(s, vi.Load(0.7, cosine=[1.0]))
+    case = tmp_path / "motion.nml"
+    case.write_text(motion.to_namelist())
+    vi.run_namelists([case], tmp_path)
+    lines = (tmp_path / "motion.csv").read_text().splitlines()
+    rows = [line for line in lines if not line.startswith("#")]
+    table = np.genfromtxt(rows, delimiter=",", names=True)
+    assert table["gap"].tolist() == motion.gaps.tolist()
+    for name in ("phase", "speed", "impulse"):
+        assert table[name] == pytest.approx(getattr(motion, f"{name}s"), abs=1e-12)
+    case.write_text(case.read_text().split("&motion")[0] + "&motion gaps = 0, phases = 0.3 /\n")
+    with pytest.raises(vi.ParameterError, match="it is 'settled' with a &stop or a &friction"):
+        vi.read_namelist(case)
+
+
 def test_guess_by_numbers_is_refused():
     wanted = (
         r"guess = .*: must be a Motion or a Trajectory, since the structure has stops or friction"

@@ -85,11 +85,13 @@ class SensorRecord:
         ``{"load": 2000, "acceleration": 600}``. A bare number, here and below, is that of the channels of the
         motion alone. A channel that is not named passes everything.
     delay : float or mapping, optional
-        By how much a channel is late (s) beside its low-pass, as by a clock of its own, by channel.
+        Delay of a channel (s) in addition to that of its low-pass, such as that of its own clock, by channel.
     range : float or mapping, optional
-        Largest magnitude that a channel can show, in its unit, by channel. Samples there are clipped.
+        Largest magnitude that a channel can show, in its unit, by channel. `identify` refuses a record with a
+        sample at or beyond it.
     noise : float or mapping, optional
-        Root mean square of the noise of a channel, in its unit, by channel. It is the least error of its samples.
+        Root mean square of the noise of a channel, in its unit, by channel. In fits of periodic motions the errors
+        of its samples are at least this.
     start : float
         Time of the first sample, s.
     name : str

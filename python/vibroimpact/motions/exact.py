@@ -166,7 +166,8 @@ def exact(
         A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
         phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
         cycles with which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used,
-        because just past a period doubling the shorter period repeats approximately, too.
+        because just past a period doubling the shorter period repeats approximately, too. A structure with stops
+        or friction needs a motion or a trajectory.
 
     Returns
     -------

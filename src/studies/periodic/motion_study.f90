@@ -244,6 +244,7 @@ contains
       study%row = 'impacts'
       study%check => check_case
       study%memory => motion_memory
+      study%takes_elements = .true.
       study%run => run_motion
    end subroutine declare_motion
 
@@ -616,6 +617,10 @@ contains
          call complete_coordinates(group, 'q_dot', case%coordinates)
          return
       end if
+      if (has_elements(case)) then
+         call group%refuse('kind', 'it is ''settled'' with a &stop or a &friction')
+         return
+      end if
       if (.not. group%has('cycles')) call group%set('cycles', [1.0_wp])
       gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
       if (any(group%numbers('gaps') >= gaps)) then
@@ -630,6 +635,16 @@ contains
             '''exact'' where the restitution of a gap depends on the speed')
       end do
    end subroutine check_structure_motion
+
+   !> Whether a structure has stops or friction beside its gaps.
+   pure logical function has_elements(case)
+      !> The case.
+      type(case_type), intent(in) :: case
+      integer :: i
+
+      has_elements = any([(case%parts(i)%name == 'stop' .or. case%parts(i)%name == 'friction', &
+         i=1, size(case%parts))])
+   end function has_elements
 
    !> Checks that the phases increase within a period.
    subroutine check_structure_phases(study)
@@ -682,6 +697,7 @@ contains
       type(structure_type) :: structure
       type(load_type) :: load
       type(settled_type) :: found
+      character(6) :: kind
       integer :: status
 
       if (present(progress)) progress(2) = 1
@@ -698,7 +714,9 @@ contains
       end if
       call put_structure_motion(result, found, load%frequency)
       call put_structure(result, structure, load)
-      call result%add_note(counted(size(found%gaps), 'impact')//' and '// &
+      kind = 'impact'
+      if (has_elements(case)) kind = 'event'
+      call result%add_note(counted(size(found%gaps), trim(kind))//' and '// &
          counted(size(found%resting), 'rest')//' in '//counted(found%cycles, 'load cycle'))
    end subroutine run_structure
 

@@ -2,8 +2,8 @@
 !! well.
 !!
 !! A motion with rest is a fixed point of the map of one period, started in the middle of its
-!! longest
-!! flight without rest; Newton's method uses the derivative of the simulation in closed form.
+!! longest flight without rest, and so is one with stops or friction; Newton's method uses the
+!! derivative of the simulation in closed form.
 module vi_structure_return
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -15,7 +15,7 @@ module vi_structure_return
    use vi_lapack, only: solve
    use vi_motion, only: unknown, yes
    use vi_progress, only: is_stopped
-   use vi_restitution, only: friction_law, pushing_law, stop_law
+   use vi_restitution, only: table_law
    use vi_status, only: stat
    use vi_structure, only: load_type, regime_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
@@ -234,6 +234,7 @@ contains
       type(settled_type), intent(inout) :: found
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      real(wp), parameter :: near = 1.0e-6_wp
       type(settled_type) :: shorter
       type(run_state_type) :: at
       integer :: n, parts, status
@@ -245,7 +246,12 @@ contains
       end if
       do parts = found%cycles, 2, -1
          if (modulo(found%cycles, parts) > 0) cycle
-         if (.not. (rests_repeat(found, parts) .and. impacts_repeat(found, parts))) cycle
+         if (.not. repeats(found%resting, found%rests, two_pi*found%cycles, parts, near)) cycle
+         ! the number of impacts before a rest depends on rounding
+         if (size(found%resting) == 0) then
+            if (.not. repeats(found%gaps, reshape(found%motion%phases, [1, size(found%gaps)]), &
+               two_pi*found%cycles, parts, near)) cycle
+         end if
          at = state
          shorter%cycles = found%cycles/parts
          call one_cycle(run, at, shorter%cycles, elapsed, events, n, status, progress)
@@ -255,22 +261,24 @@ contains
       end do
    end subroutine take_shortest
 
-   !> Whether the rests of a motion repeat themselves within its period.
-   pure logical function rests_repeat(found, parts)
-      !> The motion.
-      type(settled_type), intent(in) :: found
-      !> How many times.
+   !> Whether events come again after an equal part of a period.
+   pure logical function repeats(gaps, phases, period, parts, near)
+      !> (n) Gap of each event, and (k, n) its load phases (rad).
+      integer, intent(in) :: gaps(:)
+      real(wp), intent(in) :: phases(:, :)
+      !> The period (rad), and the number of its parts.
+      real(wp), intent(in) :: period
       integer, intent(in) :: parts
-      real(wp), parameter :: near = 1.0e-6_wp
+      !> Largest difference of phases (rad).
+      real(wp), intent(in) :: near
       integer :: m, n
 
-      n = size(found%resting)
+      n = size(gaps)
       m = n/parts
-      rests_repeat = modulo(n, parts) == 0
-      if (rests_repeat) rests_repeat = all(found%resting(m + 1:) == found%resting(:n - m)) .and. &
-         all(abs(found%rests(:, m + 1:) - found%rests(:, :n - m) - two_pi*found%cycles/parts) &
-         < near)
-   end function rests_repeat
+      repeats = modulo(n, parts) == 0
+      if (repeats) repeats = all(gaps(m + 1:) == gaps(:n - m)) .and. &
+         all(abs(phases(:, m + 1:) - phases(:, :n - m) - period/parts) < near)
+   end function repeats
 
    !> A motion over its shortest period, if its impacts repeat within the period given.
    pure subroutine shorten(structure, load, found, shorter)
@@ -290,11 +298,10 @@ contains
       n = size(found%gaps)
       if (size(found%resting) > 0 .or. has_elements(structure)) return
       do parts = n, 2, -1
-         if (modulo(n, parts) > 0 .or. modulo(found%cycles, parts) > 0) cycle
+         if (modulo(found%cycles, parts) > 0) cycle
+         if (.not. repeats(found%gaps, reshape(found%motion%phases, [1, n]), two_pi*found%cycles, &
+            parts, near)) cycle
          m = n/parts
-         if (any(found%gaps(m + 1:) /= found%gaps(:n - m))) cycle
-         if (any(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - &
-            two_pi*found%cycles/parts) > near)) cycle
          own = structure
          shorter%gaps = found%gaps(:m)
          shorter%cycles = found%cycles/parts
@@ -304,25 +311,6 @@ contains
          return
       end do
    end subroutine shorten
-
-   !> Whether the events of a motion with stops or friction repeat themselves within its period, as
-   !! is assumed with rests, where the number of impacts before a rest depends on rounding.
-   pure logical function impacts_repeat(found, parts)
-      !> The motion.
-      type(settled_type), intent(in) :: found
-      !> How many times.
-      integer, intent(in) :: parts
-      real(wp), parameter :: near = 1.0e-6_wp
-      integer :: m, n
-
-      n = size(found%gaps)
-      m = n/parts
-      impacts_repeat = size(found%resting) > 0
-      if (impacts_repeat .or. modulo(n, parts) > 0) return
-      impacts_repeat = all(found%gaps(m + 1:) == found%gaps(:n - m)) .and. &
-         all(abs(found%motion%phases(m + 1:) - found%motion%phases(:n - m) - two_pi*found%cycles &
-         /parts) < near)
-   end function impacts_repeat
 
    !> Makes a motion that was looked for too early empty again.
    pure subroutine forget(found)
@@ -639,8 +627,7 @@ contains
       !> The structure; it need not be complete.
       type(structure_type), intent(in) :: structure
 
-      has_elements = any(structure%laws%kind == stop_law .or. structure%laws%kind == pushing_law &
-         .or. structure%laws%kind == friction_law)
+      has_elements = any(structure%laws%kind > table_law)
    end function has_elements
 
    !> Whether no contact pulls while it rests, apart from the simulation: at the beginning of each

@@ -390,7 +390,6 @@ contains
       type(run_state_type), intent(in) :: last
       !> In and out: the changes.
       type(tangent_type), intent(inout) :: tangent
-
       real(wp) :: time
 
       time = max(0.0_wp, real(last%cycle - tangent%cycle, wp)*run%period + (last%elapsed &
