@@ -79,13 +79,23 @@ contains
       first = 1
       do i = 1, 3
          last = first + index(names(first:)//' ', ' ') - 2
-         place = findloc(named%name, names(first:last), 1)
+         place = place_of_unit(names(first:last))
          sizes(i) = named(place)%above/named(place)%below
          first = last + 2
       end do
       units = units_type(mass*in_sizes([-1, 1, 2], sizes), stiffness*in_sizes([-1, 1, 0], sizes), &
          force*sizes(2), sizes, bare)
    end function units_type_of
+
+   !> The place of a unit in the list, 0 if it is not there.
+   pure integer function place_of_unit(name) result(place)
+      !> Its name.
+      character(*), intent(in) :: name
+
+      do place = size(named), 1, -1
+         if (named(place)%name == name) return
+      end do
+   end function place_of_unit
 
    !> The size in SI of the unit of some powers of length, force and time.
    pure real(wp) function in_sizes(powers, sizes) result(size)
@@ -116,9 +126,7 @@ contains
    end function are_units
 
    !> A number with or without a unit, as a number in the unit of its key.
-   pure subroutine to_own_unit(text, unit, units, value, why)
-      !> A text such as 4 mm; empty if the number has no unit.
-      character(*), intent(in) :: text
+   pure subroutine to_own_unit(unit, units, value, why, text)
       !> The unit of the key: a product of powers of F0, K and omega or of units of SI, or empty.
       character(*), intent(in) :: unit
       !> What is known of them; without it numbers have no unit but those of SI of their key.
@@ -127,6 +135,8 @@ contains
       real(wp), intent(inout) :: value
       !> Why it cannot be converted; empty if it can be.
       character(:), allocatable, intent(out) :: why
+      !> The number with its unit, such as 4 mm, if it was given as a text.
+      character(*), intent(in), optional :: text
       character(:), allocatable :: missing
       type(units_type) :: own
       real(wp) :: scale
@@ -135,9 +145,9 @@ contains
 
       why = ''
       if (present(units)) own = units
-      if (len(text) == 0 .and. own%bare == dimensionless) return
+      if (.not. present(text) .and. own%bare == dimensionless) return
       call scale_of(unit, own, scale, wanted, is_angle, why)
-      if (len(text) == 0) then
+      if (.not. present(text)) then
          if (.not. has_two_readings(unit) .or. .not. abs(value) > 0) then
             why = ''
          else if (own%bare == undecided) then
@@ -275,7 +285,7 @@ contains
          last = first + scan(plain(first:)//' ', ' */') - 2
          if (plain(first:last) /= '1') then
             mark = scan(plain(first:last)//'^', '^-0123456789')
-            place = findloc(named%name, plain(first:first + mark - 2)//'', 1)
+            place = place_of_unit(plain(first:first + mark - 2))
             power = 1
             i = first + mark - 1
             if (i <= last) then

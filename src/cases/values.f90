@@ -226,8 +226,9 @@ contains
          units = [(repeat(' ', 20), j=1, size(words))]
          do j = 1, size(words)
             if (key%unit == of_axes) then
-               at = findloc(names, lower(words(j)%text), 1)
-               if (at > 0) units(j) = state(at)
+               do at = 1, size(names)
+                  if (names(at) == lower(words(j)%text)) units(j) = state(at)
+               end do
             else
                if (lower(words(j)%text) == 'r') units(j) = 'omega'
                if (lower(words(j)%text) == 'clearance') units(j) = 'F0/K'
@@ -266,7 +267,7 @@ contains
          if (key%kind == a_number .and. scan(text, '''"') > 0 .and. present(own)) then
             call parse_words(text, min(key%most, len(text)), words, good)
             allocate (numbers(size(words)), source=0.0_wp)
-            good = good .and. (present(units) .or. any(own /= ''))
+            good = good .and. size(words) > 0 .and. (present(units) .or. any(own /= ''))
          else
             call parse_numbers(text, key%kind == a_whole, key%most, numbers, good)
          end if
@@ -292,17 +293,21 @@ contains
       real(wp), intent(inout) :: numbers(:)
       !> Allocated if one has another unit: what is to be said of it, from a semicolon on.
       character(:), allocatable, intent(out) :: why
-      character(:), allocatable :: text, reason
+      character(:), allocatable :: reason
       integer :: i
 
-      text = ''
       if (.not. allocated(words)) then
          if (.not. present(units)) return
          if (units%bare == dimensionless) return
       end if
       do i = 1, size(numbers)
-         if (allocated(words)) text = words(i)%text
-         call to_own_unit(text, own(modulo(i - 1, size(own)) + 1), units, numbers(i), reason)
+         associate (unit => own(modulo(i - 1, size(own)) + 1))
+            if (allocated(words)) then
+               call to_own_unit(unit, units, numbers(i), reason, words(i)%text)
+            else
+               call to_own_unit(unit, units, numbers(i), reason)
+            end if
+         end associate
          if (len(reason) == 0) cycle
          why = '; '//reason
          return
