@@ -249,7 +249,11 @@ def test_each_unit_is_that_of_python(tmp_path):
         ("mass = 2.7, stiffness = 42e3, force = 6", "simulate clearance = '4 q', cycles = 2", "unknown unit q"),
         ("mass = 2.7, stiffness = 42e3, force = 6", "simulate clearance = '4', cycles = 2", "with its unit"),
         ("", "simulate clearance = 4, x = '', cycles = 2", "with its unit"),
-        ("mass = 1, stiffness = 1, units = 'm N s', force = 1", "simulate clearance = 4, x = ' '", "with its unit"),
+        (
+            "mass = 1, stiffness = 1, units = 'm N s', force = 1",
+            "simulate clearance = 4, x = ' '",
+            "with its unit",
+        ),
         ("mass = '3 N', stiffness = 42e3", "simulate clearance = 4, cycles = 2", "not that of a mass"),
         ("mass = 2, stiffness = 2, damping = 4", "simulate clearance = '4 mm', cycles = 2", "beside damping"),
         (
