@@ -40,6 +40,7 @@ _ACTIONS.update(
     trajectory_gradient=_later(".derivatives.gradient:trajectory_gradient"),
     structure_motion_gradient=_later(".derivatives.carried:motion_gradient"),
     structure_trajectory_gradient=_later(".derivatives.carried:trajectory_gradient"),
+    prove_motion=_later(".proofs.prove:prove_motion"),
     draw=_later(".plot.pictures:draw_result"),
     animate=_later(".plot.animation:animate"),
     thumbnail=_later(".plot.thumbnail:thumbnail"),

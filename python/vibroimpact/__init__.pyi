@@ -33,6 +33,7 @@ from .motions.periodic import equispaced, equispaced_batch, linear_system, perio
 from .motions.quantities import Quantities
 from .motions.trajectory import Trajectory, simulate
 from .physical_results import Physical, physical
+from .proofs.certificate import Certificate
 from .results.events import Sample
 from .results.gradient import Gradient
 from .studies.atlas import Atlas, SurveyMotion, SurveyPoint, atlas
@@ -66,6 +67,7 @@ __all__ = [
     "Bundle",
     "Campaign",
     "Case",
+    "Certificate",
     "Chart",
     "ClusterError",
     "Decay",

@@ -13,7 +13,8 @@ PACKAGE = Path(vi.__file__).parent
 #: The rooms of the package, and the modules at its top: each may import those before it, also for type checkers.
 ROOMS = (
     "base", "systems", "results", "motions", "derivatives", "studies", "cases", "designs", "identification",
-    "campaigns", "formats", "plot", "physical_results", "jax", "__init__", "reproduce", "explorer", "commands",
+    "proofs", "campaigns", "formats", "plot", "physical_results", "jax", "__init__", "reproduce", "explorer",
+    "commands",
 )  # fmt: skip
 
 

@@ -576,6 +576,36 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         found = ACTIONS["motion_gradient"](self)
         return found
 
+    def prove(self) -> Any:
+        """Prove in ball arithmetic what is true of this motion (extra `proof`).
+
+        Proven, or refuted, or not decided, are: existence and uniqueness in a box around these numbers, by
+        Krawczyk's operator; that the masses approach at each impact and both gaps stay open in between; and
+        stability, by the recursion of Schur and Cohn with the law of det[P]. Bounds of max|lambda| and max|x|/A
+        come with it.
+
+        Returns
+        -------
+        Certificate
+            For the decimal texts of the parameters: 0.028 is 28/1000. What is not proven is None, with the reason
+            in `undecided`.
+
+        Raises
+        ------
+        ParameterError
+            If it is a motion of a structure, with rest or without a load.
+        MissingExtraError
+            If python-flint is not installed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
+        >>> vi.equispaced(osc, r=0.94, clearance=37.0)[0].prove()
+        <Certificate of RL/1 at r = 0.94, d K/F0 = 37.0: exists, admissible, not stable>
+        """
+        return ACTIONS["prove_motion"](self)
+
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.
 

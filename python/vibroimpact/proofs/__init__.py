@@ -1,0 +1,1 @@
+"""Proofs about motions in ball arithmetic (extra `proof`): existence, uniqueness, verdicts."""

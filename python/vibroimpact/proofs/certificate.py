@@ -1,0 +1,173 @@
+"""Certificates: what is proven about motions, with the exact numbers from which anyone can check it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..base.errors import ParameterError, ParameterTypeError
+from ..base.files import place_for, write_text
+from ..base.jupyter import facts_html
+from ..results.noun import NOUNS
+
+__all__ = ["Certificate"]
+
+#: The format of the JSON.
+FORMAT = 1
+VERDICTS = ("exists", "admissible", "stable")
+#: The items of the JSON, with their types.
+ITEMS = {
+    "kind": str, "sides": str, "cycles": int, "system": dict, "boxes": list,
+    "undecided": list, "seconds": float,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class Certificate:
+    """What is proven about a motion.
+
+    Certificates come from `Motion.prove`. They hold for the decimal texts of the
+    parameters: 0.028 is the rational number 28/1000 and not the nearest double. All numbers in the JSON are exact,
+    decimal or hexadecimal, and every rounding of the computation is in the bounds (ball arithmetic of FLINT).
+
+    Attributes
+    ----------
+    kind : str
+        "motion".
+    sides : str
+    cycles : int
+        The word of the motion and the load cycles in its period.
+    system : dict
+        The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact.
+    boxes : list of dict
+        One, or none where existence is not proven: ``centre``, psi, X, X', Z' just after each impact, and
+        ``radius``, around it, in which there is one and only one motion; ``exists, admissible, stable``, True,
+        False or None; bounds ``multipliers_below`` or ``multipliers_above``, of max|lambda|, and
+        ``attenuation_below``, of max|x|/A; None where they are not proven.
+    undecided : list of dict
+        ``reason``: what is not proven, and why.
+    seconds : float
+        Time of the computation.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> motion = vi.exact(osc, 1.04, 25.0, vi.simulate(osc, r=1.04, clearance=25.0, cycles=100, discard=500))
+    >>> proof = motion.prove()
+    >>> proof.stable, proof.admissible, proof.attenuation_bound
+    (True, True, 0.5424)
+    """
+
+    kind: str
+    sides: str
+    cycles: int
+    system: dict[str, Any]
+    boxes: list[dict[str, Any]]
+    undecided: list[dict[str, Any]] = field(default_factory=list)
+    seconds: float = 0.0
+
+    def _only(self, name: str) -> Any:
+        """A value of the box; None if existence is not proven."""
+        return self.boxes[0].get(name) if self.boxes else None
+
+    @property
+    def exists(self) -> bool | None:
+        """True: there is one and only one motion within the radii. None: not decided."""
+        found: bool | None = self._only("exists")
+        return found
+
+    @property
+    def admissible(self) -> bool | None:
+        """Whether the masses approach at each impact and both gaps stay open in between; None: not decided."""
+        found: bool | None = self._only("admissible")
+        return found
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether all multipliers lie inside the unit circle, or (False) one outside: proven, or None."""
+        found: bool | None = self._only("stable")
+        return found
+
+    @property
+    def proven(self) -> bool:
+        """Whether an admissible, stable motion is proven."""
+        return self.exists is True and self.admissible is True and self.stable is True
+
+    def _bound(self, name: str) -> float | None:
+        """A bound, by the double next to it."""
+        text = self._only(name)
+        return None if text is None else float(text)
+
+    @property
+    def multiplier_bound(self) -> float | None:
+        """A number that max|lambda| does not reach, of a stable motion."""
+        return self._bound("multipliers_below")
+
+    @property
+    def attenuation_bound(self) -> float | None:
+        """A number that max|x|/A does not exceed, of an admissible motion."""
+        return self._bound("attenuation_below")
+
+    def __repr__(self) -> str:
+        words = []
+        for name, word in zip(VERDICTS, ("exists", "admissible", "stable"), strict=True):
+            verdict = getattr(self, name)
+            words.append(
+                f"{word} not decided" if verdict is None else word if verdict else f"not {word}"
+            )
+        bound = self.multiplier_bound
+        if self.stable and bound is not None:
+            words[-1] += f" (max|lambda| < {bound:.10g})"
+        place = f"r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
+        return f"<Certificate of {self.sides}/{self.cycles} at {place}: {', '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        """The representation in Jupyter."""
+        words = {True: "proven", False: "refuted", None: "not decided"}
+        facts = {name: words[getattr(self, name)] for name in VERDICTS}
+        for name, symbol in (("multiplier_bound", "max|λ| <"), ("attenuation_bound", "max|x|/A <")):
+            if (bound := getattr(self, name)) is not None:
+                facts[symbol] = f"{bound:.10g}"
+        facts["time"] = f"{self.seconds:.3g} s"
+        if self.undecided:
+            facts["not decided"] = "; ".join(item["reason"] for item in self.undecided)
+        return facts_html(repr(self), facts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain Python values, ready for JSON; exact numbers are texts."""
+        return {"type": "Certificate", "format": FORMAT} | {
+            name: getattr(self, name) for name in ITEMS
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Certificate:
+        """The inverse of `to_dict`."""
+        if not isinstance(data, dict) or data.get("type") != "Certificate":
+            raise ParameterError("certificate: must be a dict with type = 'Certificate'")
+        if data.get("format") != FORMAT:
+            raise ParameterError(f"format = {data.get('format')!r}: must be {FORMAT}")
+        for name, kind in ITEMS.items():
+            if not isinstance(data.get(name), kind):
+                raise ParameterTypeError(
+                    f"{name} = {data.get(name)!r:.80}: must be of type {kind.__name__}"
+                )
+        return cls(**{name: data[name] for name in ITEMS})
+
+    def to_json(self) -> str:
+        """`to_dict` as JSON text."""
+        return json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> Certificate:
+        """The inverse of `to_json`."""
+        return cls.from_dict(json.loads(text))
+
+    def save(self, path: str | Path) -> None:
+        """Write a .json file, completely or not at all; `vibroimpact.load` reads it back."""
+        write_text(place_for(path, {".json": None}), self.to_json())
+
+
+NOUNS["Certificate"] = Certificate  # type: ignore[assignment]

@@ -1,0 +1,217 @@
+"""Existence, admissibility and stability of a motion in balls, each proven, refuted or not decided."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from .balls import flint
+from .equations import Flight, State, System, flights, jacobian, residuals
+
+#: Pieces of a flight at first, and how often a piece is halved.
+PIECES, MOST_HALVINGS = 20, 24
+#: How far the proven bound of max|X| may lie above the greatest value that was met, and the halvings for that.
+LOOSE, MOST_FOR_BOUND = 1.0001, 6
+
+
+def approximate_inverse(matrix: Any) -> Any:
+    """A matrix of doubles near the inverse of the midpoints."""
+    module = flint()
+    values = np.array([[float(one.mid()) for one in row] for row in matrix.tolist()])
+    return module.arb_mat(np.linalg.inv(values).tolist())
+
+
+def krawczyk(
+    system: System, centre: Sequence[State], radii: Sequence[Sequence[Any]]
+) -> list[list[Any]] | None:
+    """The states of the one motion within `radii` of `centre`; None if nothing is proven.
+
+    K = c - C F(c) + (I - C F'(B)) (B - c) in the interior of B = c + radii proves one and only one zero in B,
+    which lies in K.
+    """
+    module = flint()
+    around = [
+        [one + module.arb(0, radius) for one, radius in zip(state, row, strict=True)]
+        for state, row in zip(centre, radii, strict=True)
+    ]
+    n = 4 * len(centre)
+    middle = module.arb_mat([[one] for one in residuals(system, centre, flights(system, centre))])
+    derivative = module.arb_mat(jacobian(system, flights(system, around)))
+    try:
+        inverse = approximate_inverse(derivative)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    identity = module.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+    spread = [module.arb(0, radius) for row in radii for radius in row]
+    moved = (identity - inverse * derivative) * module.arb_mat([[one] for one in spread])
+    image = moved - inverse * middle
+    shifts = [image[i, 0] for i in range(n)]
+    # the radius of a ball is rounded up, that of the statement is exact
+    stated = [module.arb(radius) for row in radii for radius in row]
+    if not all(abs(shift) < radius for shift, radius in zip(shifts, stated, strict=True)):
+        return None
+    return [[centre[i][k] + shifts[4 * i + k] for k in range(4)] for i in range(len(centre))]
+
+
+def inside(coefficients: Sequence[Any], radius: Any = 1) -> bool | None:
+    """Whether all zeros of a real polynomial c_0 + c_1 x + ... lie inside a circle; False: one lies outside.
+
+    By the recursion of Schur and Cohn: p has all zeros inside the unit circle where |c_0| < |c_n| and the
+    polynomial (c_n p(x) - c_0 x^n p(1/x))/x has.
+    """
+    power: Any = 1
+    rest = []
+    for one in coefficients:
+        rest.append(one * power)
+        power = power * radius
+    while len(rest) > 1:
+        n = len(rest) - 1
+        first, last = rest[0], rest[n]
+        if abs(first) < abs(last):
+            rest = [last * rest[k + 1] - first * rest[n - 1 - k] for k in range(n)]
+        elif abs(first) > abs(last):
+            return False
+        else:
+            return None
+    return True
+
+
+def multiplier_bound(coefficients: Sequence[Any], stable: bool) -> Fraction | None:
+    """A decimal number that max|lambda| is proven not to reach, or, of an unstable motion, to exceed."""
+    values = [float(one.mid()) if hasattr(one, "mid") else float(one) for one in coefficients]
+    roots = np.roots(values[::-1])
+    largest = Fraction(float(np.max(np.abs(roots))))
+    module = flint()
+    for digits in (13, 11, 9, 7, 5, 3):
+        step = Fraction(1, 10**digits)
+        bound = largest * (1 + step) if stable else largest * (1 - step)
+        bound = Fraction(round(bound * 10**digits) + (1 if stable else -1), 10**digits)
+        if (stable and bound > 1) or bound <= 0:
+            continue
+        radius = module.arb(module.fmpq(bound.numerator, bound.denominator))
+        if inside(coefficients, radius) is stable:
+            return bound
+    return None
+
+
+class Path:
+    """The relative position Y and X in a flight, at exact times, with bounds of the third derivative."""
+
+    def __init__(self, system: System, flight: Flight) -> None:
+        self.system, self.flight = system, flight
+        self.offset = flight.start[1] + flight.before * system.half
+        self.out = (flight.b + system.xi * flight.a) / system.eta
+        x, v, _ = flight.forced
+        self.x, self.v = x, v / system.r
+        self.third = (flight.a * flight.a + self.out * self.out).sqrt() + (
+            self.x * self.x + self.v * self.v
+        ).sqrt() * system.r * system.square
+
+    def at(self, t: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
+        """Y, Y', Y'', X, X', X''."""
+        system = self.system
+        decay = (-system.xi * t).exp()
+        sine, cosine = (system.eta * t).sin_cos()
+        free = decay * (self.flight.a * cosine + self.out * sine)
+        turned = decay * (self.out * cosine - self.flight.a * sine) * system.eta
+        speed = turned - system.xi * free
+        # x'' = -2 xi x' - x of the free part
+        bent = -2 * system.xi * speed - free
+        s, c = (system.r * t).sin_cos()
+        steady = self.x * c + self.v * s
+        moving = (self.v * c - self.x * s) * system.r
+        X, X_dot = free + steady, speed + moving
+        X_bent = bent - system.square * steady
+        return (
+            self.offset + self.flight.start[3] * t - X, self.flight.start[3] - X_dot, -X_bent,
+            X, X_dot, X_bent,
+        )  # fmt: skip
+
+
+def between_walls(system: System, found: Sequence[Flight]) -> tuple[bool | None, Any, str]:
+    """Whether each impact has an approach speed and each gap stays open in all flights; a bound of |X|; the reason
+    where nothing is proven."""
+    largest = None
+    for i, flight in enumerate(found):
+        side = flight.after
+        closing = side * (flight.start[3] - flight.v)
+        if closing < 0:
+            return False, None, f"impact {(i + 1) % len(found)} has no approach speed"
+        leaving = flight.before * (flight.start[3] - flight.start[2])
+        if not closing > 0 or not leaving < 0:
+            return None, None, f"the speeds at the ends of flight {i} are not separated from zero"
+    for i, flight in enumerate(found):
+        clear, bound = flight_between_walls(system, flight)
+        if clear is not True:
+            what = "closes a gap" if clear is False else "comes too near to a wall"
+            return clear, None, f"flight {i} {what}"
+        largest = bound if largest is None else largest.max(bound)
+    return True, largest, ""
+
+
+def above(value: float) -> float:
+    """A double above what a double, rounded twice, stands for."""
+    return math.nextafter(math.nextafter(value, math.inf), math.inf)
+
+
+def flight_between_walls(system: System, flight: Flight) -> tuple[bool | None, Any]:
+    """The same of one flight.
+
+    It is cut in pieces, and within h of a midpoint Taylor's polynomial of order 2 holds up to third h^3/6. A piece
+    is good if |Y| < d/2 on it, or if Y' has one sign on it and Y is within the walls at both ends. The first and
+    the last piece end at a wall.
+    """
+    module = flint()
+    path, half = Path(system, flight), system.half
+    # doubles are exact, so pieces that share their ends cover all of the flight
+    whole = above(float(flight.tau.upper()))
+    shortest = -above(-float(flight.tau.lower()))
+    if not 0 < shortest:
+        return None, None
+    ends = [whole * k / PIECES for k in range(PIECES)] + [whole]
+    pieces = [(*pair, 0) for pair in pairwise(ends)][::-1]
+    greatest, bound = module.arb(0), module.arb(0)
+    previous: int | None = 0  # the sign of Y' on the piece before; None where |Y| < d/2 on it
+    while pieces:
+        low, high, depth = pieces.pop()
+        middle = (low + high) / 2
+        t, h = module.arb(middle), module.arb(above(max(high - middle, middle - low)))
+        y, y_dot, y_bent, x, x_dot, x_bent = path.at(t)
+        tail = path.third * h * h * h / 6
+        if middle < shortest and abs(y) > half:
+            return False, None
+        sign: int | None = None
+        turn = abs(y_bent) * h + path.third * h * h / 2
+        if abs(y_dot) > turn:
+            sign = 1 if y_dot > 0 else -1
+        good = abs(y) + abs(y_dot) * h + abs(y_bent) * h * h / 2 + tail < half
+        if good:
+            sign = None
+        elif sign is not None:
+            good = previous in (None, 0, sign)
+            if not good:
+                turning = path.at(module.arb(low))[0]
+                good = bool(abs(turning) < half)
+        if high > shortest and sign != flight.after:
+            good = False
+        size = abs(x) + abs(x_dot) * h + abs(x_bent) * h * h / 2 + tail
+        if x_bent * x < 0:
+            # the parabola does not rise above its vertex
+            vertex = abs(x) + x_dot * x_dot / (2 * abs(x_bent)) + tail
+            size = vertex if vertex < size else size
+        if abs(x) > greatest:
+            greatest = abs(x)
+        wide = size > greatest * LOOSE and size > bound and depth < MOST_FOR_BOUND
+        if not good or wide:
+            if depth == MOST_HALVINGS:
+                return None, None
+            pieces += [(middle, high, depth + 1), (low, middle, depth + 1)]
+            continue
+        previous = sign
+        bound = size if size > bound else bound.max(size)
+    return True, bound
