@@ -6,16 +6,17 @@ module studies_states
    use vi_attractor_basin, only: decide, event_limited, not_reached
    use vi_attractor_known, only: alike, ball, exact_period, identify, is_free, known_type, periodic
    use vi_attractor_list, only: attractor_list_type, label_states
-   use vi_attractor_lyapunov, only: largest_exponent
    use vi_attractor_performance, only: figures, perform
    use vi_attractor_target, only: target_type
    use vi_contact, only: departure_type
+   use vi_exponents, only: average_type, exponents_along, exponents_type
    use vi_forced_system, only: departure_from, event_type, forced_system_type, impact_event, &
       initial_state, new_forced_system, state_time, state_type, stick_event
    use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: eta, oscillator_type
    use vi_peaks, only: find_peaks, peak_type
    use vi_simulate, only: simulate, simulate_cycles
+   use vi_simulated_pair, only: new_simulated_pair, simulated_pair_type
    use vi_status, only: stat
    use vi_survey, only: attractor_type, limits_type, settle_from
    use vi_survey_outcome, only: not_settled, stable_period
@@ -512,7 +513,9 @@ contains
       type(known_type) :: known, stopped
       type(peak_type) :: peaks(4, 2)
       type(attractor_type) :: attractor
-      real(wp) :: end(5, 1), ends(5, 1), parameters(6, 1), found(figures, 1), largest, deviation
+      real(wp) :: end(5, 1), ends(5, 1), parameters(6, 1), found(figures, 1)
+      type(simulated_pair_type) :: motion
+      type(exponents_type) :: exponents
       integer :: progress(3), counts(2), status(2), labels(1), impacts(1), pairs(2, 1)
       logical :: good
 
@@ -530,9 +533,12 @@ contains
       call perform(parameters, reshape([0.4_wp, 0.1_wp, 0.9_wp, 0.8_wp], [4, 1]), 10, 4, 1000, 1, &
          found, ends, pairs, status(:1), progress)
       call check(status(1) == stat%not_computed, 'stop: figures')
-      call largest_exponent(system, state, 0, 3, 4, 1000, largest, deviation, status(1))
+      motion = new_simulated_pair(system, state, 1000)
+      call exponents_along(motion, average_type(cycles=3, batches=4), exponents, status(1))
       call check(status(1) == stat%ok, 'an exponent')
-      call largest_exponent(system, state, 0, 3, 4, 1000, largest, deviation, status(1), progress)
+      motion = new_simulated_pair(system, state, 1000)
+      call exponents_along(motion, average_type(cycles=3, batches=4), exponents, status(1), &
+         progress)
       call check(status(1) == stat%not_computed, 'stop: an exponent')
       attractor%r = system%r
       attractor%clearance = system%clearance

@@ -4,13 +4,14 @@ module studies_structure_motions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use checks, only: check
    use random_numbers, only: draw, fill, random_type
+   use vi_exponents, only: average_type, exponents_along, exponents_type
    use vi_kinds, only: wp
    use vi_motion, only: no, unknown, yes
+   use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_status, only: stat
    use vi_structure, only: load_type, new_load, new_structure, structure_type
    use vi_structure_find, only: open_gaps, random_structure_states
    use vi_structure_found, only: add_motion, found_list_type
-   use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_structure_period, only: exact, periodic_structure, periodic_structure_arrays, &
       structure_motion_type
    use vi_structure_return, only: settle, settle_on, settled_type
@@ -352,30 +353,31 @@ contains
       type(structure_type) :: structure
       type(average_type) :: average
       type(exponents_type) :: found
-      integer :: progress(3), status
+      integer :: progress(3), status, most
 
-      average = average_type(discard=5, cycles=7, batches=3, directions=2)
+      average = average_type(discard=5, cycles=7, batches=3, directions=2, work=1)
+      most = huge(1)
       structure = between(0.2_wp, 0.3_wp, 0.7_wp)
-      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.3_wp], [0.1_wp], &
-         average, found, status)
+      call average_from(structure, cosine_load(1.9_wp, 1.0_wp), [0.3_wp, 0.1_wp], average, most, &
+         found, status)
       call check(status == stat%gap_closed .and. .not. allocated(found%exponents), &
          'exponents: none from a closed gap')
-      average%max_events = 3
+      most = 3
       progress = 0
-      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
-         average, found, status, progress)
+      call average_from(structure, cosine_load(1.9_wp, 1.0_wp), [0.0_wp, 0.1_wp], average, most, &
+         found, status, progress)
       call check(status == stat%event_limit .and. .not. allocated(found%exponents) .and. &
          progress(1) == 0, 'exponents: none after a transient with too many events')
-      average%max_events = huge(1)
+      most = huge(1)
       average%directions = 1
-      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
-         average, found, status)
+      call average_from(structure, cosine_load(1.9_wp, 1.0_wp), [0.0_wp, 0.1_wp], average, most, &
+         found, status)
       call check(status == stat%ok .and. size(found%exponents) == 1, 'exponents: of a direction')
       call check(ieee_is_nan(found%dimension) .and. ieee_is_nan(found%error), &
          'exponents: neither a dimension nor a sum')
       structure%mass = 0
-      call structure_exponents(structure, cosine_load(1.9_wp, 1.0_wp), 0.0_wp, [0.0_wp], [0.1_wp], &
-         average, found, status)
+      call average_from(structure, cosine_load(1.9_wp, 1.0_wp), [0.0_wp, 0.1_wp], average, most, &
+         found, status)
       call check(status == stat%mass_not_definite .and. .not. allocated(found%exponents), &
          'exponents: none without a mass')
    end subroutine test_refused_exponents
@@ -417,29 +419,47 @@ contains
       type(structure_type) :: structure
       type(average_type) :: average
       type(exponents_type) :: found, less
-      integer :: i, status
+      integer :: i, status, most
 
       average = average_type(discard=5, cycles=7, batches=3, directions=2)
       do i = 1, 30
          structure = between(draw(random, 0.1_wp, 0.4_wp), draw(random, 0.1_wp, 0.4_wp), 0.8_wp)
          if (mod(i, 2) == 0) structure = new_structure(reshape([1.0_wp, 0.1_wp, 1.0_wp], [1, 1, &
             3]), reshape([1.0_wp, -1.0_wp], [1, 2]), falling())
-         average%max_events = huge(1)
-         call structure_exponents(structure, cosine_load(draw(random, 1.5_wp, 3.0_wp), 1.0_wp), &
-            0.0_wp, [0.0_wp], [0.1_wp], average, found, status)
+         most = huge(1)
+         call average_from(structure, cosine_load(draw(random, 1.5_wp, 3.0_wp), 1.0_wp), [0.0_wp, &
+            0.1_wp], average, most, found, status)
          call check(status == stat%ok .or. status == stat%budget, 'exponents: of a mass')
          if (status /= stat%ok .or. found%rests > 0) cycle
          call check(found%error >= 0 .and. found%error < 1.0e-10_wp, 'exponents: their sum')
       end do
       ! of the last structure: somewhere in the batches the events are used up
       do i = 1, 5
-         average%max_events = found%impacts - i
-         call structure_exponents(structure, cosine_load(2.0_wp, 1.0_wp), 0.0_wp, [0.0_wp], &
-            [0.1_wp], average, less, status)
+         most = found%impacts - i
+         call average_from(structure, cosine_load(2.0_wp, 1.0_wp), [0.0_wp, 0.1_wp], average, &
+            most, less, status)
          call check(status == stat%event_limit .and. .not. allocated(less%exponents), &
             'exponents: none where the events are used up')
       end do
    end subroutine test_sums_of_exponents
+
+   !> The exponents of the motion that begins at a state at time 0.
+   subroutine average_from(structure, load, state, average, most, found, status, progress)
+      type(structure_type), intent(in) :: structure
+      type(load_type), intent(in) :: load
+      real(wp), intent(in) :: state(:)
+      type(average_type), intent(in) :: average
+      integer, intent(in) :: most
+      type(exponents_type), intent(out) :: found
+      integer, intent(out) :: status
+      integer, intent(inout), optional :: progress(3)
+      type(run_type) :: run
+      type(simulated_structure_type) :: motion
+
+      call new_run(structure, load, run, status)
+      if (status == stat%ok) call new_simulated_structure(run, 0.0_wp, state, most, motion, status)
+      if (status == stat%ok) call exponents_along(motion, average, found, status, progress)
+   end subroutine average_from
 
    !> A mass on a spring between two walls.
    pure type(structure_type) function between(upper, lower, restitution) result(structure)

@@ -5,10 +5,10 @@
 !! The outcome of the other points is also reported, see vi_survey_outcome.
 module vi_survey
    use vi_attractor_known, only: is_free
-   use vi_attractor_lyapunov, only: is_chaotic
    use vi_conditions, only: all_conditions, condition_count
    use vi_curve, only: correct, curve_type
    use vi_event_symbols, only: period_type, read_periods, symbol_sequence_type, total_phase
+   use vi_exponents, only: is_chaotic
    use vi_forced_system, only: initial_state
    use vi_kinds, only: two_pi, wp
    use vi_motion_family, only: condition_type, edge, repetition
@@ -19,6 +19,7 @@ module vi_survey
    use vi_pattern, only: pattern_type
    use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_cycles, &
       state_type
+   use vi_simulated_pair, only: new_simulated_pair, simulated_pair_type
    use vi_starts, only: state_start
    use vi_status, only: stat
    use vi_survey_outcome, only: beyond, chaotic, event_limit, no_impacts, &
@@ -120,6 +121,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(forced_system_type) :: system
       type(state_type) :: state
+      type(simulated_pair_type) :: motion
       real(wp) :: size_x
       logical :: chaos
       integer :: status
@@ -132,11 +134,13 @@ contains
       call look(osc, system, settling, limits%cycles, limits, state, attractor, progress)
       if (attractor%outcome /= not_settled .and. attractor%outcome /= not_confirmed) return
       if (is_stopped(progress)) return
-      call is_chaotic(system, state, short_batch, limits%max_events, chaos, status, progress)
+      motion = new_simulated_pair(system, state, limits%max_events)
+      call is_chaotic(motion, short_batch, chaos, status, progress)
       if (.not. chaos .and. status /= stat%event_limit) then
          call look(osc, system, longer*settling, longest_period, limits, state, attractor, progress)
          if (attractor%outcome /= not_settled) return
-         call is_chaotic(system, state, long_batch, limits%max_events, chaos, status, progress)
+         motion = new_simulated_pair(system, state, limits%max_events)
+         call is_chaotic(motion, long_batch, chaos, status, progress)
       end if
       if (chaos) attractor%outcome = chaotic
       if (status == stat%event_limit) attractor%outcome = event_limit

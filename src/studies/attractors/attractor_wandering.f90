@@ -1,13 +1,14 @@
 !> Attractors that are not periodic, distinguished by where their impacts lie.
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_attractor_lyapunov, only: exponents_on
    use vi_attractor_settled, only: advance
    use vi_attractor_known, only: chaotic, known_type, periodic, quasi_periodic, shortest_period
-   use vi_exponents, only: positive, sign_by_error, zero
+   use vi_exponents, only: average_type, exponents_along, exponents_type, positive, sign_by_error, &
+      zero
    use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type
    use vi_kinds, only: two_pi, wp
    use vi_simulate, only: simulate_on
+   use vi_simulated_pair, only: new_simulated_pair, simulated_pair_type
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -163,28 +164,35 @@ contains
       real(wp), intent(out) :: largest
       !> Load cycles after which any motion nearby counts as settled.
       integer, intent(out) :: settling
-      !> As in `lyapunov_points`.
+      !> As in `exponents_along`.
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      real(wp) :: exponents(4), deviations(4), most
-      integer :: rank, sign_of_it
+      type(simulated_pair_type) :: motion
+      type(exponents_type) :: found
+      real(wp) :: deviation, most
+      integer :: sign_of_it
 
       kind = 0
       settling = 0
-      call exponents_on(system, state, cycles/batches, batches, left, exponents, deviations, rank, &
+      largest = 0
+      motion = new_simulated_pair(system, state, left)
+      call exponents_along(motion, average_type(cycles=cycles/batches, batches=batches), found, &
          status, progress)
-      largest = exponents(1)
+      state = motion%final
+      left = motion%left
       if (status /= stat%ok) return
+      largest = found%exponents(1)*found%period
+      deviation = found%deviations(1)*found%period
       associate (osc => system%osc)
-         most = times(contractions, -sum(exponents(:rank))/rank)
-         most = max(most, times(decays, osc%xi/(1 + osc%mu)*(two_pi/system%r)))
+         most = times(contractions, -sum(found%exponents(:found%rank))*found%period/found%rank)
+         most = max(most, times(decays, osc%xi/(1 + osc%mu)*found%period))
       end associate
       settling = ceiling(min(1.0e9_wp, most))
       if (before + cycles < max(settling, least_cycles)) return
-      sign_of_it = sign_by_error(largest, deviations(1), cycles)
+      sign_of_it = sign_by_error(largest, deviation, cycles)
       if (sign_of_it == positive) kind = chaotic
-      if ((largest + 4*deviations(1))*cycles < -2*decays) kind = periodic
+      if ((largest + 4*deviation)*cycles < -2*decays) kind = periodic
       if (sign_of_it == zero .and. cycles >= zero_cycles) kind = quasi_periodic
 
    contains

@@ -1,23 +1,25 @@
 !> The study &lyapunov: all Lyapunov exponents, at a point or along a line of points.
 module vi_lyapunov_study
-   use vi_attractor_lyapunov, only: lyapunov_points
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_common_keys, only: check_parameter, check_start, clearance_key, load_key, &
       max_events_key, parameter_of, parameter_values, resonance, spacing_key, state_keys, &
       state_of, window_keys
+   use vi_exponents, only: average_type, exponents_along, exponents_type
    use vi_forced_system, only: initial_state, new_forced_system
    use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: at_resonance
-   use vi_progress, only: is_stopped
+   use vi_progress, only: add_expected_work, is_stopped
+   use vi_simulated_pair, only: new_simulated_pair, simulated_pair_type
+   use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_gaps, only: start_fault
    use vi_structure_groups, only: load_frequency, most_coordinates, record_end, structure_of
    use vi_structure_keys, only: check_start_state, start_keys
-   use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
+   use vi_structure_run, only: new_run, run_type
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_parameter, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
-   use vi_trajectory, only: pack_state
    implicit none (type, external)
    private
 
@@ -271,11 +273,12 @@ contains
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      real(wp), allocatable :: r(:), clearance(:), states(:, :), loads(:), exponents(:, :), &
-         deviations(:, :), dimensions(:), errors(:), cycle_times(:, :)
-      integer, allocatable :: contacts(:, :), counts(:, :), status(:), done(:)
+      real(wp), allocatable :: r(:), clearance(:), cycle_times(:, :), exponents(:, :), &
+         deviations(:, :)
+      type(exponents_type), allocatable :: found(:)
+      integer, allocatable :: status(:), done(:)
       character(:), allocatable :: reason
-      integer :: j, n, lost, batches
+      integer :: i, j, n, lost
 
       if (case%model == of_structure) then
          call run_structure(case, result, progress)
@@ -283,43 +286,43 @@ contains
       end if
       call list_points(case, r, clearance)
       n = size(r)
-      allocate (states(7, n), contacts(3, n), loads(n), exponents(4, n), deviations(4, n), &
-         dimensions(n), errors(n), counts(2, n), status(n))
+      allocate (found(n), status(n))
       associate (s => case%study)
-         loads = s%number('load')
-         batches = s%whole_number('batches')
-         status = stat%not_computed
+         call add_expected_work(n*(s%whole_number('batches') + 1), progress)
+         !$omp parallel do schedule(dynamic, 1) num_threads(threads)
          do j = 1, n
-            if (is_stopped(progress)) exit
-            call pack_state(initial_state(new_forced_system(case%osc, r(j), loads(j), &
-               clearance(j)), state_of(s)), states(:, j), contacts(:, j))
+            status(j) = stat%not_computed
+            if (.not. is_stopped(progress)) call exponents_at(case, r(j), clearance(j), found(j), &
+               status(j), progress)
          end do
-         if (.not. is_stopped(progress)) call lyapunov_points(case%osc, r, loads, clearance, &
-            states, contacts, s%whole_number('discard'), s%whole_number('cycles')/batches, &
-            batches, s%whole_number('max_events'), threads, exponents, deviations, dimensions, &
-            counts, errors, status, progress)
+         !$omp end parallel do
       end associate
       ! only the points that were completed before a stop
       done = pack([(j, j=1, n)], status /= stat%not_computed)
       if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
       allocate (cycle_times, source=spread(two_pi/r(done), 1, 4))
+      allocate (exponents, deviations, mold=cycle_times)
+      do i = 1, size(done)
+         exponents(:, i) = found(done(i))%exponents
+         deviations(:, i) = found(done(i))%deviations
+      end do
       call open_points(case, size(done), result)
       call result%put('points', 'r', r(done))
       call result%put('points', 'clearance', clearance(done))
-      call result%put('points', 'per_cycle', [exponents(:, done)*cycle_times])
-      call result%put('points', 'error_per_cycle', [deviations(:, done)*cycle_times])
-      call result%put('points', 'dimension', dimensions(done))
-      call result%put('points', 'identity_error', errors(done))
-      call result%put('points', 'impacts', counts(1, done))
-      call result%put('points', 'rests', counts(2, done))
-      call result%put('points', 'exponents', [exponents(:, done)])
-      call result%put('points', 'standard_error', [deviations(:, done)])
+      call result%put('points', 'per_cycle', [exponents*cycle_times])
+      call result%put('points', 'error_per_cycle', [deviations*cycle_times])
+      call result%put('points', 'dimension', found(done)%dimension)
+      call result%put('points', 'identity_error', found(done)%error)
+      call result%put('points', 'impacts', found(done)%impacts)
+      call result%put('points', 'rests', found(done)%rests)
+      call result%put('points', 'exponents', [exponents])
+      call result%put('points', 'standard_error', [deviations])
       call result%put('points', 'status', status(done))
       n = size(done)
       lost = count(status(done) /= stat%ok)
       result%empty = lost == n
       if (.not. result%empty) call result%add_note(counted(n, 'point')//', '//whole(count( &
-         exponents(1, done) > 3*deviations(1, done)))//' with a positive exponent')
+         exponents(1, :) > 3*deviations(1, :)))//' with a positive exponent')
       if (lost == 0) return
       status = status(done)
       j = findloc(status /= stat%ok, .true., 1)
@@ -330,6 +333,46 @@ contains
       end if
       call result%fail('no exponents at '//whole(lost)//' of '//counted(n, 'point')//': '//reason)
    end subroutine run_lyapunov
+
+   !> The exponents at a point; NaN where there are none.
+   subroutine exponents_at(case, r, clearance, found, status, progress)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> The point.
+      real(wp), intent(in) :: r, clearance
+      !> The exponents.
+      type(exponents_type), intent(out) :: found
+      !> As of `exponents_along`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(simulated_pair_type) :: motion
+
+      associate (s => case%study, system => new_forced_system(case%osc, r, case%study%number( &
+         'load'), clearance))
+         motion = new_simulated_pair(system, initial_state(system, state_of(s)), &
+            s%whole_number('max_events'))
+         call exponents_along(motion, average_of(case), found, status, progress)
+      end associate
+      if (status == stat%ok) return
+      found%dimension = ieee_value(r, ieee_quiet_nan)
+      found%exponents = spread(found%dimension, 1, motion%dimensions)
+      found%deviations = found%exponents
+   end subroutine exponents_at
+
+   !> How long to average.
+   pure type(average_type) function average_of(case) result(average)
+      !> The case.
+      type(case_type), intent(in) :: case
+
+      associate (s => case%study)
+         average%batches = s%whole_number('batches')
+         average%cycles = s%whole_number('cycles')/average%batches
+         average%discard = s%whole_number('discard')
+         if (s%has('directions')) average%directions = s%whole_number('directions')
+      end associate
+      average%work = 1
+   end function average_of
 
    !> Opens the table of the points: a single point, a list, or an array.
    pure subroutine open_points(case, n, result)
@@ -363,6 +406,8 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(structure_type) :: structure
       type(load_type) :: load
+      type(run_type) :: run
+      type(simulated_structure_type) :: motion
       type(average_type) :: average
       type(exponents_type) :: found
       character(:), allocatable :: cycle, text
@@ -370,15 +415,14 @@ contains
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
+      average = average_of(case)
+      call add_expected_work(average%batches + 1, progress)
+      call new_run(structure, load, run, status)
       associate (s => case%study)
-         average%batches = s%whole_number('batches')
-         average%cycles = s%whole_number('cycles')/average%batches
-         average%discard = s%whole_number('discard')
-         average%directions = s%whole_number('directions')
-         average%max_events = s%whole_number('max_events')
-         call structure_exponents(structure, load, s%number('start'), s%numbers('q'), &
-            s%numbers('q_dot'), average, found, status, progress)
+         if (status == stat%ok) call new_simulated_structure(run, s%number('start'), &
+            [s%numbers('q'), s%numbers('q_dot')], s%whole_number('max_events'), motion, status)
       end associate
+      if (status == stat%ok) call exponents_along(motion, average, found, status, progress)
       result%empty = status /= stat%ok
       if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped before its end'

@@ -2,15 +2,16 @@
 !! impacts.
 module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_exponents, only: negative, positive, sign_by_error, zero
+   use vi_exponents, only: average_type, exponents_along, exponents_type, negative, positive, &
+      sign_by_error, zero
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: no
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
+   use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
    use vi_structure_found, only: add_motion, found_list_type
-   use vi_structure_lyapunov, only: average_type, exponents_type, structure_exponents
    use vi_structure_period, only: exact, periodic_structure
    use vi_structure_return, only: is_attractor, settle_on, settled_type
    use vi_structure_run, only: find_regime, new_run, run_event_type, run_state_type, run_type, &
@@ -187,6 +188,7 @@ contains
       !> How nearly a motion repeats that is approached.
       real(wp), parameter :: usual = 1.0e-4_wp, loose = 1.0e-2_wp
       type(exponents_type) :: average
+      type(simulated_structure_type) :: motion
       real(wp) :: here(size(state)), slowest
       integer :: cycles, left, n, settling, sign_of_it, spent, ended
 
@@ -198,12 +200,13 @@ contains
       spent = how%settling
       left = how%max_events
       do while (spent + cycles <= how%settling + most_followed)
-         here = state
-         call structure_exponents(structure, run%load, start, here(:n), here(n + 1:), &
-            average_type(0, cycles/batches, batches, 1, left), average, ended, progress, state)
+         call new_simulated_structure(run, start, state, left, motion, ended)
+         if (ended == stat%ok) call exponents_along(motion, average_type(0, cycles/batches, &
+            batches, 1), average, ended, progress)
          if (ended /= stat%ok) exit
+         call state_now(motion%run, motion%state, state(:n), state(n + 1:))
          spent = spent + cycles
-         left = left - average%impacts
+         left = motion%left
          sign_of_it = sign_by_error(average%exponents(1)*average%period, average%deviations(1)* &
             average%period, cycles)
          if (is_steady(average, spent)) then

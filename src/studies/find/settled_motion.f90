@@ -6,8 +6,8 @@
 !! That motion can also be computed by itself, for a simulation that is given.
 module vi_settled_motion
    use vi_attractor_known, only: is_free
-   use vi_attractor_lyapunov, only: is_chaotic
    use vi_event_symbols, only: period_type, read_periods, total_phase
+   use vi_exponents, only: is_chaotic
    use vi_forced_system, only: event_type, forced_system_type, initial_state, release_event, &
       state_type
    use vi_found_motion, only: describe_motion, described_type, found_type, in_standard_form, &
@@ -16,6 +16,7 @@ module vi_settled_motion
    use vi_motion, only: yes
    use vi_pattern, only: pattern_type
    use vi_simulate, only: simulate_cycles
+   use vi_simulated_pair, only: new_simulated_pair, simulated_pair_type
    use vi_status, only: stat
    use vi_trajectory, only: read_events
    implicit none (type, external)
@@ -69,6 +70,7 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       type(state_type) :: state
+      type(simulated_pair_type) :: motion
       type(event_type), allocatable :: events(:)
       integer :: left, look, n, status
       logical :: chaos
@@ -79,7 +81,8 @@ contains
       left = max_events
       do look = 0, most_looks
          if (look > 0) then
-            call is_chaotic(system, state, batch*longer**(look - 1), left, chaos, status, progress)
+            motion = new_simulated_pair(system, state, left)
+            call is_chaotic(motion, batch*longer**(look - 1), chaos, status, progress)
             if (status == stat%event_limit) outcome = unfinished
             if (status == stat%not_computed) outcome = 0
             if (chaos .or. any(status == [stat%event_limit, stat%not_computed])) return

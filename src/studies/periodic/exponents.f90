@@ -1,19 +1,139 @@
-!> What Lyapunov exponents of oscillators and of structures have in common: directions that are
-!! orthonormalised, weights of averages, and what follows from the exponents.
+!> Lyapunov exponents: averages of the growth of directions along a simulated motion, and what
+!! follows from them.
 module vi_exponents
-   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_quiet_nan, ieee_value
    use vi_kinds, only: wp
+   use vi_progress, only: add_done_work
+   use vi_simulated_motion, only: growth_type, simulated_motion_type
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: bump, kaplan_yorke, orthonormalise, scatter, sign_by_error
+   public :: exponents_along, is_chaotic, kaplan_yorke, orthonormalise, scatter, sign_by_error
+
+   !> What an average needs.
+   type, public :: average_type
+      !> Load cycles before the first batch and in each; batches that count, at least 2.
+      integer :: discard = 0, cycles = 0, batches = 2
+      !> Number of directions; 0 for all.
+      integer :: directions = 0
+      !> Units of work of a batch in the progress counters.
+      integer :: work = 0
+   end type average_type
+
+   !> The exponents of a simulation.
+   type, public :: exponents_type
+      !> (directions) Per unit of time, the greatest first; -inf for directions that are lost. Their
+      !! standard errors from the scatter of the batches.
+      real(wp), allocatable :: exponents(:), deviations(:)
+      !> Number of directions that are not lost.
+      integer :: rank = 0
+      !> Dimension of Kaplan and Yorke, and the error of the sum of the exponents per unit of time;
+      !! NaN unless all directions are carried.
+      real(wp) :: dimension = 0, error = 0
+      !> Mean rate at which volumes contract; of directions that are lost only what the damping
+      !! contributes.
+      real(wp) :: contraction = 0
+      !> Impacts and rests in the batches that count; a period of the load.
+      integer :: impacts = 0, rests = 0
+      real(wp) :: period = 0
+   end type exponents_type
 
    !> The sign of a largest exponent: that which it has by its error, or none as long as the error
-   !! is
-   !! too large for that.
+   !! is too large for that.
    integer, parameter, public :: negative = -1, zero = 0, positive = 1, unclear = 2
 
+   !> Chaos: least values of the largest exponent per load cycle, and of its ratio to its standard
+   !! error.
+   real(wp), parameter :: least_chaos = 2.0e-3_wp, least_ratio = 4
+
 contains
+
+   !> The exponents of a motion that goes on, from batches of load cycles.
+   subroutine exponents_along(motion, average, found, status, progress)
+      !> In and out: the motion.
+      class(simulated_motion_type), intent(inout) :: motion
+      !> How long to average.
+      type(average_type), intent(in) :: average
+      !> The exponents; without any unless the status is `stat%ok`.
+      type(exponents_type), intent(out) :: found
+      !> As of `grow`; `stat%no_motion` if a batch has too few events.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(growth_type) :: growth
+      real(wp), allocatable :: each(:, :)
+      integer :: batch, n
+
+      n = merge(average%directions, motion%dimensions, average%directions > 0)
+      growth%batches = average%batches
+      growth%cycles = average%cycles
+      growth%rank = n
+      allocate (growth%sums(2, 0:n), each(n, average%batches), source=0.0_wp)
+      do batch = -1, average%batches
+         growth%batch = batch
+         growth%sums(2, :) = 0
+         call motion%grow(merge(average%discard, average%cycles, batch < 0), growth, status, &
+            progress)
+         if (status /= stat%ok) exit
+         if (batch >= 0) call add_done_work(average%work, progress)
+         if (batch == 0) call forget(growth)
+         if (batch < 1) cycle
+         if (.not. growth%sums(2, 0) > 0) status = stat%no_motion
+         if (status /= stat%ok) exit
+         each(:, batch) = growth%sums(2, 1:)/(growth%sums(2, 0)*motion%unit)
+      end do
+      if (growth%batch < 1) call forget(growth)
+      found%period = motion%period
+      found%rank = growth%rank
+      found%impacts = growth%impacts
+      found%rests = growth%rests
+      associate (time => max(growth%time, tiny(1.0_wp))*motion%unit)
+         found%error = abs(growth%difference)/time
+         found%contraction = -growth%volume/(time*motion%dimensions)
+      end associate
+      if (status /= stat%ok) return
+      allocate (found%exponents, source=growth%sums(1, 1:)/(growth%sums(1, 0)*motion%unit))
+      allocate (found%deviations(n))
+      call scatter(each, growth%rank, found%exponents, found%deviations)
+      found%dimension = kaplan_yorke(found%exponents)
+      if (n == motion%dimensions) return
+      found%dimension = ieee_value(1.0_wp, ieee_quiet_nan)
+      found%error = found%dimension
+   end subroutine exponents_along
+
+   !> Makes the sums empty that do not count while the directions still settle.
+   pure subroutine forget(growth)
+      !> In and out: the growth.
+      type(growth_type), intent(inout) :: growth
+
+      growth%sums = 0
+      growth%time = 0
+      growth%volume = 0
+      growth%difference = 0
+      growth%impacts = 0
+      growth%rests = 0
+   end subroutine forget
+
+   !> Whether the largest Lyapunov exponent of a motion is positive by more than its error.
+   subroutine is_chaotic(motion, cycles, chaos, status, progress)
+      !> In and out: the motion.
+      class(simulated_motion_type), intent(inout) :: motion
+      !> Load cycles of each of ten batches.
+      integer, intent(in) :: cycles
+      !> Whether it is chaotic; false also if the simulation failed.
+      logical, intent(out) :: chaos
+      !> As of `exponents_along`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(exponents_type) :: found
+
+      call exponents_along(motion, average_type(cycles=cycles, batches=10), found, status, progress)
+      chaos = status == stat%ok
+      if (chaos) chaos = found%exponents(1)*found%period > least_chaos .and. &
+         found%exponents(1) > least_ratio*found%deviations(1)
+   end subroutine is_chaotic
 
    !> Gram-Schmidt orthonormalisation, applied twice.
    !!
@@ -137,17 +257,5 @@ contains
          sign_of_it = unclear
       end if
    end function sign_by_error
-
-   !> A weight that rises smoothly from 0 and falls smoothly back to 0 over [0, 1].
-   !!
-   !! With this weight, averages over periodic and quasi-periodic motions converge faster than any
-   !! power of the time; those over chaotic motions converge as fast as without it.
-   pure real(wp) function bump(s)
-      !> Place in the interval.
-      real(wp), intent(in) :: s
-
-      bump = 0
-      if (s > 1.0e-3_wp .and. s < 1 - 1.0e-3_wp) bump = exp(-1/(s*(1 - s)))
-   end function bump
 
 end module vi_exponents
