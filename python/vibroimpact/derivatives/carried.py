@@ -30,7 +30,7 @@ from ..results.parameters import (
     series_of,
 )
 from ..systems.record import Record
-from ..systems.restitution import TabulatedRestitution
+from ..systems.restitution import to_columns
 from ..systems.structure import Load, Structure
 from .gradient import FOLD, NOT_SMOOTH
 
@@ -101,7 +101,7 @@ def checked(structure: Structure, load: Load | Record | None, parameters: Any) -
         parameters += [f"opening_{j}" for j in each]
         parameters += [
             f"restitution_{j}" for j in each
-            if not isinstance(structure._rigid()[j].restitution, TabulatedRestitution)
+            if "restitution" in to_columns(structure._rigid()[j].restitution)
         ]  # fmt: skip
     if isinstance(parameters, str) or not isinstance(parameters, Sequence):
         raise ParameterTypeError(f"parameters = {parameters!r}: must be a list of parameters")
@@ -391,7 +391,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
         raise ParameterError(f"parameters: {name!r}: there is nothing that it could change")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
-            if isinstance(structure.gaps[j].restitution, TabulatedRestitution):
+            if "restitution" not in to_columns(structure._rigid()[j].restitution):
                 raise ParameterError(
                     f"parameters: {name!r} has no derivative: the restitution of gap {j} is a table"
                 )

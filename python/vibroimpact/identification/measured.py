@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..base.libraries import scipy
 from ..motions.motion import Motion
 from ..motions.trajectory import Trajectory, simulate_structure
 from ..systems.oscillator import Oscillator
-from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution
+from ..systems.restitution import Law, Restitution
 from ..systems.structure import LARGEST, Gap, Load, Structure
 from ..systems.units import positive, with_u
 
@@ -639,11 +639,7 @@ def scaled(law: Restitution, factor: float) -> Restitution:
     """A law of restitution times a factor."""
     if factor == 1:
         return law
-    if isinstance(law, PowerLaw):
-        return replace(law, R0=law.R0 * factor)
-    if isinstance(law, TabulatedRestitution):
-        return TabulatedRestitution(law.speeds, np.asarray(law.values) * factor)
-    return float(law) * factor
+    return law._scaled(factor) if isinstance(law, Law) else float(law) * factor
 
 
 def virtual_record(

@@ -11,14 +11,7 @@ import numpy as np
 from ..base.errors import ParameterError, VibroimpactError
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record
-from ..systems.restitution import (
-    KINDS,
-    Restitution,
-    TabulatedRestitution,
-    at_rest,
-    from_columns,
-    to_columns,
-)
+from ..systems.restitution import KINDS, Restitution, at_rest, from_columns, to_columns
 from ..systems.structure import Friction, Gap, Load, Stop, Structure
 from . import namelist
 from .tables import Result
@@ -191,8 +184,8 @@ def with_owners(s: Structure, result: Result) -> Result:
     """A result in which the points of tables of restitution know their gaps."""
     owners = [
         i for i, gap in enumerate(s.gaps)
-        if isinstance(gap, Gap) and isinstance(gap.restitution, TabulatedRestitution)
-        for _ in gap.restitution.speeds
+        if isinstance(gap, Gap)
+        for _ in to_columns(gap.restitution).get("law_speeds", ())
     ]  # fmt: skip
     points = result.tables["law_points"]
     owned = replace(points, parent="gaps", owners=np.array(owners, np.int32))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -37,8 +37,14 @@ class ByValue:
         return hash(self._values())
 
 
-class _Law:
-    """A law R(v)."""
+class Law:
+    """A law R(v): its class gives the keys of a &gap that describe it, and itself times a factor."""
+
+    def _columns(self) -> dict[str, Any]:
+        raise NotImplementedError
+
+    def _scaled(self, factor: float) -> Restitution:
+        raise NotImplementedError
 
     def __call__(self, speed: ArrayLike) -> _Array:
         """R at approach speeds >= 0, of any shape."""
@@ -53,13 +59,13 @@ class _Law:
         speeds = np.array(checks.real_array(speed, "speed", wanted), dtype=np.float64)
         if not (speeds >= 0).all():
             raise ParameterError(f"speed: must be {wanted}")
-        kind, *numbers = numbers_of(self)  # type: ignore[arg-type]
+        kind, *numbers = numbers_of(self)
         values, slopes = _core.restitution_values(kind, numbers, speeds.ravel())
         return values.reshape(speeds.shape), slopes.reshape(speeds.shape)
 
 
 @dataclass(frozen=True)
-class PowerLaw(_Law):
+class PowerLaw(Law):
     """A coefficient of restitution that falls with the approach speed: R0 (1 + (v/speed)^k)^(-exponent/k).
 
     It tends to `R0` far below `speed`, and to R0 (v/speed)^-exponent far above.
@@ -100,9 +106,18 @@ class PowerLaw(_Law):
                 raise ParameterError(f"{name} = {value!r}: must be {wanted}")
             object.__setattr__(self, name, value)
 
+    def _columns(self) -> dict[str, Any]:
+        return {
+            "restitution": self.R0, "law": "power", "law_speed": self.speed,
+            "law_exponent": self.exponent, "law_sharpness": self.sharpness,
+        }  # fmt: skip
+
+    def _scaled(self, factor: float) -> PowerLaw:
+        return replace(self, R0=self.R0 * factor)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TabulatedRestitution(ByValue, _Law):
+class TabulatedRestitution(ByValue, Law):
     """A coefficient of restitution by a table of approach speeds.
 
     Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it
@@ -142,6 +157,14 @@ class TabulatedRestitution(ByValue, _Law):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
+    def _columns(self) -> dict[str, Any]:
+        return {
+            "law": "table", "law_speeds": self.speeds.tolist(), "law_values": self.values.tolist()
+        }  # fmt: skip
+
+    def _scaled(self, factor: float) -> TabulatedRestitution:
+        return TabulatedRestitution(self.speeds, self.values * factor)
+
     def __repr__(self) -> str:
         return f"TabulatedRestitution({self.speeds.tolist()}, {self.values.tolist()})"
 
@@ -149,12 +172,12 @@ class TabulatedRestitution(ByValue, _Law):
 #: The kinds of laws, by their numbers in the core.
 KINDS = ("constant", "power", "table", "stop", "pushing", "friction")
 #: What is taken as the coefficient of restitution of a gap.
-Restitution: TypeAlias = float | PowerLaw | TabulatedRestitution
+Restitution: TypeAlias = float | Law
 
 
 def checked(restitution: Restitution, label: str | None = None) -> Restitution:
     """A law, or a number from 0 to 1; `label` is its name in the message."""
-    if isinstance(restitution, (PowerLaw, TabulatedRestitution)):
+    if isinstance(restitution, Law):
         return restitution
     if callable(restitution):
         wanted = checks.allowed("restitution", label)
@@ -167,15 +190,7 @@ def checked(restitution: Restitution, label: str | None = None) -> Restitution:
 
 def to_columns(restitution: Restitution) -> dict[str, Any]:
     """A law as the keys of a &gap, from which files, parameters and the core's arrays take it."""
-    if isinstance(restitution, PowerLaw):
-        return {
-            "restitution": restitution.R0, "law": "power", "law_speed": restitution.speed,
-            "law_exponent": restitution.exponent, "law_sharpness": restitution.sharpness,
-        }  # fmt: skip
-    if isinstance(restitution, TabulatedRestitution):
-        speeds, values = restitution.speeds.tolist(), restitution.values.tolist()
-        return {"law": "table", "law_speeds": speeds, "law_values": values}
-    return {"restitution": restitution}
+    return restitution._columns() if isinstance(restitution, Law) else {"restitution": restitution}
 
 
 def from_columns(columns: Mapping[str, Any]) -> Restitution:
@@ -200,4 +215,4 @@ def numbers_of(restitution: Restitution) -> list[float]:
 
 def at_rest(restitution: Restitution) -> float:
     """The coefficient of restitution as the speed tends to 0."""
-    return float(restitution(0.0)) if isinstance(restitution, _Law) else restitution
+    return float(restitution(0.0)) if isinstance(restitution, Law) else restitution

@@ -12,16 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.status import DEFECTIVE, raise_status, sentence
-from .restitution import (
-    KINDS,
-    ByValue,
-    PowerLaw,
-    Restitution,
-    TabulatedRestitution,
-    checked,
-    numbers_of,
-    to_columns,
-)
+from .restitution import KINDS, ByValue, Law, Restitution, checked, numbers_of, to_columns
 
 __all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 
@@ -109,7 +100,7 @@ class Gap(ByValue):
 
     def __repr__(self) -> str:
         r = self.restitution
-        law = f"{r!r}" if isinstance(r, (PowerLaw, TabulatedRestitution)) else f"{r:g}"
+        law = f"{r!r}" if isinstance(r, Law) else f"{r:g}"
         return f"Gap({self.direction.tolist()}, {self.opening:g}, restitution={law})"
 
 
