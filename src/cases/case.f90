@@ -12,7 +12,7 @@ module vi_case
    implicit none (type, external)
    private
 
-   public :: check_output, check_system, echo, name_part, read_system
+   public :: check_output, check_system, echo, name_part, outputs_of, read_system
 
    !> A case with the values of its groups, defaults included.
    type, public :: case_type
@@ -302,5 +302,18 @@ contains
       if (allocated(case%sweep%name)) call case%sweep%echo(lines)
       call case%output%echo(lines)
    end subroutine echo
+
+   !> The names of the outputs of a structure.
+   pure function outputs_of(case) result(names)
+      !> The case.
+      type(case_type), intent(in) :: case
+      type(line_type), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(case%system%count_words('outputs')))
+      do i = 1, size(names)
+         names(i)%text = trim(case%system%word('outputs', i))
+      end do
+   end function outputs_of
 
 end module vi_case

@@ -37,7 +37,7 @@ contains
       end do
       do i = 1, size(result%columns)
          associate (filled => result%columns(i), column => result%columns(i)%column)
-            if (.not. column%listed) cycle
+            if (.not. is_listed(filled)) cycle
             label = trim(column%label)
             if (len(label) == 0) label = trim(column%name)
             if (label == '=') label = trim(result%tables(filled%table)%dims(1))
@@ -45,9 +45,12 @@ contains
             first = merge(0, 1, column%each == 'coordinate')
             do j = first, first + filled%inner - 1
                if (column%kind == complexes .and. .not. is_modulus(filled)) then
-                  call add(buffer, ','//numbered(label//'_re', j)//','//numbered(label//'_im', j))
+                  call add(buffer, ','//numbered(label//'_re', whole(j))//','// &
+                     numbered(label//'_im', whole(j)))
+               else if (column%each == 'output' .and. j <= size(result%outputs)) then
+                  call add(buffer, ','//numbered(label, result%outputs(j)%text))
                else
-                  call add(buffer, ','//numbered(label, j))
+                  call add(buffer, ','//numbered(label, whole(j)))
                end if
             end do
          end associate
@@ -63,18 +66,26 @@ contains
       is_modulus = index(filled%column%label, 'modulus') > 0
    end function is_modulus
 
+   !> Whether a column is in the CSV; one of outputs is not without outputs.
+   pure logical function is_listed(filled)
+      !> The column.
+      type(filled_type), intent(in) :: filled
+
+      is_listed = filled%column%listed .and. (filled%table > 0 .or. filled%column%each /= 'output')
+   end function is_listed
+
    !> A name with the place within the row inserted.
-   pure function numbered(label, j) result(text)
+   pure function numbered(label, place) result(text)
       !> The name, with # where the place is inserted.
       character(*), intent(in) :: label
-      !> The place.
-      integer, intent(in) :: j
-      character(len(label) + merge(len(whole(j)) - 1, 0, index(label, '#') > 0)) :: text
+      !> The place, or the name of an output.
+      character(*), intent(in) :: place
+      character(len(label) + merge(len(place) - 1, 0, index(label, '#') > 0)) :: text
       integer :: i
 
       i = index(label, '#')
       text = label
-      if (i > 0) text = label(:i - 1)//whole(j)//label(i + 1:)
+      if (i > 0) text = label(:i - 1)//place//label(i + 1:)
    end function numbered
 
    !> Largest possible number of rows.
@@ -94,7 +105,7 @@ contains
       type(result_type), intent(in) :: result
       integer :: i
 
-      n = sum([(merge(result%columns(i)%inner, 0, result%columns(i)%column%listed), &
+      n = sum([(merge(result%columns(i)%inner, 0, is_listed(result%columns(i))), &
          i=1, size(result%columns))])
    end function cell_count
 
@@ -112,7 +123,7 @@ contains
             rows)
          do i = 1, size(result%columns)
             associate (filled => result%columns(i))
-               if (.not. filled%column%listed) cycle
+               if (.not. is_listed(filled)) cycle
                has_rows = filled%table > 0
                if (.not. has_rows) return
                has_rows = rows(filled%table) > 0 .and. &
@@ -140,7 +151,7 @@ contains
          start = buffer%n
          do i = 1, size(result%columns)
             associate (filled => result%columns(i))
-               if (.not. filled%column%listed) cycle
+               if (.not. is_listed(filled)) cycle
                call add_cells(filled, rows(filled%table), buffer)
                if (filled%column%absent(1) == -huge(1)) cycle
                if (all(filled%k(rows(filled%table)) /= filled%column%absent)) cycle

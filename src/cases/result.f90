@@ -61,7 +61,7 @@ module vi_result
    type, public :: filled_type
       !> An allocatable component, since gfortran 12 otherwise warns about its default values.
       type(column_type), allocatable :: column
-      !> Place of its table; 0 while it has no values.
+      !> Place of its table; 0 while it has no values, as without outputs.
       integer :: table = 0
       !> Values in a row.
       integer :: inner = 1
@@ -89,6 +89,8 @@ module vi_result
       type(filled_type), allocatable :: columns(:)
       !> Name of the table whose rows are those of the CSV.
       character(16) :: row = ''
+      !> Names of the outputs of a structure, for columns with a value for each of them.
+      type(line_type), allocatable :: outputs(:)
       !> Whether there is nothing to write to a file, and whether this is due to lack of memory.
       logical :: empty = .false., no_memory = .false.
       !> How far the study got, if it was stopped before its end; otherwise empty.
@@ -122,7 +124,7 @@ contains
    end subroutine list_columns
 
    !> An empty result with its declared columns.
-   pure subroutine start_result(case, columns, row, result)
+   pure subroutine start_result(case, columns, row, result, outputs)
       !> The echo of the case.
       type(line_type), intent(in) :: case(:)
       !> The columns as the study declares them.
@@ -131,12 +133,15 @@ contains
       character(*), intent(in) :: row
       !> The result, without values.
       type(result_type), intent(out) :: result
+      !> Names of the outputs of a structure.
+      type(line_type), intent(in), optional :: outputs(:)
       integer :: i
 
       allocate (result%case, source=case)
       result%cut = ''
       allocate (result%remarks(0), result%notes(0), result%tables(0), &
-         result%columns(size(columns)))
+         result%columns(size(columns)), result%outputs(0))
+      if (present(outputs)) result%outputs = outputs
       do i = 1, size(columns)
          result%columns(i)%column = columns(i)
          call split_words(columns(i)%words, ',', result%columns(i)%words)

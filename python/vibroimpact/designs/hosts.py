@@ -92,7 +92,9 @@ class StructureHost:
         except SingularError:  # such as coupled gaps that close at one instant: counts as bad
             return math.inf, math.inf
         if self.target == "attenuation":
-            free = Structure(structure.mass, structure.damping, structure.stiffness, gaps=[])
+            free = Structure(
+                structure.mass, structure.damping, structure.stiffness, outputs=structure.outputs
+            )
             target = figures["displacement"] / self._figures(free, force, 0 * place)["displacement"]
         else:
             target = figures[self.target]

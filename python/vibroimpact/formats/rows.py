@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import MissingExtraError
+from ..results.namelist import parts_of
+from ..results.systems import outputs_of
 from ..results.tables import Column, Result
 
 #: The meaning of the codes of verdicts.
@@ -17,7 +19,7 @@ VERDICTS = np.array([None, False, True], dtype=object)
 
 def rows(result: Result) -> dict[str, NDArray[Any]]:
     """The listed columns by their names in the CSV, with one value for each row."""
-    places = places_of(result, result.row)
+    owned = places_of(result, result.row)
     found: dict[str, NDArray[Any]] = {}
     for table, column in result.columns():
         if not column.listed:
@@ -25,11 +27,16 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
         name = next(key for key, item in result.tables.items() if item is table)
         size = int(np.prod(list(table.dims.values())))
         inner = column.values.shape[-1] if column.each else 1
-        values = column.values.reshape(size, inner)[places[name]]
+        values = column.values.reshape(size, inner)[owned[name]]
         # coordinates count from 0, as in the names of keys
-        for i, part in enumerate(values.T, start=0 if column.each == "coordinate" else 1):
-            own = next(iter(table.dims)) if column.label == "=" else column.label or column.name
-            found |= cells(column, part, own.replace("#", str(i)))
+        start = 0 if column.each == "coordinate" else 1
+        names = [str(i) for i in range(start, start + inner)]
+        if column.each == "output":
+            own_names = [*outputs_of(parts_of(result.case)[0][1])]
+            names = own_names + names[len(own_names) :]
+        own = next(iter(table.dims)) if column.label == "=" else column.label or column.name
+        for label, part in zip(names, values.T, strict=True):
+            found |= cells(column, part, own.replace("#", label))
     keep = listed(result, found)
     return {name: values[keep] for name, values in found.items()}
 

@@ -46,6 +46,7 @@ from .trajectory import (
     EVENTS_OF_STRUCTURE,
     Trajectory,
     core_arrays,
+    refuse_output,
     request_of,
     segments_of_events,
     simulate_structure,
@@ -311,7 +312,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return "positive" if leading.real >= 0 else "negative"
 
     @memory_for("a sample at the times t")
-    def sample(self, t: ArrayLike) -> Any:
+    def sample(self, t: ArrayLike, output: str | None = None) -> Any:
         """Positions and velocities at any times, from the closed form; the motion is periodic.
 
         Parameters
@@ -319,12 +320,14 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         t : array_like
             Any finite times; of an oscillator in 1/omega, 0 at the first impact. Of a structure one list of times
             (m,), the load phase being Omega t. At an impact velocities and accelerations are those just after it.
+        output : str, optional
+            Of a structure: the output that is sampled, in place of all coordinates.
 
         Returns
         -------
         Sample, or (q, q_dot) of a structure
             Of an oscillator arrays ``X, X_dot, Z, Z_dot, Y, load, X_ddot, Z_ddot``; Y is Z - X. Of a structure
-            coordinates and velocities (n, m).
+            coordinates and velocities (n, m), or those of the output (m,).
 
         Examples
         --------
@@ -337,7 +340,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         """
         if self.of_structure:
             run, times = self._within(t)
-            return run.sample(times)
+            return run.sample(times, output)
+        refuse_output(output)
         times = checks.real_array(t, "t", "real times")
         if not np.isfinite(times).all():
             raise ParameterError(f"t = {t!r}: must be finite")
@@ -350,11 +354,12 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, wrapped)
 
     @memory_for("a sample at the times t")
-    def acceleration(self, t: ArrayLike) -> _Array:
+    def acceleration(self, t: ArrayLike, output: str | None = None) -> _Array:
         """Accelerations (n, m) at any times, between the impacts, as of `Trajectory.acceleration`."""
         if self.of_structure:
             run, times = self._within(t)
-            return run.acceleration(times)
+            return run.acceleration(times, output)
+        refuse_output(output)
         found = self.sample(t)
         return np.array([found.X_ddot, found.Z_ddot])
 

@@ -113,6 +113,12 @@ class Period(NamedTuple):
         return f"<Period {self.pattern.sides}/{self.pattern.cycles}, phases repeat within {self.mismatch:.2g}>"
 
 
+def refuse_output(output: Any) -> None:
+    """An error if an output of an oscillator is asked for, which has none."""
+    if output is not None:
+        raise ParameterError(f"output = {output!r}: must be left out for an Oscillator")
+
+
 def _states(run: Trajectory) -> _Array:
     """The coordinates and velocities of both masses just after each event."""
     events = run.events
@@ -192,7 +198,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     permanent: tuple[int, ...]
 
     @memory_for("a sample at the times t")
-    def sample(self, t: ArrayLike) -> Any:
+    def sample(self, t: ArrayLike, output: str | None = None) -> Any:
         """Positions and velocities at times within the trajectory, from the closed form.
 
         Parameters
@@ -200,16 +206,19 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         t : array_like
             Times from `start` to `end`, in any order; of a structure one list of them (m,). At the time of an
             event velocities and accelerations are those just after it.
+        output : str, optional
+            Of a structure: the output that is sampled, in place of all coordinates.
 
         Returns
         -------
         Sample, or (q, q_dot) of a structure
-            Of an oscillator as of `Motion.sample`; of a structure coordinates and velocities (n, m).
+            Of an oscillator as of `Motion.sample`; of a structure coordinates and velocities (n, m), or those of
+            the output (m,).
 
         Raises
         ------
         ParameterError
-            If a time is outside.
+            If a time is outside, or there is no such output.
 
         Examples
         --------
@@ -221,8 +230,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         True
         """
         if self.of_structure:
-            q, rate = self._sampled(t, 2)
+            q, rate = self._sampled(t, 2, output)
             return q, rate
+        refuse_output(output)
         times = checks.real_array(t, "t", "real times")
         first, last = self.start, self.end
         if times.size and not (first <= times.min() and times.max() <= last):
@@ -233,8 +243,10 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
-    def _sampled(self, t: ArrayLike, parts: int) -> _Array:
-        """Of a structure: coordinates and velocities, and with three `parts` accelerations (parts, n, m)."""
+    def _sampled(self, t: ArrayLike, parts: int, output: str | None = None) -> _Array:
+        """Of a structure: coordinates and velocities, and with three `parts` accelerations (parts, n, m); of an
+        output (parts, m)."""
+        row = None if output is None else self.structure._row(output)
         wanted = f"times from {self.start!r} to {self.end!r}"
         times = np.atleast_1d(checks.real_array(t, "t", wanted))
         inside = (times >= self.start) & (times <= self.end)
@@ -247,7 +259,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         raise_status(status)
         found = np.empty(values.shape)
         found[:, order] = values
-        return found.reshape(parts, self.structure.coordinates, len(times))
+        shaped: _Array = found.reshape(parts, self.structure.coordinates, len(times))
+        return shaped if row is None else np.einsum("i,pim->pm", row, shaped)
 
     def _resting(self) -> tuple[int, ...]:
         """The gaps of a structure that rest from the start."""
@@ -258,18 +271,20 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return tuple(np.flatnonzero(rests).tolist())
 
     @memory_for("a sample at the times t")
-    def acceleration(self, t: ArrayLike) -> _Array:
+    def acceleration(self, t: ArrayLike, output: str | None = None) -> _Array:
         """Accelerations at given times, between the impacts, which change the velocities at once.
 
         Parameters
         ----------
         t : array_like (m,)
             As of `sample`. At the time of an event the accelerations are those just after it.
+        output : str, optional
+            As of `sample`.
 
         Returns
         -------
         q_ddot : ndarray (n, m)
-            Of an oscillator those of its two masses.
+            Of an oscillator those of its two masses; (m,) of an output.
 
         Raises
         ------
@@ -277,7 +292,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             If a time is outside.
         """
         if self.of_structure:
-            return np.asarray(self._sampled(t, 3)[2])
+            return np.asarray(self._sampled(t, 3, output)[2])
+        refuse_output(output)
         found = self.sample(t)
         return np.array([found.X_ddot, found.Z_ddot])
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import checks
 from ..base.errors import ParameterError
 from . import style
 
@@ -255,23 +254,27 @@ def draw_structure_bifurcation(
     return ax
 
 
-def draw_structure_response(response: Response, ax: Any = None, coordinate: int = 0) -> Any:
-    """The greatest magnitude of a coordinate over the frequency, with and without impacts."""
-    n = response.structure.coordinates
-    coordinate = checks.integer(coordinate, "coordinate", 0, n - 1)
+def draw_structure_response(
+    response: Response, ax: Any = None, coordinate: int | str | None = None
+) -> Any:
+    """The greatest magnitude of a coordinate or output over the frequency, with and without impacts."""
+    if coordinate is None:
+        coordinate = next(iter(response.structure.outputs), 0)
+    size = response.of(coordinate)
     ax = axes(ax, response, swept="frequency", pad=16.0)
-    largest = response.largest[coordinate]
-    for name, sizes in zip(response.runs, largest.T, strict=True):
+    for name, sizes in zip(response.runs, size.largest.T, strict=True):
         ax.plot(response.values, sizes, lw=0.6, label=name, **SWEEPS[name])
     ax.plot(
-        response.values, response.steady_largest[coordinate], "--", color="0.4", lw=0.8,
-        label="without impacts",
+        response.values, size.steady_largest, "--", color="0.4", lw=0.8, label="without impacts"
     )  # fmt: skip
-    top = np.nanmax(largest)
+    top = np.nanmax(size.largest)
     if np.isfinite(top):
         ax.set_ylim(0, 1.6 * top)
     ax.set_xlabel(r"$\Omega$")
-    ax.set_ylabel(rf"$\max|q_{{{coordinate}}}|$")
+    shown = f"q_{{{coordinate}}}"
+    if isinstance(coordinate, str):
+        shown = rf"\mathrm{{{coordinate}}}".replace("_", r"\_")
+    ax.set_ylabel(rf"$\max|{shown}|$")
     style.add_legend(ax, **style.ABOVE)
     return ax
 
@@ -279,4 +282,6 @@ def draw_structure_response(response: Response, ax: Any = None, coordinate: int 
 def symbol(name: str) -> str:
     """A coordinate or velocity as the label of an axis."""
     kind, _, number = name.rpartition("_")
+    if not number.isdigit() or kind not in ("q", "q_dot"):
+        return name
     return rf"$\dot q_{{{number}}}$" if kind == "q_dot" else f"$q_{{{number}}}$"

@@ -327,11 +327,14 @@ def _mark_events(ax: Any, run: Trajectory, begin: float, end: float, y: Any) -> 
 
 
 def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> None:
-    """The coordinates, over each other or, if there are many, one above the other; and the events."""
+    """The outputs, or without any the coordinates, over each other or, if there are many, one above the other; and
+    the events."""
     times = times_of(run, begin, end)
     q = run.sample(times)[0]
     n = len(q)
-    if not has_bodies(run.structure):
+    if run.structure.outputs:
+        _draw_outputs(ax, run, times, q)
+    elif not has_bodies(run.structure):
         _draw_openings(ax, run, times, q)
     elif n <= OVERLAID:
         for i, values in enumerate(q):
@@ -366,6 +369,26 @@ def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> Non
         )  # fmt: skip
     ax.set_xlabel(TIME)
     ax.set_xlim(begin, end)
+
+
+def _draw_outputs(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
+    """The outputs by name, with the impacts."""
+    begin, end = float(times[0]), float(times[-1])
+    chosen = (run.events["time"] >= begin) & (run.events["time"] <= end)
+    chosen &= run.events["kind"] == "impact"
+    hits = run.events["time"][chosen]
+    for i, (name, row) in enumerate(run.structure.outputs.items()):
+        ax.plot(times, row @ q, color=COLOURS[i % len(COLOURS)], lw=0.9, label=name)
+        label = "" if i else "impact"
+        if len(hits):
+            ax.plot(
+                hits, run.states[chosen, 0] @ row, "o", color=IMPACT, ms=2.6, mew=0, label=label
+            )
+    ax.set_ylabel("outputs")
+    add_legend(
+        ax, loc="lower right", ncols=9, bbox_to_anchor=(1.0, 1.0), handlelength=1.4, columnspacing=1.0,
+        borderaxespad=0.2,
+    )  # fmt: skip
 
 
 def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]) -> None:

@@ -91,6 +91,7 @@ def with_entries(
         matrices[2],
         matrices[3],
         [Gap(*gap) for gap in zip(directions, openings, laws, strict=True)],
+        outputs=structure.outputs,
     )
     return changed, Load(
         frequency, cosine=harmonics[COSINE], sine=harmonics[SINE], constant=constant

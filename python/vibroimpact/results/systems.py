@@ -84,14 +84,14 @@ def from_groups(
         omega = np.atleast_1d(keys["frequencies"])
         shapes = np.reshape(keys["shapes"], (-1, len(omega)))
         structure = Structure.from_modes(
-            omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps, friction
+            omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps, friction, outputs_of(keys)
         )
     else:
         n = len((*gaps, *friction)[0].direction)
         mass, damping, stiffness = (
             _square(keys[name], n) for name in ("mass", "damping", "stiffness")
         )
-        structure = Structure(mass, damping, stiffness, gaps, friction)
+        structure = Structure(mass, damping, stiffness, gaps, friction, outputs_of(keys))
     load: Load | Record | None = None
     for part in (part for name, part in parts if name == "load"):
         n = structure.coordinates
@@ -108,6 +108,14 @@ def from_groups(
         }
         load = Load(part.get("frequency"), **harmonics, constant=constant)
     return structure, load
+
+
+def outputs_of(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """The outputs of a structure by the keys of its group."""
+    names = keys.get("outputs", [])
+    names = [names] if isinstance(names, str) else names
+    rows = np.reshape(keys["output_rows"], (len(names), -1)) if names else ()
+    return dict(zip(names, rows, strict=True))
 
 
 def _contact(name: str, part: Mapping[str, Any]) -> Gap | Stop:
@@ -136,6 +144,10 @@ def check_gap_numbers(result: Result, structure: Structure) -> None:
             if column.each == "coordinate" and column.values.shape[-1] != structure.coordinates:
                 raise ParameterError(
                     f"{name}.{key} of shape {column.values.shape}: must be for {structure.coordinates} coordinates"
+                )
+            if column.each == "output" and column.values.shape[-1] != len(structure.outputs):
+                raise ParameterError(
+                    f"{name}.{key} of shape {column.values.shape}: must be for {len(structure.outputs)} outputs"
                 )
 
 
@@ -212,7 +224,9 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     mass, damping, stiffness, constant = values(
         "matrices", "mass", "damping", "stiffness", "constant"
     )
-    structure = Structure(mass, damping, stiffness, gaps, friction)
+    groups = namelist.parts_of(result.case)
+    outputs = outputs_of(groups[0][1]) if groups else None
+    structure = Structure(mass, damping, stiffness, gaps, friction, outputs)
     if not loaded:
         return structure, None
     sine, cosine = values("harmonics", "sine", "cosine")

@@ -259,20 +259,22 @@ class BifurcationDiagram(
     def column(self, quantity: str) -> _Array:
         """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass.
 
-        Of a structure also "q_0", "q_1", ... and "q_dot_0", ... of the strobes.
+        Of a structure also "q_0", "q_1", ... and "q_dot_0", ... of the strobes, and outputs by their names.
         """
         names: tuple[str, ...] = (*COLUMNS, "approach")
         if self.of_structure:
-            n = self.structure.coordinates
+            n, outputs = self.structure.coordinates, self.structure.outputs
             names = (
                 *(f"{kind}_{i}" for kind in ("q", "q_dot") for i in range(n)),
-                "phase",
-                "speed",
-            )
+                "phase", "speed", *outputs,
+            )  # fmt: skip
         if not isinstance(quantity, str) or quantity not in names:
             raise ParameterError(f"quantity = {quantity!r}: must be one of {', '.join(names)}")
         if quantity == "approach":
             return np.asarray(np.abs(self.points["z_dot_before"] - self.points["x_dot_before"]))
+        if self.of_structure and quantity in outputs:
+            i = [*outputs].index(quantity)
+            return np.asarray(self._listed("strobes", ("outputs",))["outputs"][:, i])
         kind, _, number = quantity.rpartition("_")
         if self.of_structure and kind:
             return np.asarray(self.strobes[kind][:, int(number)])
@@ -288,14 +290,16 @@ class BifurcationDiagram(
         ax : matplotlib Axes, optional
         quantity : str, optional
             Of an oscillator "x" (default), "phase", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"
-            or "approach". Of a structure "q_0" (default), "q_1", ... or "q_dot_0", ... at the beginning of load
-            cycles; "phase" or "speed" of the impacts.
+            or "approach". Of a structure an output by its name, "q_0", "q_1", ... or "q_dot_0", ... at the
+            beginning of load cycles; "phase" or "speed" of the impacts. By default the first output, or "q_0"
+            without outputs.
 
         Returns
         -------
         Axes
         """
-        return self._draw(ax, quantity or ("q_0" if self.of_structure else "x"))
+        first = next(iter(self.structure.outputs), "q_0") if self.of_structure else "x"
+        return self._draw(ax, quantity or first)
 
     def __repr__(self) -> str:
         low, high = self.values[0], self.values[-1]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base import checks
 from ..base.errors import ParameterError
 from ..results import door
 from ..results.noun import column
@@ -27,6 +28,17 @@ class steady(cell):  # noqa: N801 (a descriptor, written as property is)
     def shaped(self, noun: Any, values: NDArray[Any]) -> NDArray[Any]:
         found: NDArray[Any] = np.fmax.reduce(super().shaped(noun, values), axis=-1)
         return found
+
+
+class Size(NamedTuple):
+    """The size of a coordinate or output along the frequency: arrays (n, runs), steady ones (n,)."""
+
+    largest: _Array
+    rms: _Array
+    least: _Array
+    greatest: _Array
+    steady_largest: _Array
+    steady_rms: _Array
 
 
 class Response(SettledMotions, study="response", formerly="StructureResponse"):
@@ -89,6 +101,12 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     q_max = cell("cells", first=True)
     steady_largest = steady("cells", first=True)
     steady_rms = steady("cells", first=True)
+    _output_largest = cell("cells", "output_largest", first=True)
+    _output_rms = cell("cells", "output_rms", first=True)
+    _output_min = cell("cells", "output_min", first=True)
+    _output_max = cell("cells", "output_max", first=True)
+    _steady_output_largest = steady("cells", "steady_output_largest", first=True)
+    _steady_output_rms = steady("cells", "steady_output_rms", first=True)
 
     @property
     def values(self) -> _Array:
@@ -103,14 +121,48 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     def _arranged(self, rows: NDArray[Any], missing: int) -> NDArray[Any]:
         return np.moveaxis(super()._arranged(rows, missing), -1, -2)
 
-    def plot(self, ax: Any = None, coordinate: int | None = None) -> Any:
+    def of(self, coordinate: int | str) -> Size:
+        """The size of a coordinate of a structure, by its number, or of an output, by its name.
+
+        Parameters
+        ----------
+        coordinate : int or str
+
+        Returns
+        -------
+        Size
+            Arrays ``largest``, ``rms``, ``least`` and ``greatest`` (n, runs), of the motion without impacts
+            ``steady_largest`` and ``steady_rms`` (n,).
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If there is no such coordinate or output.
+        """
+        structure = self.structure
+        if isinstance(coordinate, str):
+            structure._row(coordinate)
+            i = [*structure.outputs].index(coordinate)
+            parts: tuple[_Array, ...] = (
+                self._output_largest, self._output_rms, self._output_min, self._output_max,
+                self._steady_output_largest, self._steady_output_rms,
+            )  # fmt: skip
+        else:
+            i = checks.integer(coordinate, "coordinate", 0, structure.coordinates - 1)
+            parts = (
+                self.largest, self.rms, self.q_min, self.q_max, self.steady_largest, self.steady_rms,
+            )  # fmt: skip
+        return Size(*(part[i] for part in parts))
+
+    def plot(self, ax: Any = None, coordinate: int | str | None = None) -> Any:
         """Draw the response (extra `plot`); returns the Axes.
 
-        Of an oscillator each attractor is a dot, and the envelopes are lines; of a structure the greatest
-        magnitude of a coordinate, by default of the first one, is drawn.
+        Of an oscillator each attractor is a dot, and the envelopes are lines. Of a structure the greatest
+        magnitude of an output, by its name, or of a coordinate, by its number, is drawn: by default of the first
+        output, or of the first coordinate without outputs.
         """
         if self.of_structure:
-            return self._draw(ax, 0 if coordinate is None else coordinate)
+            return self._draw(ax, coordinate)
         if coordinate is not None:
             raise ParameterError(
                 f"coordinate = {coordinate!r}: must be left out for a response of an Oscillator"
@@ -202,9 +254,9 @@ def response(
     the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme positions
     are those of the closed form over the period, or over the cycles kept where there is none.
 
-    Of a structure it is the size of each coordinate, with and without impacts. The state is carried from frequency
-    to frequency, up and then down. Extremes are those of the flights in closed form, mean squares are integrated
-    over all flights and rests.
+    Of a structure it is the size of each coordinate and output, with and without impacts. The state is carried
+    from frequency to frequency, up and then down. Extremes are those of the flights in closed form; mean squares
+    are integrated over all flights and rests.
 
     The system is `osc`, with a clearance, or `structure, load`, or a point from `Oscillator.at`, whose clearance
     and load are used. An oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated
@@ -266,6 +318,13 @@ def response(
     >>> result = vi.response(wall, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13))
     >>> result.largest.shape, bool((result.q_max < 1 + 1e-12).all()), bool(result.steady_largest.max() > 2.9)
     ((1, 13, 2), True, True)
+
+    Outputs are read by name:
+
+    >>> plate = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=wall.gaps, outputs={"tip": [2]})
+    >>> size = vi.response(plate, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13)).of("tip")
+    >>> bool((size.largest == 2 * result.largest[0]).all())
+    True
     """
     keys = {
         **door.line("r", r), "clearance": clearance, "inverse_clearance": inverse_clearance,

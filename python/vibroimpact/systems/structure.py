@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -21,6 +22,7 @@ _Array = NDArray[np.float64]
 MOST = 500
 #: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
 LARGEST, LARGEST_MODAL = 1e100, 1e40
+MOST_OUTPUTS = 100
 
 
 def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Array:
@@ -273,6 +275,53 @@ class Friction(ByValue):
         return f"Friction({', '.join([f'{self.direction.tolist()}, {self.slip:g}', *shown])})"
 
 
+class Outputs(Mapping[str, _Array]):
+    """Quantities that are sums of the coordinates, by name: the rows that give them, read-only."""
+
+    def __init__(self, given: Any, coordinates: int) -> None:
+        if not isinstance(given, Mapping):
+            raise ParameterTypeError(
+                f"outputs = {given!r}: must map names to rows, such as {{'tip': [1, 0]}}"
+            )
+        wanted = f"{coordinates} numbers from -1e40 to 1e40, one a coordinate"
+        self._rows: dict[str, _Array] = {}
+        for name, values in given.items():
+            good = isinstance(name, str) and re.fullmatch(r"(?a:[a-z]\w{0,22})", name, re.I)
+            if not good or name.startswith("q_") or name in ("phase", "speed"):
+                raise ParameterError(
+                    f"outputs: name {name!r}: must have at most 23 letters, digits and _, begin with a letter, "
+                    "and be none of phase, speed, q_..."
+                )
+            row = _numbers(values, f"outputs[{name!r}]", wanted, (coordinates,))
+            if (np.abs(row) > LARGEST_MODAL).any():
+                raise ParameterError(f"outputs[{name!r}] = {row.tolist()!r}: must be {wanted}")
+            self._rows[name] = row
+        if len(self._rows) > MOST_OUTPUTS:
+            raise ParameterError(f"outputs: {len(self)} of them; must be at most {MOST_OUTPUTS}")
+
+    def __getitem__(self, name: str) -> _Array:
+        return self._rows[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def _values(self) -> tuple[Any, ...]:
+        """Names and numbers."""
+        return tuple((name, (row + 0.0).tobytes()) for name, row in self._rows.items())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Outputs) and self._values() == other._values()
+
+    def __hash__(self) -> int:
+        return hash(self._values())
+
+    def __repr__(self) -> str:
+        return repr({name: row.tolist() for name, row in self._rows.items()})
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Structure(ByValue):
     """A linear structure M q'' + C q' + K q = f with gaps, elastic stops and dry friction.
@@ -288,6 +337,17 @@ class Structure(ByValue):
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
         `simulate` and `exact` take stops and friction; the other verbs do not, yet.
+    outputs : mapping of str to array_like (n,), optional
+        Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
+        motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
+    base : array_like (n,), optional
+        Displacement of each coordinate when the base moves by 1 and nothing is deformed, for `base_load`.
+
+    Attributes
+    ----------
+    participation : ndarray (n,)
+        Participation factors: the inertia forces on the coordinates per unit of acceleration of the base, with the
+        opposite sign; M times `base`. An AttributeError if no `base` was given.
 
     Raises
     ------
@@ -302,6 +362,14 @@ class Structure(ByValue):
     >>> gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
     >>> vi.Structure(mass=[1, 0.1], damping=[0.02, 0], stiffness=[1, 0], gaps=gaps)
     <Structure of 2 coordinates with 2 gaps>
+
+    The extension of a spring between two masses, as an output of a motion from rest:
+
+    >>> two = vi.Structure([1, 1], [0, 0], [[2, -1], [-1, 1]], outputs={"extension": [-1, 1]})
+    >>> run = vi.simulate(two, vi.Load(1.0, sine=[0, 0.1]), duration=5)
+    >>> q, q_dot = run.sample([1.0, 2.0])
+    >>> bool((run.sample([1.0, 2.0], "extension")[0] == q[1] - q[0]).all())
+    True
     """
 
     mass: _Array
@@ -309,10 +377,13 @@ class Structure(ByValue):
     stiffness: _Array
     gaps: tuple[Gap | Stop, ...] = field(default=())
     friction: tuple[Friction, ...] = field(default=())
+    outputs: Mapping[str, _Array] = field(default_factory=dict)
+    _participation: _Array | None = field(default=None, compare=False)
 
     def __init__(
         self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike,
         gaps: Sequence[Gap | Stop] = (), friction: Sequence[Friction] = (),
+        outputs: Mapping[str, ArrayLike] | None = None, base: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         matrices = {}
         for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
@@ -342,6 +413,13 @@ class Structure(ByValue):
                         "coordinate"
                     )
             object.__setattr__(self, name, parts)
+        object.__setattr__(self, "outputs", Outputs({} if outputs is None else outputs, n))
+        factors = None
+        if base is not None:
+            wanted = f"{n} finite numbers, one a coordinate"
+            factors = self.mass @ _numbers(base, "base", wanted, (n,))
+            factors.flags.writeable = False
+        object.__setattr__(self, "_participation", factors)
 
     @classmethod
     def from_modes(
@@ -351,8 +429,12 @@ class Structure(ByValue):
         shapes: ArrayLike,
         gaps: Sequence[Gap | Stop] = (),
         friction: Sequence[Friction] = (),
+        outputs: Mapping[str, ArrayLike] | None = None,
+        base: ArrayLike | None = None,
     ) -> Structure:
         """A structure by its modes, whose amplitudes are the coordinates.
+
+        Name the points of interest as `outputs`: an amplitude of a mode alone is no displacement.
 
         Parameters
         ----------
@@ -365,6 +447,13 @@ class Structure(ByValue):
             Their directions refer to the points: `direction` has one number a point.
         friction : sequence of Friction
             Likewise.
+        outputs : mapping of str to array_like (n,), optional
+            Displacements of interest by name, each as the shapes of the modes at its point, such as a row of
+            `shapes`.
+        base : array_like (points,), optional
+            Mass that each of the points stands for, times the displacement of the point when the base moves by 1
+            and nothing is deformed. With it the participation factor of each mode is the sum over the points
+            of this times its shape: that of all modes if the points carry the whole mass.
 
         Examples
         --------
@@ -372,6 +461,13 @@ class Structure(ByValue):
         >>> beam = vi.Structure.from_modes([1.0, 6.27], [0.01, 0.01], [[2.0, -2.0]], [vi.Gap([1.0], 0.1, 0.6)])
         >>> beam.gaps[0].direction.tolist()
         [2.0, -2.0]
+
+        A mass of 4 on a spring, whose shape is 1/2, on a base that moves: the load is that of the mass, 4, times
+        the shape.
+
+        >>> rig = vi.Structure.from_modes([3.0], [0.01], [[0.5]], outputs={"mass": [0.5]}, base=[4.0])
+        >>> rig.participation.tolist(), rig.base_load(2.0, 10.0).sine.tolist()
+        ([2.0], [[-20.0]])
         """
         wanted = "numbers from 0 to 1e40, one a mode"
         omega = _numbers(frequencies, "frequencies", wanted, (-1,))
@@ -409,9 +505,56 @@ class Structure(ByValue):
             modal.append(part._along(direction))
         rubbing = [part for part in modal if isinstance(part, Friction)]
         closing = [part for part in modal if not isinstance(part, Friction)]
+        factors = None
+        if base is not None:
+            wanted = f"{len(points)} finite numbers, one a point"
+            factors = _numbers(base, "base", wanted, (len(points),)) @ points
         return cls(
-            np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing
+            np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing, outputs, factors
         )  # fmt: skip
+
+    @property
+    def participation(self) -> _Array:
+        """Participation factors of a motion of the base (n)."""
+        if self._participation is None:
+            raise AttributeError("participation: a Structure without base does not have it")
+        return self._participation
+
+    def base_load(self, frequency: float, acceleration: float) -> Load:
+        """The load of a base that moves harmonically; the coordinates are then relative to the base.
+
+        Parameters
+        ----------
+        frequency : float
+            Omega, > 0.
+        acceleration : float
+            Amplitude a of the acceleration a sin(Omega t) of the base.
+
+        Returns
+        -------
+        Load
+            Its amplitudes are the participation factors times -a.
+
+        Raises
+        ------
+        ParameterError, ParameterTypeError
+            If an argument is not allowed, or no `base` was given.
+        """
+        if self._participation is None:
+            raise ParameterError(
+                "base = None: must be given to the Structure for loads of its base"
+            )
+        a = checks.to_float(acceleration, "acceleration", "a finite number")
+        return Load(frequency, sine=-a * self._participation)
+
+    def _row(self, output: Any) -> _Array:
+        """The row of an output."""
+        if not isinstance(output, str) or output not in self.outputs:
+            known = ", ".join(self.outputs) or "none"
+            raise ParameterError(
+                f"output = {output!r}: must be the name of an output of the structure, which has {known}"
+            )
+        return self.outputs[output]
 
     @property
     def coordinates(self) -> int:
@@ -468,6 +611,9 @@ class Structure(ByValue):
             diagonal = np.diag(matrix)
             plain = diagonal if np.array_equal(matrix, np.diag(diagonal)) else matrix.ravel()
             matrices[name] = plain.tolist()
+        if self.outputs:
+            rows = np.ravel([*self.outputs.values()]).tolist()
+            matrices |= {"outputs": [*self.outputs], "output_rows": rows}
         return [("structure", matrices), *(part._group() for part in self._parts)]
 
     @property

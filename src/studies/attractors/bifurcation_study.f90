@@ -9,7 +9,7 @@ module vi_bifurcation_study
    use vi_oscillator, only: at_resonance
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_groups, only: load_frequency, output_rows, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
    use vi_structure_parameter, only: function_keys, parameter_change
    use vi_structure_path, only: change_type, structure_path_type, structure_takes => parameter_takes
@@ -126,6 +126,8 @@ module vi_bifurcation_study
       column_type('strobes', 'q', each='coordinate', label='q_#', &
       meaning='coordinates at the beginning of a load cycle'), &
       column_type('strobes', 'q_dot', each='coordinate', label='q_dot_#', meaning='velocities'), &
+      column_type('strobes', 'outputs', each='output', label='#', &
+      meaning='outputs at the beginning of a load cycle'), &
       column_type('impacts', 'gap', wholes, listed=.false., meaning='number of the gap, from 0'), &
       column_type('impacts', 'phase', unit='rad', listed=.false., &
       meaning='load phase within a load cycle'), &
@@ -538,16 +540,22 @@ contains
       type(cell_type), allocatable :: cells(:)
       character(:), allocatable :: message
       integer, allocatable :: owners(:)
+      real(wp), allocatable :: outputs(:, :)
       integer :: bound, i, n
 
       n = case%coordinates
       call structure_path(case, path, message, bound)
-      call run_sweep(case%study, path, case%study%whole_number('points'), cells, result, progress)
+      allocate (outputs, source=output_rows(case%system, n))
+      ! outputs are given at the beginning of load cycles alone
+      call run_sweep(case%study, path, case%study%whole_number('points'), outputs(:0, :), cells, &
+         result, progress)
       call put_cells(result, path, case%study, cells)
       owners = [(spread(i, 1, size(cells(i)%strobes, 2)), i=1, size(cells))]
       call result%open('strobes', 'strobe', [size(owners)], 'cells', owners)
       call result%put('strobes', 'q', [(cells(i)%strobes(:n, :), i=1, size(cells))], n)
       call result%put('strobes', 'q_dot', [(cells(i)%strobes(n + 1:, :), i=1, size(cells))], n)
+      if (size(outputs, 1) > 0) call result%put('strobes', 'outputs', [(matmul(outputs, &
+         cells(i)%strobes(:n, :)), i=1, size(cells))], size(outputs, 1))
       owners = [(spread(i, 1, size(cells(i)%gaps)), i=1, size(cells))]
       call result%open('impacts', 'impact', [size(owners)], 'cells', owners)
       call result%put('impacts', 'gap', [(cells(i)%gaps - 1, i=1, size(cells))])

@@ -9,7 +9,7 @@ module vi_response_study
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_groups, only: load_frequency, output_rows, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
    use vi_structure_path, only: new_change, structure_path_type
    use vi_structure_sweep, only: cell_type, steady_size
@@ -76,6 +76,18 @@ module vi_response_study
       meaning='greatest magnitude of the steady motion without impacts; nan if there is none'), &
       column_type('cells', 'steady_rms', each='coordinate', label='steady_rms_#', &
       meaning='root of the mean square of the steady motion without impacts'), &
+      column_type('cells', 'output_largest', each='output', label='largest_#', &
+      meaning='greatest magnitude of each output'), &
+      column_type('cells', 'output_rms', each='output', label='rms_#', &
+      meaning='root of the mean square of each output'), &
+      column_type('cells', 'steady_output_largest', each='output', label='steady_largest_#', &
+      meaning='greatest magnitude of each output in the steady motion without impacts'), &
+      column_type('cells', 'steady_output_rms', each='output', label='steady_rms_#', &
+      meaning='root of the mean square of each output in the steady motion without impacts'), &
+      column_type('cells', 'output_min', each='output', listed=.false., &
+      meaning='least value of each output'), &
+      column_type('cells', 'output_max', each='output', listed=.false., &
+      meaning='greatest value of each output'), &
       column_type('cells', 'q_min', each='coordinate', listed=.false., &
       meaning='least value of each coordinate'), &
       column_type('cells', 'q_max', each='coordinate', listed=.false., &
@@ -267,8 +279,8 @@ contains
       type(structure_type) :: structure
       type(load_type) :: load
       character(:), allocatable :: message
-      real(wp), allocatable :: largest(:, :), rms(:, :), shares(:)
-      integer :: i, m, n
+      real(wp), allocatable :: largest(:, :), outputs(:, :), rms(:, :), shares(:)
+      integer :: i, k, m, n
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
@@ -281,25 +293,35 @@ contains
          n = case%coordinates
          m = s%whole_number('values')
          allocate (shares, source=even(0.0_wp, 1.0_wp, m))
-         allocate (largest(n, m), rms(n, m), source=0.0_wp)
+         allocate (outputs, source=output_rows(case%system, n))
+         k = n + size(outputs, 1)
+         allocate (largest(k, m), rms(k, m), source=0.0_wp)
          call add_expected_work(m, progress)
          !$omp parallel do schedule(dynamic, 1) num_threads(threads)
          do i = 1, m
             if (is_stopped(progress)) cycle  ! and the sweep, which is next, reaches no value
-            call steady_size(path, shares(i), largest(:, i), rms(:, i))
+            call steady_size(path, shares(i), outputs, largest(:, i), rms(:, i))
             call add_done_work(1, progress)
          end do
          !$omp end parallel do
-         call run_sweep(s, path, 0, cells, result, progress)
+         call run_sweep(s, path, 0, outputs, cells, result, progress)
          call put_cells(result, path, s, cells)
       end associate
-      call result%put('cells', 'largest', [(max(abs(cells(i)%q_min), cells(i)%q_max), i=1, &
+      call result%put('cells', 'largest', [(max(abs(cells(i)%q_min(:n)), cells(i)%q_max(:n)), i=1, &
          size(cells))], n)
-      call result%put('cells', 'rms', [(cells(i)%q_rms, i=1, size(cells))], n)
-      call result%put('cells', 'steady_largest', [largest(:, cells%value)], n)
-      call result%put('cells', 'steady_rms', [rms(:, cells%value)], n)
-      call result%put('cells', 'q_min', [(cells(i)%q_min, i=1, size(cells))], n)
-      call result%put('cells', 'q_max', [(cells(i)%q_max, i=1, size(cells))], n)
+      call result%put('cells', 'rms', [(cells(i)%q_rms(:n), i=1, size(cells))], n)
+      call result%put('cells', 'steady_largest', [largest(:n, cells%value)], n)
+      call result%put('cells', 'steady_rms', [rms(:n, cells%value)], n)
+      call result%put('cells', 'q_min', [(cells(i)%q_min(:n), i=1, size(cells))], n)
+      call result%put('cells', 'q_max', [(cells(i)%q_max(:n), i=1, size(cells))], n)
+      if (k == n) return
+      call result%put('cells', 'output_largest', [(max(abs(cells(i)%q_min(n + 1:)), &
+         cells(i)%q_max(n + 1:)), i=1, size(cells))], k - n)
+      call result%put('cells', 'output_rms', [(cells(i)%q_rms(n + 1:), i=1, size(cells))], k - n)
+      call result%put('cells', 'steady_output_largest', [largest(n + 1:, cells%value)], k - n)
+      call result%put('cells', 'steady_output_rms', [rms(n + 1:, cells%value)], k - n)
+      call result%put('cells', 'output_min', [(cells(i)%q_min(n + 1:), i=1, size(cells))], k - n)
+      call result%put('cells', 'output_max', [(cells(i)%q_max(n + 1:), i=1, size(cells))], k - n)
    end subroutine run_structure
 
 end module vi_response_study

@@ -25,6 +25,8 @@ module vi_structure_sweep
       !> Load cycles before, those that are examined, most impacts that are kept, and events until a
       !! simulation is given up.
       integer :: settling = 0, keep = 3, points = 100, max_events = huge(1)
+      !> (outputs, n) Further quantities, as sums of the coordinates.
+      real(wp), allocatable :: outputs(:, :)
    end type sweep_type
 
    !> What was found at a value.
@@ -37,7 +39,8 @@ module vi_structure_sweep
       !! cycles
       !! that were examined.
       integer :: cycles = 0, impacts = 0, rests = 0
-      !> (n) Least and greatest values of the coordinates, and roots of their mean squares.
+      !> (n + outputs) Least and greatest values of the coordinates and then of the outputs, and
+      !! roots of their mean squares.
       real(wp), allocatable, dimension(:) :: q_min, q_max, q_rms
       !> (2n, cycles of a period, or all examined) States at the beginning of load cycles.
       real(wp), allocatable :: strobes(:, :)
@@ -46,8 +49,9 @@ module vi_structure_sweep
       real(wp), allocatable :: phases(:), speeds(:)
    end type cell_type
 
-   !> Extremes and integrals of squares of the coordinates, and the time so far.
+   !> Extremes and integrals of squares of the coordinates and outputs, and the time so far.
    type :: size_type
+      real(wp), allocatable :: outputs(:, :)
       real(wp), allocatable, dimension(:) :: low, high, squares
       real(wp) :: time = 0
    end type size_type
@@ -127,8 +131,11 @@ contains
 
       associate (m => size(here)/2)
          allocate (cell%gaps(0), cell%phases(0), cell%speeds(0), cell%strobes(2*m, 0))
-         allocate (cell%q_min(m), cell%q_max(m), cell%q_rms(m), &
-            source=ieee_value(1.0_wp, ieee_quiet_nan))
+         call new_sizes(how%outputs, sizes)
+         allocate (cell%q_min, cell%q_max, cell%q_rms, mold=sizes%low)
+         cell%q_min = ieee_value(1.0_wp, ieee_quiet_nan)
+         cell%q_max = cell%q_min
+         cell%q_rms = cell%q_min
          call new_run(structure, load, run, cell%status)
          if (cell%status /= stat%ok) return
          ! a start that is too far is refused, as in a simulation, not moved into the gaps
@@ -145,9 +152,6 @@ contains
             cell%status, progress)
          if (cell%status /= stat%ok) return
          call state_now(run, state, strobes(:m, 0), strobes(m + 1:, 0))
-         allocate (sizes%squares(m), sizes%low(m), sizes%high(m), source=0.0_wp)
-         sizes%low = huge(1.0_wp)
-         sizes%high = -huge(1.0_wp)
          do i = 1, how%keep
             before = state
             call one_cycle(run, state, 1, 0.0_wp, events, n, cell%status, progress)
@@ -269,7 +273,6 @@ contains
       real(wp), intent(in) :: x(:), v(:)
       !> In and out: the sums.
       type(size_type), intent(inout) :: sizes
-      real(wp), dimension(size(x)) :: x_now, v_now
       real(wp), dimension(size(sizes%low)) :: q, rate, last, last_rate, there, rate_there
       real(wp) :: h, share, turned
       integer :: i, j, k, panels
@@ -279,17 +282,15 @@ contains
          panels = max(1, ceiling(min(real(most_panels, wp), density*duration/regime%unit)))
          h = duration/panels
          do i = 0, panels
-            call advance(regime%modes, i*h, x, v, x_now, v_now)
-            call state_of(regime, phase + run%load%frequency*i*h, x_now, v_now, q, rate)
+            call values_after(run, number, sizes%outputs, phase, i*h, x, v, q, rate)
             sizes%low = min(sizes%low, q)
             sizes%high = max(sizes%high, q)
             if (i > 0) then
                do j = 1, size(q)
                   if (.not. last_rate(j)*rate(j) < 0) cycle
                   call turning_share(last(j), q(j), h*last_rate(j), h*rate(j), share)
-                  call advance(regime%modes, (i - 1 + share)*h, x, v, x_now, v_now)
-                  call state_of(regime, phase + run%load%frequency*(i - 1 + share)*h, x_now, &
-                     v_now, there, rate_there)
+                  call values_after(run, number, sizes%outputs, phase, (i - 1 + share)*h, x, v, &
+                     there, rate_there)
                   ! the velocity that is left there changes the extreme by its square
                   turned = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - last_rate(j))
                   sizes%low(j) = min(sizes%low(j), turned)
@@ -300,10 +301,7 @@ contains
             last_rate = rate
             if (i == panels) exit
             do k = 1, size(nodes)
-               associate (t => (i + nodes(k))*h)
-                  call advance(regime%modes, t, x, v, x_now, v_now)
-                  call state_of(regime, phase + run%load%frequency*t, x_now, v_now, q, rate)
-               end associate
+               call values_after(run, number, sizes%outputs, phase, (i + nodes(k))*h, x, v, q, rate)
                sizes%squares = sizes%squares + weights(k)*h*q**2
             end do
          end do
@@ -311,14 +309,57 @@ contains
       sizes%time = sizes%time + duration
    end subroutine measure
 
+   !> Coordinates and outputs, and their velocities, in a flight or rest.
+   pure subroutine values_after(run, number, outputs, phase, time, x, v, q, rate)
+      !> The run, and the number of its regime.
+      type(run_type), intent(in) :: run
+      integer, intent(in) :: number
+      !> (outputs, n) Outputs as sums of the coordinates.
+      real(wp), intent(in) :: outputs(:, :)
+      !> Load phase (rad) at its beginning, and the time since then.
+      real(wp), intent(in) :: phase, time
+      !> (m) The pairs at its beginning.
+      real(wp), intent(in) :: x(:), v(:)
+      !> (n + outputs)
+      real(wp), intent(out) :: q(:), rate(:)
+      real(wp), dimension(size(x)) :: x_now, v_now
+      integer :: i
+
+      associate (regime => run%regimes(number), n => size(outputs, 2))
+         call advance(regime%modes, time, x, v, x_now, v_now)
+         call state_of(regime, phase + run%load%frequency*time, x_now, v_now, q(:n), rate(:n))
+         do i = 1, size(outputs, 1)
+            q(n + i) = dot_product(outputs(i, :), q(:n))
+            rate(n + i) = dot_product(outputs(i, :), rate(:n))
+         end do
+      end associate
+   end subroutine values_after
+
+   !> Extremes and integrals over no time.
+   pure subroutine new_sizes(outputs, sizes)
+      !> (outputs, n) Outputs as sums of the coordinates.
+      real(wp), intent(in) :: outputs(:, :)
+      !> The sums.
+      type(size_type), intent(out) :: sizes
+
+      allocate (sizes%outputs, source=outputs)
+      associate (m => sum(shape(outputs)))
+         allocate (sizes%squares(m), source=0.0_wp)
+         allocate (sizes%low(m), source=huge(1.0_wp))
+         allocate (sizes%high(m), source=-huge(1.0_wp))
+      end associate
+   end subroutine new_sizes
+
    !> Greatest magnitudes and roots of mean squares of the steady motion without impacts; NaN if
    !! there is none.
-   subroutine steady_size(path, share, largest, rms)
+   subroutine steady_size(path, share, outputs, largest, rms)
       !> The structure and its load as functions of the parameter.
       type(structure_path_type), intent(in) :: path
       !> The parameter, as a share of the way between its bounds.
       real(wp), intent(in) :: share
-      !> (n)
+      !> (outputs, n) Outputs as sums of the coordinates.
+      real(wp), intent(in) :: outputs(:, :)
+      !> (n + outputs)
       real(wp), intent(out) :: largest(:), rms(:)
       type(structure_type) :: structure
       type(load_type) :: load
@@ -332,10 +373,7 @@ contains
       call changed(path, [share], structure, load)
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      allocate (sizes%squares(size(rms)), sizes%low(size(rms)), sizes%high(size(rms)), &
-         source=0.0_wp)
-      sizes%low = huge(1.0_wp)
-      sizes%high = -huge(1.0_wp)
+      call new_sizes(outputs, sizes)
       associate (modes => run%regimes(1)%modes)
          ! the pairs that stay where they are
          v = -modes%drift

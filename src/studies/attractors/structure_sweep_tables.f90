@@ -49,13 +49,15 @@ contains
    end subroutine check_sweep
 
    !> Sweeps over the values of a case.
-   subroutine run_sweep(study, path, points, cells, result, progress)
+   subroutine run_sweep(study, path, points, outputs, cells, result, progress)
       !> The group.
       type(values_type), intent(in) :: study
       !> The structure and its load as functions of the parameter.
       type(structure_path_type), intent(in) :: path
       !> Impacts that are kept at each value.
       integer, intent(in) :: points
+      !> (outputs, n) Outputs whose sizes are measured, as sums of the coordinates.
+      real(wp), intent(in) :: outputs(:, :)
       !> What was found, as far as it was reached.
       type(cell_type), allocatable, intent(out) :: cells(:)
       !> In and out: marked if it was stopped.
@@ -77,8 +79,8 @@ contains
       allocate (all_cells(first:last))
       call sweep(path, even(0.0_wp, 1.0_wp, n), order(first:last), runs(first:last), &
          study%numbers('q'), study%numbers('q_dot'), sweep_type(study%whole_number('settling'), &
-         study%whole_number('keep'), points, study%whole_number('max_events')), all_cells, done, &
-         progress)
+         study%whole_number('keep'), points, study%whole_number('max_events'), outputs), &
+         all_cells, done, progress)
       allocate (cells, source=all_cells(first:first + done - 1))
       if (is_stopped(progress) .and. done < size(all_cells)) result%cut = whole(done)//' of '// &
          counted(size(all_cells), 'value')//' were reached'

@@ -7,15 +7,15 @@ module vi_structure_groups
    use vi_structure_gaps, only: check_gap, friction_keys, gap_keys, gaps_of, stop_keys
    use vi_structure_loads, only: check_load, complete_coordinates, complete_record, &
       load_frequency, load_keys, load_of, record_end, record_of
-   use vi_structure_matrices, only: check_matrices, find_coordinates, matrices_of, &
-      most_coordinates, read_structure, structure_keys
+   use vi_structure_matrices, only: check_matrices, check_outputs, find_coordinates, &
+      matrices_of, most_coordinates, output_rows, read_structure, structure_keys
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
 
    public :: complete_coordinates, element_besides_gaps, friction_keys, gap_keys, load_frequency, &
-      load_keys, most_coordinates, read_parts, read_structure, record_end, record_of, stop_keys, &
-      structure_keys, structure_of
+      load_keys, most_coordinates, output_rows, read_parts, read_structure, record_end, &
+      record_of, stop_keys, structure_keys, structure_of
 
 contains
 
@@ -56,6 +56,7 @@ contains
       end do
       call find_coordinates(structure, parts, coordinates)
       if (len(structure%fault) == 0) call check_matrices(structure, coordinates)
+      if (len(structure%fault) == 0) call check_outputs(structure, coordinates)
       if (len(structure%fault) > 0) return
       points = coordinates
       if (structure%has('frequencies')) points = size(structure%numbers('shapes'))/coordinates

@@ -11,7 +11,8 @@ module vi_structure_matrices
    implicit none (type, external)
    private
 
-   public :: check_matrices, find_coordinates, matrices_of, read_structure
+   public :: check_matrices, check_outputs, find_coordinates, matrices_of, output_rows, &
+      read_structure
 
    !> Largest number of coordinates of a structure, and of gaps.
    integer, parameter, public :: most_coordinates = 500
@@ -20,6 +21,11 @@ module vi_structure_matrices
 
    !> Largest modulus of a number of a matrix, and of a frequency, a damping ratio or a shape.
    real(wp), parameter :: largest = 1.0e100_wp, largest_modal = 1.0e40_wp
+
+   !> Most outputs.
+   integer, parameter :: most_outputs = 100
+   character(*), parameter :: output_takes = 'different names of at most 23 letters, digits and _, &
+      &of which the first is a letter, and not phase, speed or one that begins with q_'
 
    character(*), parameter :: matrix_takes = 'n numbers (the diagonal) or n*n numbers (a symmetric &
       &matrix, row by row) from -1e100 to 1e100, with n at most 500'
@@ -52,7 +58,13 @@ module vi_structure_matrices
       meaning='damping ratio of each mode'), &
       key_type('shapes', most=most_numbers, low=-largest_modal, high=largest_modal, &
       only='frequencies', takes='one number from -1e40 to 1e40 for each mode, point by point', &
-      meaning='mass-normalised shapes of the modes at the points to which gaps refer')]
+      meaning='mass-normalised shapes of the modes at the points to which gaps refer'), &
+      key_type('outputs', a_word, most=most_outputs, may_miss=.true., takes=output_takes, &
+      meaning='names of outputs, which results then show beside the coordinates'), &
+      key_type('output_rows', most=most_outputs*most_coordinates, low=-largest_modal, &
+      high=largest_modal, only='outputs', &
+      takes='one number from -1e40 to 1e40 for each coordinate, output by output', &
+      meaning='each output as a sum of the coordinates; with modes the shapes at its point')]
 
    character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
 
@@ -303,6 +315,49 @@ contains
       call dsygv(1, 'N', 'U', n, a, n, unit, n, values, work, size(work), info)
       least = merge(values(1), -huge(least), info == 0)
    end subroutine least_eigenvalue
+
+   !> Checks the outputs.
+   pure subroutine check_outputs(structure, n)
+      !> In and out: &structure.
+      type(values_type), intent(inout) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
+      character(24) :: names(structure%count_words('outputs'))
+      integer :: i
+
+      do i = 1, size(names)
+         names(i) = structure%word('outputs', i)
+         associate (name => names(i))
+            if (len_trim(name) == len(name) .or. scan(name, letters) /= 1 .or. &
+               verify(trim(name), letters//'_0123456789') > 0 .or. index(name, 'q_') == 1 .or. &
+               any(name == [character(24) :: 'phase', 'speed', names(:i - 1)])) then
+               call structure%refuse('outputs')
+               return
+            end if
+         end associate
+      end do
+      if (size(names) == 0) return
+      associate (given => size(structure%numbers('output_rows')))
+         if (given /= n*size(names)) call structure%refuse('output_rows', 'there are '// &
+            whole(size(names))//' outputs of '//whole(n)//' coordinates, and '//whole(given)// &
+            ' numbers')
+      end associate
+   end subroutine check_outputs
+
+   !> The outputs as rows that give them from the coordinates.
+   pure function output_rows(structure, n) result(rows)
+      !> &structure, complete.
+      type(values_type), intent(in) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      !> (outputs, n)
+      real(wp), allocatable :: rows(:, :)
+
+      allocate (rows(structure%count_words('outputs'), n))
+      if (size(rows, 1) > 0) rows = transpose(reshape(structure%numbers('output_rows'), &
+         [n, size(rows, 1)]))
+   end function output_rows
 
    !> M, C and K.
    pure subroutine matrices_of(structure, n, matrices)
