@@ -190,9 +190,10 @@ def test_pictures(diagram):
         ({"parameter": "opening_3"}, "parameter = 'opening_3': must be"),
         ({"parameter": 3}, "parameter = 3: must be a name"),
         ({"parameter": "restitution", "values": [0.5, 1.5]}, "values[-1] = 1.5: must be"),
-        ({"values": [1.0]}, "values of shape (1,): must be at least two evenly spaced"),
-        ({"values": [1.0, 1.1, 1.3]}, "values of shape (3,): must be"),
-        ({"values": [1.2, 1.1]}, "values of shape (2,): must be"),
+        ({"values": [1.0]}, "values of shape (1,): must be at least two different"),
+        ({"values": [1.0, 1.0]}, "values of shape (2,): must be"),
+        ({"values": [1.0, np.nan]}, "values of shape (2,): must be"),
+        ({"values": [[1.0, 1.1]]}, "values of shape (1, 2): must be"),
         ({"sweep": "left"}, "sweep = 'left': must be 'up', 'down' or 'both'"),
         ({"keep": 2}, "keep = 2: must be a whole number with 3 <="),
         ({"state": ([0, 1], [0])}, "state = "),
@@ -212,6 +213,43 @@ def test_errors_name_the_parameter(change, message):
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
         vi.bifurcation_diagram(WALL, **arguments)
     assert str(caught.value).startswith(message)
+
+
+def test_values_have_any_spacing_and_order():
+    """Each value of a list is what it is alone; the sweep goes through the list in order."""
+    given = [1.2, 0.9, 0.97, 1.1]
+    found = vi.response(WALL, LOAD, given, sweep="up")
+    assert found.values.tolist() == sorted(given)
+    assert "list = " in found.to_namelist()
+    # the same carries from value to value by hand
+    state = ([0.0], [0.0])
+    for i, value in enumerate(sorted(given)):
+        pair = vi.response(WALL, LOAD, [value, 2.0], sweep="up", state=state)
+        strobes = vi.bifurcation_diagram(
+            WALL, LOAD, "frequency", [value, 2.0], sweep="up", state=state
+        ).strobes
+        last = strobes[strobes["index"] == 0][-1]
+        state = (last["q"], last["q_dot"])
+        if found.cycles[i, 0] > 0:
+            assert pair.largest[0, 0, 0] == pytest.approx(found.largest[0, i, 0], rel=1e-12)
+    even = vi.response(WALL, LOAD, np.linspace(0.9, 1.1, 3))
+    back = vi.response(WALL, LOAD, np.linspace(0.9, 1.1, 3)[::-1])
+    assert np.array_equal(even.largest, back.largest)
+    assert "list" not in even.to_namelist()
+    diagram = vi.bifurcation_diagram(WALL, LOAD, "load", [0.45, 0.3, 0.31])
+    assert diagram.values.tolist() == [0.3, 0.31, 0.45]
+
+
+def test_a_list_of_a_namelist_is_checked(tmp_path):
+    text = vi.response(WALL, LOAD, [0.9, 1.0, 1.2], sweep="up").to_namelist()
+    line = next(item for item in text.split("\n") if "list = " in item)
+    for value, fault in (
+        ("1.0, 0.9", "increasing"), ("1.0", "two or more"), ("-1, 1", "list"), ("0.9, 1\n  low = 2", "low"),
+    ):  # fmt: skip
+        path = tmp_path / "list.nml"
+        path.write_text(text.replace(line, f"  list = {value}"))
+        with pytest.raises(vi.ParameterError, match=fault):
+            vi.read_namelist(path)
 
 
 def test_a_stop_keeps_what_was_reached(diagram):

@@ -30,7 +30,7 @@ SWEEPS = ("up", "down", "both", "states")
 #: Columns of an impact.
 COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 #: What the core calls the ends of the values of a structure.
-ENDS = {"low": "values[0]", "high": "values[-1]"}
+ENDS = {"low": "values[0]", "high": "values[-1]", "list": "values"}
 
 
 class PeriodicWindow(NamedTuple):
@@ -311,13 +311,20 @@ class BifurcationDiagram(
         return f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {found}{cut}>"
 
 
-def ends(values: ArrayLike, name: str = "values") -> _Array:
-    """Ascending, evenly spaced values."""
-    wanted = "at least two evenly spaced numbers in ascending order"
-    array = np.asarray(checks.real_array(values, name, wanted), dtype=np.float64)
-    if array.ndim != 1 or array.size < 2 or spacing_of(array) != "linear" or array[0] >= array[-1]:
-        raise ParameterError(f"{name} of shape {array.shape}: must be {wanted}")
+def rising(values: ArrayLike, name: str = "values") -> _Array:
+    """Different values in ascending order."""
+    wanted = "at least two different numbers"
+    array = np.unique(np.asarray(checks.real_array(values, name, wanted), dtype=np.float64))
+    if np.ndim(values) != 1 or array.size < 2 or not np.isfinite(array).all():
+        raise ParameterError(f"{name} of shape {np.shape(values)}: must be {wanted}")
     return array
+
+
+def keys_of_values(array: _Array) -> dict[str, Any]:
+    """The keys of rising values of a structure: their ends and number, if these reproduce them."""
+    if spacing_of(array) == "linear":
+        return {"low": array[0], "high": array[-1], "values": array.size}
+    return {"list": array}
 
 
 def bifurcation_structure(
@@ -334,7 +341,7 @@ def bifurcation_structure(
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
     """As `bifurcation_diagram`, of a structure."""
-    array = ends(values)
+    array = rising(values)
     low, high = float(array[0]), float(array[-1])
     at = None
     if callable(parameter):
@@ -344,8 +351,9 @@ def bifurcation_structure(
     checks.instance(load, "load", Load)
     chosen = keys_of_parameter(structure, load, parameter, (low, high), at, "parameter")
     start = door.start_keys(structure, state, 0.0)
+    chosen = {key: value for key, value in chosen.items() if key not in ("low", "high")}
     keys = {
-        **chosen, "values": array.size, "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
+        **chosen, **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
         "settling": settling, "keep": keep, "points": points, "max_events": max_events,
     }  # fmt: skip
     return door.run_structure(BifurcationDiagram, structure, load, keys, None, progress, ENDS)
@@ -363,7 +371,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
     osc: Oscillator = given["osc"]
     name: Any = given.get("parameter")
     checks.choice(name, "parameter", NAMES)
-    values = ends(given.get("values", ()))
+    values = rising(given.get("values", ()))
     if name in ("r", "clearance"):
         if given.get(name) is not None:
             raise ParameterError(f"{name} = {given[name]!r}: must be left out, it is the parameter")
@@ -449,8 +457,8 @@ def bifurcation_diagram(
     does not admit are moved towards q = 0.
 
     The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`. An
-    oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated as a structure: values
-    are evenly spaced, and `r` and `clearance` numbers.
+    oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated as a structure: `r`
+    and `clearance` are single numbers.
 
     Parameters
     ----------
@@ -461,7 +469,7 @@ def bifurcation_diagram(
         "restitution" changes both walls. Of a structure as in `branch`: "frequency", "load", "opening_0", ...; or
         a smooth function that gives (structure, load) for a value, with which `structure` and `load` are not used.
     values : array_like
-        At least two; of a structure evenly spaced and ascending.
+        At least two different numbers, in any order and with any spacing; sweeps go through them in order.
     r, clearance : float or array_like
         The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
         line across the plane.

@@ -15,7 +15,7 @@ from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
 from ..systems.units import positive
 from ..systems.verbs import every_system, physical_arguments
-from .bifurcation import ENDS, SettledMotions, cell, ends, first_point
+from .bifurcation import ENDS, SettledMotions, cell, first_point, keys_of_values, rising
 
 __all__ = ["Response", "response"]
 
@@ -194,18 +194,18 @@ def response_structure(
     progress: door.Progress | None = None,
 ) -> Response:
     """As `response`, of a structure."""
-    array = ends(values)
+    array = rising(values)
     start = door.start_keys(structure, state, 0.0)
     keys = {
-        "low": array[0], "high": array[-1], "values": array.size, "sweep": sweep, "q": start["q"],
-        "q_dot": start["q_dot"], "settling": settling, "keep": keep, "max_events": max_events,
+        **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
+        "settling": settling, "keep": keep, "max_events": max_events,
     }  # fmt: skip
     return door.run_structure(Response, structure, load, keys, threads, progress, ENDS)
 
 
 def _along_frequency(given: dict[str, Any]) -> None:
     """Turns the arguments for an oscillator into those of its first point and of the response of a structure."""
-    values = given["values"] = ends(given.get("r", ()), "r")
+    values = given["values"] = rising(given.get("r", ()), "r")
     first_point(given, float(values[0]))
     inverse = given.pop("inverse_clearance", None)
     if inverse is not None:
@@ -260,7 +260,7 @@ def response(
 
     The system is `osc`, with a clearance, or `structure, load`, or a point from `Oscillator.at`, whose clearance
     and load are used. An oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated
-    as a structure: r is evenly spaced and clearance is one number.
+    as a structure: clearance is one number.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def response(
     r : array_like (n,)
         Frequency ratios of an oscillator.
     values : array_like
-        Circular frequencies of a structure's load, at least two, evenly spaced, ascending.
+        Circular frequencies of a structure's load, at least two different ones, in any order.
     clearance, inverse_clearance : float or array_like (n,)
         d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
     states : int

@@ -14,7 +14,8 @@ module vi_bifurcation_study
    use vi_structure_parameter, only: function_keys, parameter_change
    use vi_structure_path, only: change_type, structure_path_type, structure_takes => parameter_takes
    use vi_structure_sweep, only: cell_type
-   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
+   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, &
+      sweep_keys, value_count
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
       values_type, wholes, words
@@ -113,9 +114,9 @@ module vi_bifurcation_study
 
    type(key_type), parameter :: structure_path_keys(*) = [ &
       key_type('parameter', a_word, takes=structure_takes, meaning='parameter that changes'), &
-      key_type('low', meaning='first value of the parameter', takes='a finite number', &
-      option='values'), &
-      key_type('high', over='low', meaning='last value of the parameter', &
+      key_type('low', never='list', meaning='first value of the parameter', &
+      takes='a finite number', option='values'), &
+      key_type('high', over='low', never='list', meaning='last value of the parameter', &
       takes='a finite number', option='values')]
 
    type(key_type), parameter :: structure_impact_keys(*) = [ &
@@ -266,7 +267,7 @@ contains
 
       associate (s => case%study)
          if (case%model == of_structure) then
-            bytes = 2.0_wp*s%whole_number('values')*(48.0_wp*s%whole_number('keep')* &
+            bytes = 2.0_wp*value_count(s)*(48.0_wp*s%whole_number('keep')* &
                case%coordinates + 60.0_wp*s%whole_number('points') + 500)
          else
             runs = size(directions_of(case))
@@ -502,7 +503,12 @@ contains
       call check_sweep(case%study, case%coordinates)
       if (len(case%study%fault) > 0) return
       call structure_path(case, path, message, bound)
-      if (len(message) > 0) call case%study%refuse(trim(keys(bound)), message)
+      if (len(message) == 0) return
+      if (bound > 0 .and. case%study%has('list')) then
+         call case%study%refuse('list', message)
+      else
+         call case%study%refuse(trim(keys(bound)), message)
+      end if
    end subroutine check_structure
 
    !> The structure and its load as functions of the parameter.

@@ -11,9 +11,11 @@ module vi_response_study
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: load_frequency, output_rows, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
+   use vi_structure_parameter, only: bounds_of
    use vi_structure_path, only: new_change, structure_path_type
    use vi_structure_sweep, only: cell_type, steady_size
-   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, sweep_keys
+   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, &
+      shares_of, sweep_keys, value_count
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
@@ -62,10 +64,10 @@ module vi_response_study
       column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
 
    type(key_type), parameter :: structure_keys(*) = [ &
-      key_type('low', low=0.0_wp, above=.true., meaning='first circular frequency of the load', &
-      option='values'), &
-      key_type('high', low=0.0_wp, over='low', meaning='last circular frequency of the load', &
-      option='values')]
+      key_type('low', low=0.0_wp, above=.true., never='list', option='values', &
+      meaning='first circular frequency of the load'), &
+      key_type('high', low=0.0_wp, over='low', never='list', option='values', &
+      meaning='last circular frequency of the load')]
 
    type(column_type), parameter :: structure_columns(*) = [ &
       column_type('cells', 'largest', each='coordinate', label='largest_#', &
@@ -139,8 +141,12 @@ contains
          if (len(study%fault) > 0) return
          if (case%model == of_structure) then
             call check_start_state(case)
-            call needs_frequency(case, 'low')
+            key = trim(merge('list', 'low ', study%has('list')))
+            call needs_frequency(case, key)
             call check_sweep(study, case%coordinates)
+            if (study%has('list')) then
+               if (.not. all(study%numbers('list') > 0)) call study%refuse('list')
+            end if
             return
          end if
          n = size(r_values(case))
@@ -201,7 +207,7 @@ contains
 
       associate (s => case%study)
          if (case%model == of_structure) then
-            bytes = 2.0_wp*s%whole_number('values')*(48.0_wp*s%whole_number('keep')* &
+            bytes = 2.0_wp*value_count(s)*(48.0_wp*s%whole_number('keep')* &
                case%coordinates + 500)
          else
             bytes = 1000.0_wp*size(r_values(case))*s%whole_number('states')
@@ -288,11 +294,10 @@ contains
       path%load = load
       allocate (path%changes(1))
       associate (s => case%study)
-         call new_change('frequency', [s%number('low'), s%number('high')], structure, load, &
-            path%changes(1), message)
+         call new_change('frequency', bounds_of(s, ''), structure, load, path%changes(1), message)
          n = case%coordinates
-         m = s%whole_number('values')
-         allocate (shares, source=even(0.0_wp, 1.0_wp, m))
+         allocate (shares, source=shares_of(s))
+         m = size(shares)
          allocate (outputs, source=output_rows(case%system, n))
          k = n + size(outputs, 1)
          allocate (largest(k, m), rms(k, m), source=0.0_wp)

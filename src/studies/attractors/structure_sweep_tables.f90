@@ -13,12 +13,15 @@ module vi_structure_sweep_tables
    implicit none (type, external)
    private
 
-   public :: check_sweep, put_cells, run_sweep
+   public :: check_sweep, put_cells, run_sweep, shares_of, value_count
 
    !> The keys of all sweeps of structures.
    type(key_type), parameter, public :: sweep_keys(*) = [ &
-      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, option='values', &
+      key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', option='values', &
       meaning='number of values, evenly spaced'), &
+      key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
+      &numbers in the range of the parameter', &
+      meaning='values of the parameter, if they are not evenly spaced'), &
       key_type('sweep', a_word, default='''both''', words='up down both', &
       meaning='up, down, or up and then down; the state is carried from value to value')]
 
@@ -36,16 +39,48 @@ module vi_structure_sweep_tables
 
 contains
 
-   !> Checks the number of values.
+   !> Number of values.
+   pure integer function value_count(study) result(n)
+      !> The group.
+      type(values_type), intent(in) :: study
+
+      if (study%has('list')) then
+         n = size(study%numbers('list'))
+      else
+         n = study%whole_number('values')
+      end if
+   end function value_count
+
+   !> The values, as shares of the way from the first to the last one.
+   pure function shares_of(study) result(shares)
+      !> The group.
+      type(values_type), intent(in) :: study
+      real(wp) :: shares(value_count(study))
+
+      if (study%has('list')) then
+         associate (list => study%numbers('list'), n => size(shares))
+            shares = (list - list(1))/(list(n) - list(1))
+         end associate
+      else
+         shares = even(0.0_wp, 1.0_wp, size(shares))
+      end if
+   end function shares_of
+
+   !> Checks the values and their number.
    subroutine check_sweep(study, coordinates)
       !> The group.
       type(values_type), intent(inout) :: study
       !> Number of coordinates.
       integer, intent(in) :: coordinates
 
-      call check_product(study, 'values', [2*study%whole_number('values'), &
-         study%whole_number('keep'), 2*coordinates], 'together with keep and the coordinates &
-         &at most '//whole(most_numbers)//' numbers')
+      if (study%has('list')) then
+         associate (list => study%numbers('list'))
+            if (any(list(2:) <= list(:size(list) - 1))) call study%refuse('list')
+         end associate
+      end if
+      call check_product(study, trim(merge('list  ', 'values', study%has('list'))), &
+         [2*value_count(study), study%whole_number('keep'), 2*coordinates], 'together with keep &
+         &and the coordinates at most '//whole(most_numbers)//' numbers')
    end subroutine check_sweep
 
    !> Sweeps over the values of a case.
@@ -68,7 +103,7 @@ contains
       integer, allocatable :: order(:), runs(:)
       integer :: done, first, i, last, n
 
-      n = study%whole_number('values')
+      n = value_count(study)
       allocate (order(2*n), runs(2*n))
       order(:n) = [(i, i=1, n)]
       order(n + 1:) = order(n:1:-1)
@@ -77,7 +112,7 @@ contains
       first = merge(n + 1, 1, study%is('sweep', 'down'))
       last = merge(n, 2*n, study%is('sweep', 'up'))
       allocate (all_cells(first:last))
-      call sweep(path, even(0.0_wp, 1.0_wp, n), order(first:last), runs(first:last), &
+      call sweep(path, shares_of(study), order(first:last), runs(first:last), &
          study%numbers('q'), study%numbers('q_dot'), sweep_type(study%whole_number('settling'), &
          study%whole_number('keep'), points, study%whole_number('max_events'), outputs), &
          all_cells, done, progress)
@@ -99,7 +134,7 @@ contains
       real(wp), allocatable :: shares(:)
       integer :: i, lost
 
-      allocate (shares, source=even(0.0_wp, 1.0_wp, study%whole_number('values')))
+      allocate (shares, source=shares_of(study))
       call result%open('cells', 'cell', [size(cells)])
       call result%put('cells', 'value', [(value_at(path%changes(1), shares(cells(i)%value)), &
          i=1, size(cells))])

@@ -8,7 +8,7 @@ module vi_structure_parameter
    implicit none (type, external)
    private
 
-   public :: check_parameter, parameter_change
+   public :: bounds_of, check_parameter, parameter_change
 
    integer, parameter :: most_entries = 20000, most_numbers = 500000
    character(*), parameter :: &
@@ -107,7 +107,7 @@ contains
       real(wp) :: bounds(2)
       integer :: m
 
-      bounds = [group%number(prefix//'low'), group%number(prefix//'high')]
+      bounds = bounds_of(group, prefix)
       call group%text(name, word)
       if (present(bound)) bound = 0
       if (word == 'function') then
@@ -121,5 +121,22 @@ contains
          call new_change(word, bounds, structure, load, change, message, bound)
       end if
    end subroutine parameter_change
+
+   !> The least and the greatest value of a parameter: its bounds, or the ends of a list.
+   pure function bounds_of(group, prefix) result(bounds)
+      !> The group.
+      type(values_type), intent(in) :: group
+      !> What the keys of the parameter begin with.
+      character(*), intent(in) :: prefix
+      real(wp) :: bounds(2)
+
+      if (group%has(prefix//'list')) then
+         associate (list => group%numbers(prefix//'list'))
+            bounds = list([1, size(list)])
+         end associate
+      else
+         bounds = [group%number(prefix//'low'), group%number(prefix//'high')]
+      end if
+   end function bounds_of
 
 end module vi_structure_parameter
