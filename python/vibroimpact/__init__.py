@@ -41,6 +41,7 @@ _ACTIONS.update(
     structure_motion_gradient=_later(".derivatives.carried:motion_gradient"),
     structure_trajectory_gradient=_later(".derivatives.carried:trajectory_gradient"),
     prove_motion=_later(".proofs.prove:prove_motion"),
+    prove_branch=_later(".proofs.prove:prove_branch"),
     draw=_later(".plot.pictures:draw_result"),
     animate=_later(".plot.animation:animate"),
     thumbnail=_later(".plot.thumbnail:thumbnail"),

@@ -34,6 +34,7 @@ from .motions.quantities import Quantities
 from .motions.trajectory import Trajectory, simulate
 from .physical_results import Physical, physical
 from .proofs.certificate import Certificate
+from .proofs.prove import prove_box
 from .results.events import Sample
 from .results.gradient import Gradient
 from .studies.atlas import Atlas, SurveyMotion, SurveyPoint, atlas
@@ -141,6 +142,7 @@ __all__ = [
     "periodic",
     "periodic_batch",
     "physical",
+    "prove_box",
     "read_namelist",
     "read_record",
     "response",

@@ -77,6 +77,7 @@ def test_a_pattern_is_also_a_text():
         "exact": lambda p: vi.exact(TABLE, 0.94, 37.0, ([0, 4.3], p)).X.tolist(),
         "chart": lambda p: repr(vi.chart(TABLE, p, r, clearance)),
         "zone": lambda p: repr(vi.zone(TABLE, p, **window)),
+        "prove_box": lambda p: vi.prove_box(TABLE, p, 0.94, 37.0).sheets,
         "uncertainty": lambda p: repr(
             vi.uncertainty(TABLE, p, r, clearance, {}, samples=1, bands=False)
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -68,3 +69,11 @@ def upward(value: Any, digits: int = 6) -> Fraction:
     while bound * Fraction(10) ** power >= 10**digits:
         power -= 1
     return -((-bound * Fraction(10) ** power) // 1) / Fraction(10) ** power
+
+
+def decimal_text(value: Fraction) -> str:
+    """A rational number whose denominator divides a power of ten, as a decimal."""
+    digits = 0
+    while (value * 10**digits).denominator != 1:
+        digits += 1
+    return f"{Decimal((value * 10**digits).numerator).scaleb(-digits):f}"

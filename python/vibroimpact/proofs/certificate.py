@@ -11,6 +11,7 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..base.files import place_for, write_text
 from ..base.jupyter import facts_html
 from ..results.noun import NOUNS
+from .balls import exact
 
 __all__ = ["Certificate"]
 
@@ -19,35 +20,42 @@ FORMAT = 1
 VERDICTS = ("exists", "admissible", "stable")
 #: The items of the JSON, with their types.
 ITEMS = {
-    "kind": str, "sides": str, "cycles": int, "system": dict, "boxes": list,
-    "undecided": list, "seconds": float,
+    "kind": str, "sides": str, "cycles": int, "symmetric": bool, "system": dict, "sheets": list,
+    "boxes": list, "undecided": list, "seconds": float,
 }  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)
 class Certificate:
-    """What is proven about a motion.
+    """What is proven about motions: one, or those for all parameters of some boxes.
 
-    Certificates come from `Motion.prove`. They hold for the decimal texts of the
+    Certificates come from `Motion.prove`, `Branch.prove` and `prove_box`. They hold for the decimal texts of the
     parameters: 0.028 is the rational number 28/1000 and not the nearest double. All numbers in the JSON are exact,
     decimal or hexadecimal, and every rounding of the computation is in the bounds (ball arithmetic of FLINT).
 
     Attributes
     ----------
     kind : str
-        "motion".
+        "motion", "branch" or "box".
     sides : str
     cycles : int
         The word of the motion and the load cycles in its period.
+    symmetric : bool
+        Whether the motions are their own mirror images half a period later, and proven by that half.
     system : dict
         The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact.
+    sheets : list of dict
+        The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. Of a motion
+        one that is empty; of a branch one for each part between folds.
     boxes : list of dict
-        One, or none where existence is not proven: ``centre``, psi, X, X', Z' just after each impact, and
-        ``radius``, around it, in which there is one and only one motion; ``exists, admissible, stable``, True,
-        False or None; bounds ``multipliers_below`` or ``multipliers_above``, of max|lambda|, and
-        ``attenuation_below``, of max|x|/A; None where they are not proven.
+        ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
+        after each impact, as coefficients of polynomials of the parameters on [-1, 1], and ``radius``, around
+        it, in which there is one and only one motion (with `symmetric` one and only one symmetric motion);
+        ``exists, admissible, stable``, True, False or None; bounds ``multipliers_below`` or
+        ``multipliers_above``, of max|lambda|, and ``attenuation_below``, of max|x|/A; None where they are not
+        proven.
     undecided : list of dict
-        ``reason``: what is not proven, and why.
+        ``reason``: what is not proven, and why; ``parameters`` where it is so.
     seconds : float
         Time of the computation.
 
@@ -64,42 +72,46 @@ class Certificate:
     kind: str
     sides: str
     cycles: int
+    symmetric: bool
     system: dict[str, Any]
+    sheets: list[dict[str, Any]]
     boxes: list[dict[str, Any]]
     undecided: list[dict[str, Any]] = field(default_factory=list)
     seconds: float = 0.0
 
-    def _only(self, name: str) -> Any:
-        """A value of the box; None if existence is not proven."""
-        return self.boxes[0].get(name) if self.boxes else None
+    def _all(self, name: str) -> Any:
+        """The value that all boxes have; None if it is not one, or not proven in all."""
+        values = [box.get(name) for box in self.boxes]
+        same = values and values.count(values[0]) == len(values)
+        return values[0] if same else None
 
     @property
     def exists(self) -> bool | None:
-        """True: there is one and only one motion within the radii. None: not decided."""
-        found: bool | None = self._only("exists")
+        """True: there is one and only one motion within the radii, for all parameters. None: not decided."""
+        found: bool | None = self._all("exists")
         return found
 
     @property
     def admissible(self) -> bool | None:
         """Whether the masses approach at each impact and both gaps stay open in between; None: not decided."""
-        found: bool | None = self._only("admissible")
+        found: bool | None = self._all("admissible")
         return found
 
     @property
     def stable(self) -> bool | None:
         """Whether all multipliers lie inside the unit circle, or (False) one outside: proven, or None."""
-        found: bool | None = self._only("stable")
+        found: bool | None = self._all("stable")
         return found
 
     @property
     def proven(self) -> bool:
-        """Whether an admissible, stable motion is proven."""
+        """Whether an admissible, stable motion is proven, for all parameters."""
         return self.exists is True and self.admissible is True and self.stable is True
 
     def _bound(self, name: str) -> float | None:
-        """A bound, by the double next to it."""
-        text = self._only(name)
-        return None if text is None else float(text)
+        """The largest bound, by the double next to it."""
+        texts: list[Any] = [box.get(name) for box in self.boxes]
+        return max(map(float, texts)) if texts and None not in texts else None
 
     @property
     def multiplier_bound(self) -> float | None:
@@ -121,8 +133,14 @@ class Certificate:
         bound = self.multiplier_bound
         if self.stable and bound is not None:
             words[-1] += f" (max|lambda| < {bound:.10g})"
-        place = f"r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
-        return f"<Certificate of {self.sides}/{self.cycles} at {place}: {', '.join(words)}>"
+        place = f"at r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
+        if self.kind != "motion":
+            places = dict.fromkeys(
+                f"{name} {float(exact(low)):.10g} to {float(exact(high)):.10g}"
+                for sheet in self.sheets for name, (low, high) in sheet.items()
+            )  # fmt: skip
+            place = f"for {', '.join(places)} in {len(self.boxes)} boxes"
+        return f"<Certificate of {self.sides}/{self.cycles} {place}: {', '.join(words)}>"
 
     def _repr_html_(self) -> str:
         """The representation in Jupyter."""

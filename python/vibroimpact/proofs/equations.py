@@ -1,7 +1,7 @@
 """The equations of a periodic motion in balls.
 
 The unknowns are, at each impact, the load phase psi and, just after it, X, X' and Z'. Between impacts all is in
-closed form.
+closed form. A motion that is its own mirror image half a period later has the impacts of that half.
 """
 
 from __future__ import annotations
@@ -30,6 +30,11 @@ class System:
     signs : list of int
         +1 for the right wall, -1 for the left one.
     cycles : int
+    mirrored : bool
+        Whether the impacts are those of half a period, which ends in the mirror image of its beginning: X, X', Z'
+        with the other sign, on the other wall.
+    steady : (sine, cosine), optional
+        The steady motion without impacts, if it does not come from r and the load.
     """
 
     xi: Any
@@ -40,17 +45,22 @@ class System:
     restitution: list[Any]
     signs: list[int]
     cycles: int
+    mirrored: bool = False
+    steady: tuple[Any, Any] | None = None
 
     def __post_init__(self) -> None:
         xi, r = self.xi, self.r
         self.eta = (1 - xi * xi).sqrt()
-        square = r * r
-        distance = 1 - square
-        damping = 2 * xi * r
-        scale = self.load / (distance * distance + damping * damping)
-        self.sine, self.cosine = scale * distance, -scale * damping
-        self.square = square
-        self.length = 2 * flint().arb.pi() * self.cycles
+        self.square = square = r * r
+        if self.steady is not None:
+            self.sine, self.cosine = self.steady
+        else:
+            distance = 1 - square
+            damping = 2 * xi * r
+            scale = self.load / (distance * distance + damping * damping)
+            self.sine, self.cosine = scale * distance, -scale * damping
+        self.length = (1 if self.mirrored else 2) * flint().arb.pi() * self.cycles
+        self.turn = -1 if self.mirrored else 1
         self.half = self.clearance / 2
 
     def forced(self, phase: Any) -> tuple[Any, Any, Any]:
@@ -88,8 +98,9 @@ def flights(system: System, states: Sequence[State]) -> list[Flight]:
     for i, state in enumerate(states):
         last = i + 1 == len(states)
         phase = states[0][0] + system.length if last else states[i + 1][0]
-        landing = forced[0] if last else forced[i + 1]
-        sign = system.signs[0] if last else system.signs[i + 1]
+        x, v, bend = forced[0 if last else i + 1]
+        landing = (x, v, bend) if not (last and system.mirrored) else (-x, -v, -bend)
+        sign = system.turn * system.signs[0] if last else system.signs[i + 1]
         tau = (phase - state[0]) / system.r
         decay = (-system.xi * tau).exp()
         sine, cosine = (system.eta * tau).sin_cos()
@@ -123,6 +134,8 @@ def residuals(system: System, states: Sequence[State], found: Sequence[Flight]) 
     for i, flight in enumerate(found):
         last = i + 1 == len(found)
         following = states[0] if last else states[i + 1]
+        if last and system.mirrored:
+            following = [-one for one in following]
         speed = flight.start[3]
         v, z = after_impact(system, 0 if last else i + 1, flight.v, speed)
         left += [
@@ -162,7 +175,7 @@ def jacobian(system: System, found: Sequence[Flight]) -> list[list[Any]]:
     matrix = [[0] * (4 * n) for _ in range(4 * n)]
     for i, flight in enumerate(found):
         last = i + 1 == n
-        j = 0 if last else i + 1
+        j, one = (0, system.turn) if last else (i + 1, 1)
         x, v, x_end, v_end = slopes(system, flight)
         R, mu = system.restitution[j], system.mu
         first = ((1 - mu * R) / (1 + mu), mu * (1 + R) / (1 + mu))
@@ -171,10 +184,10 @@ def jacobian(system: System, found: Sequence[Flight]) -> list[list[Any]]:
         rows = matrix[4 * i : 4 * i + 4]
         here, there = 4 * i, 4 * j
         entries = [
-            (0, here, [*x, 0]), (0, there, [x_end, -1, 0, 0]),
-            (1, here, [-speed, 1, 0, flight.tau]), (1, there, [speed, -1, 0, 0]),
-            (2, here, [*(first[0] * one for one in v), first[1]]), (2, there, [first[0] * v_end, 0, -1, 0]),
-            (3, here, [*(second[0] * one for one in v), second[1]]), (3, there, [second[0] * v_end, 0, 0, -1]),
+            (0, here, [*x, 0]), (0, there, [x_end, -one, 0, 0]),
+            (1, here, [-speed, 1, 0, flight.tau]), (1, there, [speed, -one, 0, 0]),
+            (2, here, [*(first[0] * k for k in v), first[1]]), (2, there, [first[0] * v_end, 0, -one, 0]),
+            (3, here, [*(second[0] * k for k in v), second[1]]), (3, there, [second[0] * v_end, 0, 0, -one]),
         ]  # fmt: skip
         for row, column, values in entries:
             for k, value in enumerate(values):
@@ -208,7 +221,7 @@ def impact_map(system: System, place: int, flight: Flight) -> list[list[Any]]:
 
 
 def period_map(system: System, found: Sequence[Flight]) -> list[list[Any]]:
-    """[P], the derivative of the period."""
+    """[P], the derivative of the period; of a mirrored motion [Q], that of half a period and the mirror."""
     product: Any = None
     for i, flight in enumerate(found):
         matrix = impact_map(system, (i + 1) % len(found), flight)
@@ -219,11 +232,13 @@ def period_map(system: System, found: Sequence[Flight]) -> list[list[Any]]:
                 [sum(row[k] * product[k][j] for k in range(4)) for j in range(4)] for row in matrix
             ]
     rows: list[list[Any]] = product
+    if system.mirrored:
+        rows = [rows[0], *([-one for one in row] for row in rows[1:])]
     return rows
 
 
 def determinant(system: System) -> Any:
-    """det[P] by its law: exp(-2 xi T) times the product of all R^2."""
+    """det[P], or det[Q], by its law: exp(-2 xi T) times the product of all R^2 in the time T."""
     value = (-2 * system.xi * system.length / system.r).exp()
     for R in system.restitution:
         value = value * R * R

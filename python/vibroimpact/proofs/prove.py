@@ -2,75 +2,74 @@
 
 from __future__ import annotations
 
+import math
 import time
-from decimal import Decimal
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..base import checks
 from ..base.errors import ParameterError
 from ..motions.motion import Motion
-from .balls import ball, decimal, flint, hexadecimal, upward
+from ..motions.periodic import equispaced
+from ..studies.branch import Branch
+from ..studies.find import find
+from ..systems.oscillator import Oscillator, Pattern, pattern_of
+from .balls import decimal, decimal_text, flint, hexadecimal, upward
+from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, Box, Family, cover, sizes_of
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
 from .verdicts import between_walls, inside, krawczyk, multiplier_bound
 
-__all__ = ["prove_motion"]
+__all__ = ["prove_box", "prove_branch", "prove_motion"]
 
+#: (lowest, highest), or one value.
+Interval = tuple[float, float] | float
+#: How often a box of `prove_box` is halved at most.
+HALVINGS = 24
+
+_Array = NDArray[np.float64]
+
+#: Parameters along which branches are proven, and the most boxes of a part of one.
+BRANCHED = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
+MOST_BOXES = 2_000
+#: Why a box of a branch is not decided where its neighbour is.
+NOT_LINKED = "whether the motion is the same as in the box before"
 #: Bits of the mantissa, and the sizes of the boxes relative to 1 or to the size of an unknown, in turn.
 ATTEMPTS = ((64, 2.0**-34), (64, 2.0**-42), (128, 2.0**-56), (256, 2.0**-120))
 
 
-def refuse(motion: Motion) -> None:
-    """ParameterError for motions whose equations are others."""
-    if motion.of_structure:
-        raise ParameterError(
-            f"motion = {motion!r}: must be one of an Oscillator; a Structure is not supported"
-        )
-    if motion.pattern.has_rest:
-        raise ParameterError(
-            f"pattern = {motion.pattern.sides!r}: must be without rest, which proofs do not support"
-        )
-    if not motion.load > 0:
-        raise ParameterError(f"load = {motion.load!r}: must be above 0 for a proof")
-
-
 def prove_motion(motion: Motion) -> Certificate:
     """As `Motion.prove`."""
-    refuse(motion)
     begin = time.perf_counter()
-    numbers = (motion.osc.xi, motion.osc.mu, motion.r, motion.clearance, motion.load)
-    exact_texts = [decimal(value) for value in numbers]
-    walls = [decimal(value) for value in motion.restitution]
+    family = Family.of(motion)
+    start = family.states(motion)
     box: dict[str, Any] = {}
     reason = ""
     module = flint()
     for bits, size in ATTEMPTS:
         with module.ctx.workprec(bits):
-            xi, mu, r, clearance, load = (ball(one) for one in exact_texts)
-            signs, restitution = motion.pattern.signs.tolist(), [ball(one) for one in walls]
-            system = System(xi, mu, r, clearance, load, restitution, signs, motion.cycles)
-            found, why = attempt(system, motion, size, bits > 64)
+            found, why = attempt(family.system({}), start, size, bits > 64)
         if found or not box:
             box, reason = found, why
         if box and not reason:
             break
-    names = ("xi", "mu", "r", "clearance", "load")
-    values: dict[str, Any] = dict(zip(names, exact_texts, strict=True)) | {"restitution": walls}
     return Certificate(
-        "motion", motion.pattern.sides, motion.cycles, values, [box] if box else [],
-        [{"reason": reason}] if reason else [], time.perf_counter() - begin,
+        "motion", family.sides, family.cycles, family.symmetric, family.record(), [{}],
+        [box] if box else [], [{"reason": reason}] if reason else [], time.perf_counter() - begin,
     )  # fmt: skip
 
 
 def attempt(
-    system: System, motion: Motion, size: float, refined: bool
+    system: System, states: _Array, size: float, refined: bool
 ) -> tuple[dict[str, Any], str]:
     """A box of a certificate, and what is not decided in it; an empty one where existence is not proven."""
     module = flint()
-    columns = (motion.phases, motion.X, motion.X_dot_after, motion.Z_dot_after)
-    states = np.stack(columns, axis=1)
     centre = [[module.arb(value) for value in row] for row in states.tolist()]
     largest = np.abs(states).max(axis=0)
     largest[0] = 1.0
@@ -86,15 +85,12 @@ def attempt(
     radii = [sizes] * len(centre)
     enclosed = krawczyk(system, centre, radii)
     if enclosed is None:
-        return (
-            {},
-            "Newton's method does not contract in a box around it (near a fold, pitchfork or graze)",
-        )
+        return {}, NO_MOTION
     found = flights(system, enclosed)
     if not all(flight.tau > 0 for flight in found):
         return {}, "the order of the impacts in time"
     box: dict[str, Any] = {
-        "centre": [[hexadecimal(one) for one in row] for row in centre],
+        "sheet": 0, "parameters": {}, "centre": [[[hexadecimal(one)] for one in row] for row in centre],
         "radius": [[hexadecimal(module.arb(one)) for one in row] for row in radii],
         "exists": True, "admissible": None, "stable": None,
         "multipliers_below": None, "multipliers_above": None, "attenuation_below": None,
@@ -105,23 +101,212 @@ def attempt(
         steady = (system.sine * system.sine + system.cosine * system.cosine).sqrt()
         box["attenuation_below"] = decimal_text(upward(largest_x / steady, 4))
     if not all(abs(flight.start[3] - flight.v) > 0 for flight in found):
-        return box, reason or "stability: an impact may have no approach speed"
+        return box, reason or NO_SPEED
     coefficients = characteristic(period_map(system, found), determinant(system))
     stable = inside(coefficients)
     box["stable"] = stable
     if stable is None:
-        return box, "; ".join(
-            filter(None, [reason, "stability: a multiplier is too near to the unit circle"])
-        )
-    bound = multiplier_bound(coefficients, stable)
+        return box, "; ".join(filter(None, [reason, NEAR_CIRCLE]))
+    bound = multiplier_bound(coefficients, stable, 2 if system.mirrored else 1)
     if bound is not None:
         box["multipliers_below" if stable else "multipliers_above"] = decimal_text(bound)
     return box, reason
 
 
-def decimal_text(value: Fraction) -> str:
-    """A rational number whose denominator divides a power of ten, as a decimal."""
-    digits = 0
-    while (value * 10**digits).denominator != 1:
-        digits += 1
-    return f"{Decimal((value * 10**digits).numerator).scaleb(-digits):f}"
+def summary(boxes: Sequence[Box]) -> list[dict[str, Any]]:
+    """What is not decided in boxes, those side by side with one reason as one."""
+    found: list[dict[str, Any]] = []
+    for box in boxes:
+        if box.decided:
+            continue
+        spans = {name: [str(low), str(high)] for name, (low, high) in box.span.items()}
+        if found and len(spans) == 1 and found[-1]["reason"] == box.reason:
+            ((name, (low, high)),) = spans.items()
+            before = found[-1]["parameters"][name]
+            if before[1] == low:
+                before[1] = high
+                continue
+        found.append({"reason": box.reason, "parameters": spans})
+    return found
+
+
+def link(boxes: Sequence[Box]) -> None:
+    """Say of neighbours along one parameter if they may hold different motions at the value that they share."""
+    for one, two in pairwise(boxes):
+        if one.centre is None or two.centre is None:
+            continue
+        signs = (-1.0) ** np.arange(two.centre.shape[1])
+        apart = np.abs(one.centre.sum(axis=1) - two.centre @ signs)
+        error = np.array([float(value) for value in one.error])
+        # 1e-9 of them is far above what these sums are rounded by
+        if not np.all((apart + error) * (1 + 1e-9) < np.array(two.radius) * (1 - 1e-9)):
+            two.exists, two.centre, two.reason = None, None, NOT_LINKED
+            two.admissible = two.stable = None
+
+
+def prove_branch(branch: Branch, tolerance: float = 1e-4) -> Certificate:
+    """As `Branch.prove`."""
+    begin = time.perf_counter()
+    if branch.of_structure or branch.parameter not in BRANCHED:
+        names = ", ".join(BRANCHED)
+        raise ParameterError(f"branch = {branch!r}: must be of an Oscillator, along one of {names}")
+    tolerance = checks.to_float(tolerance, "tolerance", "from 1e-9 to 1")
+    if not 1e-9 <= tolerance <= 1:
+        raise ParameterError(f"tolerance = {tolerance!r}: must be from 1e-9 to 1")
+    family = Family.of(branch[len(branch) // 2])
+    name, values = branch.parameter, branch.values
+    phases = branch.phases + (np.unwrap(branch.phases[0]) - branch.phases[0])
+    states = np.stack([phases, branch.X, branch.X_dot_after, branch.Z_dot_after], axis=1)
+    states = states[: len(family.word)].reshape(-1, len(values))
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(values)))) + 1
+    sheets, records, undecided = [], [], []
+    for first, last in pairwise([0, *turns.tolist(), len(values) - 1]):
+        part = slice(first, last + 1)
+        along, known = values[part], states[:, part]
+        if along[0] > along[-1]:
+            along, known = along[::-1], known[:, ::-1]
+        if not along[0] < along[-1]:
+            continue
+        ends = Fraction(decimal(along[0])), Fraction(decimal(along[-1]))
+
+        def start(box: Box, along: _Array = along, known: _Array = known) -> _Array:
+            low, high = box.span[name]
+            return np.array([np.interp(float(low + high) / 2, along, row) for row in known])
+
+        sizes = sizes_of(np.abs(known).max(axis=1).reshape(-1, 4))
+        halvings = math.ceil(math.log2(1 / tolerance))
+        with flint().ctx.workprec(64):
+            boxes = cover(family, Box({name: ends}), sizes, halvings, MOST_BOXES, start)
+            link(boxes)
+        sheets.append({name: [str(end) for end in ends]})
+        records += [{"sheet": len(sheets) - 1, **box.record()} for box in boxes]
+        undecided += summary(boxes)
+    return Certificate(
+        "branch", family.sides, family.cycles, family.symmetric, family.record(), sheets, records, undecided,
+        time.perf_counter() - begin,
+    )  # fmt: skip
+
+
+def prove_box(
+    osc: Oscillator, pattern: Pattern | str, r: Interval, clearance: Interval, *, xi: Interval | None = None,
+    mu: Interval | None = None, R1: Interval | None = None, R2: Interval | None = None,
+    restitution: Interval | None = None, most_boxes: int = 2000
+) -> Certificate:  # fmt: skip
+    """Prove that a motion is stable and admissible for all parameters of a box, as tolerances (extra `proof`).
+
+    The box is halved until each part is proven, or cannot be. The motion is the stable, admissible one of the
+    pattern that is found at the middle of the box.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        Its values hold for what is not given as an interval.
+    pattern : Pattern or str
+        The word of the motion; a str with one load cycle.
+    r, clearance : (lowest, highest) or float
+        r, and d K/F0.
+    xi, mu, R1, R2 : (lowest, highest) or float, optional
+    restitution : (lowest, highest) or float, optional
+        R1 = R2, in place of both: it keeps symmetric motions symmetric, which is much easier to prove.
+    most_boxes : int, optional
+        Boxes that are tried.
+
+    Returns
+    -------
+    Certificate
+        `proven` says whether a stable, admissible motion exists for all parameters. `undecided` holds the parts
+        of the box where this is not so, or not known, with reasons.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If an interval is none, or the pattern has rest.
+    MissingExtraError
+        If python-flint is not installed.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    >>> proof = vi.prove_box(osc, "RL", r=1.04, clearance=(24, 26), restitution=(0.74, 0.76))
+    >>> proof.proven, proof.attenuation_bound < 0.57
+    (True, True)
+    """
+    begin = time.perf_counter()
+    checks.instance(osc, "osc", Oscillator)
+    pattern = pattern_of(pattern)
+    if restitution is not None and (R1 is not None or R2 is not None):
+        raise ParameterError(f"restitution = {restitution!r}: must be left out beside R1 or R2")
+    given = {
+        "xi": xi,
+        "mu": mu,
+        "r": r,
+        "clearance": clearance,
+        "R1": R1,
+        "R2": R2,
+        "restitution": restitution,
+    }
+    spans = {name: ends_of(value, name) for name, value in given.items() if value is not None}
+    middle = {name: float(low + high) / 2 for name, (low, high) in spans.items()}
+    walls = middle.get("restitution")
+    right, left = (
+        middle.get(name, own if walls is None else walls)
+        for name, own in zip(("R1", "R2"), osc.restitution, strict=True)
+    )
+    centre = replace(
+        osc, xi=middle.get("xi", osc.xi), mu=middle.get("mu", osc.mu), restitution=(right, left)
+    )
+    varied = {name: ends for name, ends in spans.items() if ends[0] < ends[1]}
+    motion = stable_motion(centre, pattern, middle["r"], middle["clearance"])
+    sheet = {name: [str(low), str(high)] for name, (low, high) in varied.items()}
+    if motion is None:
+        reason = "no stable, admissible motion was found at the middle"
+        system: dict[str, Any] = {name: decimal(getattr(centre, name)) for name in ("xi", "mu")}
+        system |= {name: decimal(middle[name]) for name in ("r", "clearance")} | {"load": "1.0"}
+        system["restitution"] = [decimal(right if side == "R" else left) for side in pattern.sides]
+        return Certificate(
+            "box", pattern.sides, pattern.cycles, False, system, [sheet], [],
+            [{"reason": reason, "parameters": sheet}], time.perf_counter() - begin,
+        )  # fmt: skip
+    if not varied:
+        return replace(prove_motion(motion), seconds=time.perf_counter() - begin)
+    family = Family.of(motion)
+    if {"R1", "R2"}.intersection(varied):
+        family = replace(family, symmetric=False)
+    states = family.states(motion)
+    with flint().ctx.workprec(64):
+        box = Box(varied, start=states.ravel())
+        boxes = cover(family, box, sizes_of(states), HALVINGS, most_boxes)
+    return Certificate(
+        "box", family.sides, family.cycles, family.symmetric, family.record(), [sheet],
+        [{"sheet": 0, **box.record()} for box in boxes], summary(boxes), time.perf_counter() - begin,
+    )  # fmt: skip
+
+
+def ends_of(value: Any, name: str) -> tuple[Fraction, Fraction]:
+    """The ends of an interval, or of a number."""
+    both = value if isinstance(value, (tuple, list)) else (value, value)
+    if len(both) != 2:
+        raise ParameterError(f"{name} = {value!r}: must be a number or (lowest, highest)")
+    kind = "restitution" if name in ("R1", "R2") else name
+    low, high = (Fraction(decimal(checks.number(one, kind, name))) for one in both)
+    if low > high:
+        raise ParameterError(f"{name} = {value!r}: must be (lowest, highest)")
+    return low, high
+
+
+def stable_motion(osc: Oscillator, pattern: Pattern, r: float, clearance: float) -> Motion | None:
+    """A stable, admissible motion of a pattern."""
+    found: Iterable[Motion] = ()
+    if pattern.sides == "RL" and pattern.cycles % 2 and osc.restitution[0] == osc.restitution[1]:
+        found = equispaced(osc, r, clearance, pattern.cycles)
+    best = next((one for one in found if one.stable and one.admissible), None)
+    if best is None:
+        found = find(osc, r, clearance, max_impacts=len(pattern), max_cycles=pattern.cycles)
+        same = (
+            one
+            for one in found
+            if one.pattern.sides == pattern.sides and one.cycles == pattern.cycles
+        )
+        best = next((one for one in same if one.stable and one.admissible), None)
+    return best

@@ -12,6 +12,7 @@ import numpy as np
 
 from .balls import flint
 from .equations import Flight, State, System, flights, jacobian, residuals
+from .models import at_middle, span
 
 #: Pieces of a flight at first, and how often a piece is halved.
 PIECES, MOST_HALVINGS = 20, 24
@@ -81,11 +82,28 @@ def inside(coefficients: Sequence[Any], radius: Any = 1) -> bool | None:
     return True
 
 
-def multiplier_bound(coefficients: Sequence[Any], stable: bool) -> Fraction | None:
-    """A decimal number that max|lambda| is proven not to reach, or, of an unstable motion, to exceed."""
+def inside_all(coefficients: Sequence[Any]) -> bool | None:
+    """Whether all zeros of a polynomial of degree 4 lie inside the unit circle for all parameters of its models.
+
+    False: one lies outside for each. The number inside changes only where p(1), p(-1) or the product of
+    1 - x_i x_j over all pairs of zeros vanishes, so one place decides where
+    these do not. If one of them is negative, not all zeros are inside.
+    """
+    last, three, two, one, _ = coefficients
+    even, odd = 1 + two + last, one + three
+    pairs = (1 - two) * (1 - last) + three * (one - three)
+    pairs = pairs - last * (one * (one - three) - (two - last) * (1 - last))
+    conditions = [span(value) for value in (even + odd, even - odd, pairs)]
+    if all(value > 0 for value in conditions):
+        return inside([at_middle(value) for value in coefficients])
+    return False if any(value < 0 for value in conditions) else None
+
+
+def multiplier_bound(coefficients: Sequence[Any], stable: bool, power: int = 1) -> Fraction | None:
+    """A decimal number that max|x|^power of the zeros is proven not to reach, or, if not `stable`, to exceed."""
     values = [float(one.mid()) if hasattr(one, "mid") else float(one) for one in coefficients]
     roots = np.roots(values[::-1])
-    largest = Fraction(float(np.max(np.abs(roots))))
+    largest = Fraction(float(np.max(np.abs(roots))) ** power)
     module = flint()
     for digits in (13, 11, 9, 7, 5, 3):
         step = Fraction(1, 10**digits)
@@ -93,14 +111,14 @@ def multiplier_bound(coefficients: Sequence[Any], stable: bool) -> Fraction | No
         bound = Fraction(round(bound * 10**digits) + (1 if stable else -1), 10**digits)
         if (stable and bound > 1) or bound <= 0:
             continue
-        radius = module.arb(module.fmpq(bound.numerator, bound.denominator))
+        radius = module.arb(module.fmpq(bound.numerator, bound.denominator)).root(power)
         if inside(coefficients, radius) is stable:
             return bound
     return None
 
 
 class Path:
-    """The relative position Y and X in a flight, at exact times, with bounds of the third derivative."""
+    """The relative position and X in a flight, at exact times, with bounds of the third derivative."""
 
     def __init__(self, system: System, flight: Flight) -> None:
         self.system, self.flight = system, flight
@@ -108,12 +126,11 @@ class Path:
         self.out = (flight.b + system.xi * flight.a) / system.eta
         x, v, _ = flight.forced
         self.x, self.v = x, v / system.r
-        self.third = (flight.a * flight.a + self.out * self.out).sqrt() + (
-            self.x * self.x + self.v * self.v
-        ).sqrt() * system.r * system.square
+        a, out, x, v, r = (abs(span(one)) for one in (flight.a, self.out, self.x, self.v, system.r))
+        self.third = (a * a + out * out).sqrt() + (x * x + v * v).sqrt() * r * r * r
 
     def at(self, t: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
-        """Y, Y', Y'', X, X', X''."""
+        """The distance of m from the nearer wall, Y', Y'', X, X', X''."""
         system = self.system
         decay = (-system.xi * t).exp()
         sine, cosine = (system.eta * t).sin_cos()
@@ -126,11 +143,10 @@ class Path:
         steady = self.x * c + self.v * s
         moving = (self.v * c - self.x * s) * system.r
         X, X_dot = free + steady, speed + moving
-        X_bent = bent - system.square * steady
-        return (
-            self.offset + self.flight.start[3] * t - X, self.flight.start[3] - X_dot, -X_bent,
-            X, X_dot, X_bent,
-        )  # fmt: skip
+        X_bent = span(bent - system.square * steady)
+        y = self.offset + self.flight.start[3] * t - X
+        near = span(system.half - y).min(span(system.half + y))
+        return near, span(self.flight.start[3] - X_dot), -X_bent, span(X), span(X_dot), X_bent
 
 
 def between_walls(system: System, found: Sequence[Flight]) -> tuple[bool | None, Any, str]:
@@ -139,10 +155,10 @@ def between_walls(system: System, found: Sequence[Flight]) -> tuple[bool | None,
     largest = None
     for i, flight in enumerate(found):
         side = flight.after
-        closing = side * (flight.start[3] - flight.v)
+        closing = span(side * (flight.start[3] - flight.v))
         if closing < 0:
             return False, None, f"impact {(i + 1) % len(found)} has no approach speed"
-        leaving = flight.before * (flight.start[3] - flight.start[2])
+        leaving = span(flight.before * (flight.start[3] - flight.start[2]))
         if not closing > 0 or not leaving < 0:
             return None, None, f"the speeds at the ends of flight {i} are not separated from zero"
     for i, flight in enumerate(found):
@@ -167,10 +183,10 @@ def flight_between_walls(system: System, flight: Flight) -> tuple[bool | None, A
     the last piece end at a wall.
     """
     module = flint()
-    path, half = Path(system, flight), system.half
+    path, duration = Path(system, flight), span(flight.tau)
     # doubles are exact, so pieces that share their ends cover all of the flight
-    whole = above(float(flight.tau.upper()))
-    shortest = -above(-float(flight.tau.lower()))
+    whole = above(float(duration.upper()))
+    shortest = -above(-float(duration.lower()))
     if not 0 < shortest:
         return None, None
     ends = [whole * k / PIECES for k in range(PIECES)] + [whole]
@@ -181,22 +197,21 @@ def flight_between_walls(system: System, flight: Flight) -> tuple[bool | None, A
         low, high, depth = pieces.pop()
         middle = (low + high) / 2
         t, h = module.arb(middle), module.arb(above(max(high - middle, middle - low)))
-        y, y_dot, y_bent, x, x_dot, x_bent = path.at(t)
+        near, y_dot, y_bent, x, x_dot, x_bent = path.at(t)
         tail = path.third * h * h * h / 6
-        if middle < shortest and abs(y) > half:
+        if middle < shortest and near < 0:
             return False, None
         sign: int | None = None
         turn = abs(y_bent) * h + path.third * h * h / 2
         if abs(y_dot) > turn:
             sign = 1 if y_dot > 0 else -1
-        good = abs(y) + abs(y_dot) * h + abs(y_bent) * h * h / 2 + tail < half
+        good = abs(y_dot) * h + abs(y_bent) * h * h / 2 + tail < near
         if good:
             sign = None
         elif sign is not None:
             good = previous in (None, 0, sign)
             if not good:
-                turning = path.at(module.arb(low))[0]
-                good = bool(abs(turning) < half)
+                good = bool(path.at(module.arb(low))[0] > 0)
         if high > shortest and sign != flight.after:
             good = False
         size = abs(x) + abs(x_dot) * h + abs(x_bent) * h * h / 2 + tail

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base import checks
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, SingularError, StudyInterrupted
 from ..motions.exact import settled
 from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
@@ -368,6 +369,42 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         if len(found.rests) != len(self.resting):
             raise SingularError(f"point {i}: the motion that is simulated from it has other rests")
         return found
+
+    def prove(self, tolerance: float = 1e-4) -> Any:
+        """Prove in ball arithmetic what is true of all motions along this branch, not at its points only (extra
+        `proof`).
+
+        Between the folds the parameter is covered by boxes. For each value of it in a box there is one and only
+        one motion near a polynomial of the parameter; whether it is admissible and stable is proven for all.
+        Neighbours hold the same motion at the value that they share. Around special points nothing, or less, is
+        decided.
+
+        Parameters
+        ----------
+        tolerance : float, optional
+            The smallest box, relative to the part of the branch between two folds.
+
+        Returns
+        -------
+        Certificate
+            `undecided` holds the gaps, with reasons.
+
+        Raises
+        ------
+        ParameterError
+            If it is a branch of a structure, along a parameter that is none of an oscillator, or with rest.
+        MissingExtraError
+            If python-flint is not installed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+        >>> motion = vi.equispaced(osc, r=1.04, clearance=25.0)[0]
+        >>> vi.branch(motion, "clearance", bounds=(22, 28)).prove()
+        <Certificate of RL/1 for clearance 22 to 28 in 2 boxes: exists, admissible, stable (max|lambda| < 0.9309)>
+        """
+        return ACTIONS["prove_branch"](self, tolerance)
 
     def plot(self, ax: Any = None, y: str | None = None) -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.

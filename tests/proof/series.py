@@ -1,0 +1,193 @@
+"""Numbers of the program that checks certificates: exact texts, polynomials of parameters with balls as
+coefficients, linear equations of them, and boxes of parameters. It needs python-flint alone."""
+
+import re
+from fractions import Fraction
+from itertools import accumulate, combinations_with_replacement
+from math import factorial
+from operator import add
+
+from flint import arb, fmpq
+
+#: The degree of polynomials by the number of parameters.
+DEGREES = (0, 5, 4, 3, 2, 2, 1, 1, 1)
+HEXADECIMAL = re.compile(r"(-?0x[0-9a-f]+)p(-?[0-9]+)")
+DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?|-?[0-9]+/[0-9]+")
+UNIT = arb(0, 1)
+
+
+class RejectedError(Exception):
+    """A statement of a certificate is not proven here."""
+
+
+def need(holds, what):
+    """RejectedError if something does not hold, or is not certain."""
+    if not holds:
+        raise RejectedError(what)
+
+
+def exact(text):
+    """The number that a text stands for."""
+    need(isinstance(text, str), f"{text!r} is no text of a number")
+    found = HEXADECIMAL.fullmatch(text)
+    need(found or DECIMAL.fullmatch(text), f"{text!r} is no exact number")
+    return int(found[1], 16) * Fraction(2) ** int(found[2]) if found else Fraction(text)
+
+
+def number(text):
+    """The ball of that number."""
+    value = exact(text) if isinstance(text, str) else text
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def monomials(names, degree):
+    """Exponents of all monomials up to a degree, by degrees."""
+    places = range(names)
+    chosen = (one for k in range(degree + 1) for one in combinations_with_replacement(places, k))
+    return [tuple(one.count(place) for place in places) for one in chosen]
+
+
+class Series:
+    """A polynomial of parameters in [-1, 1], what its degree leaves out in the constant, and its derivatives by
+    unknowns, polynomials too: the keys are the exponents and the unknown from 1 on, 0 of the number itself."""
+
+    def __init__(self, terms):
+        self.terms = terms
+        names = len(next(iter(terms))[0])
+        self.zero, self.degree = ((0,) * names, 0), DEGREES[names]
+
+    def like(self, other):
+        return other if isinstance(other, Series) else Series({self.zero: arb(other)})
+
+    def part(self, unknown):
+        terms = {(power, 0): one for (power, u), one in self.terms.items() if u == unknown}
+        return Series(terms or {self.zero: arb(0)})
+
+    def range(self):
+        terms = [(power, one) for (power, u), one in self.terms.items() if not u]
+        return sum((one * UNIT if any(power) else one for power, one in terms), arb(0))
+
+    def __add__(self, other):
+        terms = dict(self.terms)
+        for key, one in self.like(other).terms.items():
+            terms[key] = terms[key] + one if key in terms else one
+        return Series(terms)
+
+    def __mul__(self, other):
+        if not isinstance(other, Series):
+            return Series({key: one * other for key, one in self.terms.items()})
+        terms = {self.zero: arb(0)}
+        for (power, u), one in self.terms.items():
+            for (second, v), two in other.terms.items():
+                if u and v:
+                    continue
+                both, value = tuple(map(add, power, second)), one * two
+                if sum(both) > self.degree:
+                    both, value = self.zero[0], value * UNIT
+                key = (both, u or v)
+                terms[key] = terms[key] + value if key in terms else value
+        return Series(terms)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __sub__(self, other):
+        return self + other * -1
+
+    def __rsub__(self, other):
+        return self * -1 + other
+
+    def __truediv__(self, other):
+        return self * (1 / other)
+
+    def __rtruediv__(self, other):
+        need(abs(self.range()) > 0, "a denominator may be zero")
+        found = lambda x: [(-1) ** k * factorial(k) / x ** (k + 1) for k in range(self.degree + 2)]  # noqa: E731
+        return self.function(found) * other
+
+    def function(self, slopes):
+        """A function whose derivatives at x are slopes(x), by Taylor's theorem, and its derivative."""
+        middle = self.terms.get(self.zero, arb(0)).mid()
+        values, last = slopes(middle)[: self.degree + 1], slopes(self.range())[self.degree + 1]
+        rest, found = self + -middle, self.like(0)
+        for k, value in list(enumerate(values))[::-1]:
+            found = found * rest + value / factorial(k)
+        tail = last / factorial(self.degree)
+        for _ in range(self.degree):
+            tail = tail * rest.range()
+        for u in {u for _, u in self.terms}:
+            left = self.part(u) * tail if u else rest.range() * tail / (self.degree + 1)
+            left = left.range() if u else left
+            key = (self.zero[0], u)
+            found.terms[key] = found.terms.get(key, arb(0)) + left
+        return found
+
+    def sin(self):
+        return self.function(lambda x: [x.sin(), x.cos(), -x.sin(), -x.cos()] * 2)
+
+    def cos(self):
+        return self.function(lambda x: [x.cos(), -x.sin(), -x.cos(), x.sin()] * 2)
+
+    def exp(self):
+        return self.function(lambda x: [x.exp()] * (self.degree + 2))
+
+    def sqrt(self):
+        factors = list(
+            accumulate(range(self.degree + 1), lambda f, k: f * (1 - 2 * k) / 2, initial=1.0)
+        )
+        return self.function(lambda x: [f * x.sqrt() / x**k for k, f in enumerate(factors)])
+
+
+def ball(value):
+    """All values."""
+    return value.range() if isinstance(value, Series) else arb(value)
+
+
+def flat(rows):
+    """All entries of some rows."""
+    return [one for row in rows for one in row]
+
+
+def solve(matrix, right):
+    """The solution of linear equations, by elimination."""
+    rows = [[*a, *b] for a, b in zip(matrix, right, strict=True)]
+    n = len(rows)
+    for k in range(n):
+        best = max(range(k, n), key=lambda i: float(abs(ball(rows[i][k]).mid())))
+        rows[k], rows[best] = rows[best], rows[k]
+        need(abs(ball(rows[k][k])) > 0, "a derivative may be singular")
+        inverse = 1 / rows[k][k]
+        rows[k] = [one * inverse for one in rows[k]]
+        for i in range(n):
+            if i != k:
+                factor = rows[i][k]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
+    return [row[n:] for row in rows]
+
+
+def product(first, second):
+    """The product of matrices."""
+    columns = list(zip(*second, strict=True))
+    return [
+        [sum((a * b for a, b in zip(row, column, strict=True)), arb(0)) for column in columns]
+        for row in first
+    ]
+
+
+def cover(region, boxes):
+    """Check that boxes, intervals by name, fill a region without a gap."""
+    need(boxes, "a part of a region has no box")
+    if len(boxes) == 1:
+        need(boxes[0] == region, "a box is not where it should be")
+        return
+    for name, (low, high) in region.items():
+        middles = sorted({box[name][0] for box in boxes})
+        for cut in {(low + high) / 2, middles[len(middles) // 2]}:
+            parts = (
+                [box for box in boxes if box[name][1] <= cut],
+                [box for box in boxes if box[name][0] >= cut],
+            )
+            if low < cut < high and len(parts[0]) + len(parts[1]) == len(boxes):
+                cover(region | {name: [low, cut]}, parts[0])
+                cover(region | {name: [cut, high]}, parts[1])
+                return
+    raise RejectedError("the boxes do not fill a region")
