@@ -7,6 +7,7 @@ import pytest
 import vibroimpact as vi
 from shared_systems import FIGURE6, RIG
 from shared_zones import motion_at
+from vibroimpact.studies import uncertainty as study
 from vibroimpact.systems.distribution import interval, shares, systems, uncertain_parameters
 
 stats = pytest.importorskip("scipy.stats")
@@ -482,3 +483,48 @@ def test_bands_need_a_zone():
     band = vi.boundary_bands(zone, {"xi": (0.011, 0.012)}, samples=2, vertices=5)[0]
     with pytest.raises(vi.ParameterError, match="kind"):
         band.edges("third")
+
+
+def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
+    """The first samples, or the first points; before any there is nothing to keep."""
+    works = {name: getattr(study, name) for name in ("perform", "verdicts")}
+
+    def stop_after(name, calls):
+        work, done = works[name], iter(range(calls))
+
+        def counted(*args):
+            if next(done, None) is None:
+                raise KeyboardInterrupt
+            return work(*args)
+
+        monkeypatch.setattr(study, name, counted)
+
+    spread = {"restitution": (0.68, 0.75)}
+    points, limit = [20.0, 25.0, 30.0], {"attenuation": 0.6}
+    whole = vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
+    stop_after("perform", 2)
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
+    part = caught.value.result
+    np.testing.assert_array_equal(part.probability[:2], whole.probability[:2])
+    assert np.isnan(part.probability[2])
+    stop_after("perform", 1)
+    monkeypatch.setattr(study, "BLOCK", 12)
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
+    part = caught.value.result
+    assert part.samples == 12
+    assert np.isfinite(part.probability).tolist() == [True, False, False]
+    assert 12 * part.probability[0] == round(12 * part.probability[0])
+    stop_after("perform", 0)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
+    assert not isinstance(caught.value, vi.StudyInterrupted)
+    pattern, r = vi.Pattern("RL", 1), [1.0, 1.02]
+    stop_after("verdicts", 3)
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.uncertainty(FIGURE6, pattern, r, [30.0, 60.0], spread, samples=8, bands=False)
+    few = caught.value.result
+    assert few.samples == 3
+    assert ((few.probability >= 0) & (few.probability <= 1)).all()
+    np.testing.assert_allclose(3 * few.probability, np.round(3 * few.probability), atol=1e-12)

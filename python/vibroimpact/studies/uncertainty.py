@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.actions import ACTIONS
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
 from ..results import door
-from ..results.performance import FIGURES, LEAST, perform
+from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, pattern_of
 from ..systems.verbs import physical_arguments
@@ -34,6 +34,8 @@ OF_MOTION = ("attenuation", "displacement", "multiplier")
 OF_ATTRACTOR = ("attenuation", *FIGURES[:-1])
 #: How much farther than the outermost points the window of a zone with rest reaches.
 MARGIN = 1e-9
+#: Samples that are simulated at once: those that were finished remain after Ctrl-C.
+BLOCK = 500
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -222,6 +224,8 @@ def uncertainty(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
+    StudyInterrupted
+        After Ctrl-C, if a sample was finished: its attribute `result` holds the samples until then.
 
     Examples
     --------
@@ -260,20 +264,34 @@ def uncertainty(
     if wanted:
         keeps_symmetry(osc, changes)
     told = Told(progress, 0.8 if wanted else 1.0)
-    different, times = np.unique(changes, axis=1, return_counts=True)
+    _, first, times = np.unique(changes, axis=1, return_index=True, return_counts=True)
     total = np.zeros((3, len(axes[1]), len(axes[0])))
-    for i, (change, weight) in enumerate(zip(different.T, times, strict=True)):
-        told.part(i, len(times), "samples")
-        total += weight * verdicts(osc, pattern, axes, change, symmetric, limits, threads, told)
-    total /= count
-    nominal, found = None, []
-    if wanted:
-        nominal = zone(osc, pattern, window_of(axes[0]), window_of(axes[1]), symmetric=symmetric)
-        found = bands_of(nominal, parameters, changes, vertices, ends, threads, told.last)
-    return Uncertainty(
-        osc, pattern, symmetric, parameters, count, axes[0], axes[1], total[0], total[1], limits,
-        total[2] if limits else None, nominal, found, ends,
+    nominal, found, done, stopped = None, [], 0, False
+    try:
+        # in the order in which they were drawn: the first ones are samples, too
+        for i, here in enumerate(np.argsort(first)):
+            told.part(i, len(times), "samples")
+            total += times[here] * verdicts(
+                osc, pattern, axes, changes[:, first[here]], symmetric, limits, threads, told
+            )
+            done += int(times[here])
+        if wanted:
+            nominal = zone(
+                osc, pattern, window_of(axes[0]), window_of(axes[1]), symmetric=symmetric
+            )
+            found = bands_of(nominal, parameters, changes, vertices, ends, threads, told.last)
+    except KeyboardInterrupt:
+        if not done:
+            raise
+        stopped = True
+    total /= done
+    answer = Uncertainty(
+        osc, pattern, symmetric, parameters, done, axes[0], axes[1], total[0], total[1], limits,
+        total[2] if limits else None, nominal if found else None, found, ends,
     )  # fmt: skip
+    if stopped:
+        raise StudyInterrupted(answer)
+    return answer
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -285,7 +303,7 @@ class LimitProbability:
     r, clearance : ndarray
         Nominal values of the points; all arrays have their shape.
     probability : ndarray
-        Share of the samples that keep within all limits.
+        Share of the samples that keep within all limits; NaN at points that Ctrl-C left out.
     low, high : ndarray
         The interval of Clopper and Pearson; samples that failed count as outside for `low` and inside for `high`.
     failed : ndarray of int
@@ -314,7 +332,7 @@ class LimitProbability:
         )
         of = f"{self.samples} samples"
         if self.probability.size != 1:
-            least, most = self.probability.min(), self.probability.max()
+            least, most = np.nanmin(self.probability), np.nanmax(self.probability)
             points = f"{least:.4g} to {most:.4g} at {self.probability.size} points"
             return f"<LimitProbability of {shown}: {points}, {of}>"
         share, low, high = (float(one.flat[0]) for one in (self.probability, self.low, self.high))
@@ -391,6 +409,9 @@ def limit_probability(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
+    StudyInterrupted
+        After Ctrl-C, if something was finished: its attribute `result` holds the points until then, those of a
+        first point that was not finished with fewer samples.
 
     Examples
     --------
@@ -429,7 +450,8 @@ def limit_probability(
             checks.number(float(value), name)
     places = random.uniform(-1, 1, (4, count * tries))
     told = Told(progress, 1.0)
-    answers = []
+    answers: list[tuple[float, ...]] = []
+    stopped = False
     for i, (x, y) in enumerate(zip(points[0].flat, points[1].flat, strict=True)):
         here = changes.copy()
         here[0] *= x
@@ -437,38 +459,55 @@ def limit_probability(
         if osc.xi == 0 or here[2].min() == 0:
             for value in here[0, here[2] == 0]:
                 checks.frequency_ratio(float(value), 0.0)
-        told.part(i, points[0].size, "points")
-        done = perform(
-            np.repeat(here, tries, axis=1),
-            places,
-            cycles,
-            64,
-            events,
-            threads,
-            told.inner,
-            "simulate",
-        )
-        good = done.status == 0
-        kept = good.copy()
-        for name, limited in limits.items():
-            values = (
-                done.displacement / done.amplitude if name == "attenuation" else getattr(done, name)
-            )
-            if name == "multiplier":
-                values = np.where(done.impacts == 0, 0.0, values)
-            kept &= values >= limited if name in LEAST else values <= limited
-        whole = kept.reshape(count, tries).all(axis=1)
-        lost = ~good.reshape(count, tries).all(axis=1) & (kept | ~good).reshape(count, tries).all(
-            axis=1
-        )
+        blocks = []
+        try:
+            for begin in range(0, count, BLOCK):
+                part = slice(begin, min(count, begin + BLOCK))
+                length = (part.stop - begin) / count
+                told.part(i + begin / count, points[0].size, "points", length)
+                done = perform(
+                    np.repeat(here[:, part], tries, axis=1), places[:, part.start * tries : part.stop * tries],
+                    cycles, 64, events, threads, told.inner, "simulate",
+                )  # fmt: skip
+                blocks.append(judged(done, limits, tries))
+        except KeyboardInterrupt:
+            stopped = True
+            if answers or not blocks:
+                break
+            count = begin
+        whole, lost = np.concatenate(blocks, axis=1)
         low, _ = interval(int(whole.sum()), count, share)
         _, high = interval(int((whole | lost).sum()), count, share)
         answers.append((whole.mean(), low, high, lost.sum()))
+        if stopped:
+            break
+    if not answers:
+        raise KeyboardInterrupt
+    answers += [(np.nan, np.nan, np.nan, 0)] * (points[0].size - len(answers))
     table = np.array(answers, dtype=np.float64).T.reshape(4, *points[0].shape)
-    return LimitProbability(
+    found = LimitProbability(
         points[0].copy(), points[1].copy(), table[0], table[1], table[2], table[3].astype(np.int64), count,
         tries, share, limits,
     )  # fmt: skip
+    if stopped:
+        raise StudyInterrupted(found)
+    return found
+
+
+def judged(done: Performance, limits: Mapping[str, float], tries: int) -> NDArray[np.bool_]:
+    """Whether samples (2, n) of some initial states each keep within all limits, and whether they failed so that
+    this is not known."""
+    good = done.status == 0
+    kept = good.copy()
+    for name, limited in limits.items():
+        values = (
+            done.displacement / done.amplitude if name == "attenuation" else getattr(done, name)
+        )
+        if name == "multiplier":
+            values = np.where(done.impacts == 0, 0.0, values)
+        kept &= values >= limited if name in LEAST else values <= limited
+    whole, known, may = (one.reshape(-1, tries).all(axis=1) for one in (kept, good, kept | ~good))
+    return np.array([whole, may & ~known])
 
 
 def error_of(probability: _Array, samples: int) -> _Array:
@@ -559,10 +598,10 @@ class Told:
         self.begin = self.length = 0.0
         self.note = ""
 
-    def part(self, i: int, parts: int, note: str) -> None:
-        """Part i of some parts begins."""
-        self.begin, self.length = self.first * i / parts, self.first / parts
-        self.note = f"{note} {i + 1}/{parts}"
+    def part(self, i: float, parts: int, note: str, length: float = 1.0) -> None:
+        """Part i of some parts, or a share of a part, begins."""
+        self.begin, self.length = self.first * i / parts, self.first * length / parts
+        self.note = f"{note} {int(i) + 1}/{parts}"
 
     @property
     def inner(self) -> door.Progress | None:
