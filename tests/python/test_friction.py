@@ -446,7 +446,7 @@ def test_studies_that_refuse(tmp_path, study):
     """The element is named, and the studies that take it."""
     with pytest.raises(vi.ParameterError) as caught:
         written(tmp_path, BEFORE.format("slip = 1", study))
-    wanted = "does not take the &friction of this &structure; must be &motion or &simulate"
+    wanted = "does not take the &friction of this &structure; must be &motion, &simulate or &branch"
     assert wanted in str(caught.value)
 
 
@@ -455,7 +455,7 @@ def test_verbs_that_refuse():
     run = vi.simulate(s, load, cycles=5)
     wanted = (
         r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; "
-        "only simulate and exact take friction"
+        "only simulate, exact and branch take friction"
     )
     for call in (
         lambda: vi.periodic(s, load, [0.1], [0]),

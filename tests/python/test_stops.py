@@ -469,7 +469,7 @@ def test_studies_that_refuse(tmp_path, study):
     with pytest.raises(vi.ParameterError) as caught:
         written(tmp_path, BEFORE.format("stiffness = 1", f"{study} {OTHER_STUDIES[study]}"))
     text = str(caught.value)
-    wanted = "does not take the &stop of this &structure; must be &motion or &simulate"
+    wanted = "does not take the &stop of this &structure; must be &motion, &simulate or &branch"
     assert wanted in text or study == "decay"
 
 
@@ -478,7 +478,7 @@ def test_verbs_that_refuse():
     run = vi.simulate(s, load, cycles=5)
     wanted = (
         r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; "
-        "only simulate and exact take stops"
+        "only simulate, exact and branch take stops"
     )
     for call in (
         lambda: vi.periodic(s, load, [0.1], [0]),

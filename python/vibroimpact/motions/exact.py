@@ -65,7 +65,7 @@ def exact_structure(
     if isinstance(guess, Motion):
         if elastic:
             check_load(structure, load, frequency=True, stops=True)
-            start, state = guess._between_events()
+            start, state = guess._run()._between_events()
             start *= guess.load.frequency / load.frequency
             return of_same_kind(settled(structure, load, start, state, cycles=guess.cycles), guess)
         if len(guess.rests):

@@ -781,15 +781,6 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             self.structure, self.load, duration=self.period, state=(self.q, self.q_dot), start=start
         )
 
-    def _between_events(self) -> tuple[float, tuple[_Array, _Array]]:
-        """A time in the middle of the longest flight of a motion of a structure, and the state there."""
-        run = self._run()
-        times = np.concatenate([[run.start], run.events["time"], [run.end]])
-        longest = int(np.diff(times).argmax())
-        middle = float(times[longest : longest + 2].mean())
-        q, rate = run.sample([middle])
-        return middle, (q[:, 0], rate[:, 0])
-
     def _facts(self) -> dict[str, str]:
         if self.of_structure:
             return {"coordinates": str(self.structure.coordinates), "impacts": str(len(self.gaps))}

@@ -347,6 +347,14 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             self.events[(self.events["time"] > first) & (self.events["time"] <= end)], harmonics,
         )  # fmt: skip
 
+    def _between_events(self) -> tuple[float, tuple[_Array, _Array]]:
+        """Of a structure: a time in the middle of the longest flight, and the state there."""
+        times = np.concatenate([[self.start], self.events["time"], [self.end]])
+        longest = int(np.diff(times).argmax())
+        middle = float(times[longest : longest + 2].mean())
+        q, rate = self.sample([middle])
+        return middle, (q[:, 0], rate[:, 0])
+
     def _times(self, cycles: float | None, window: ArrayLike | None) -> tuple[float, float]:
         """The ends of a window of time: the last load cycles, or two times; all of it by default."""
         if window is not None:

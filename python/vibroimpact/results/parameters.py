@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..systems.restitution import at_rest, from_columns, to_columns
-from ..systems.structure import Gap, Load, Structure
+from ..systems.structure import Friction, Gap, Load, Stop, Structure
 from .tables import Result
 
 #: A parameter: its name, or a name with a function of it that gives the structure and the load, and its value.
@@ -25,7 +26,9 @@ _Array = NDArray[np.float64]
 Parameter = str | Callable[[float], tuple[Structure, Load]]
 #: Kinds of entries, numbered as in the core.
 MATRICES = {1: "mass", 2: "damping", 3: "stiffness"}
-DIRECTION, OPENING, RESTITUTION, FREQUENCY, COSINE, SINE, CONSTANT = range(4, 11)
+DIRECTION, OPENING, RESTITUTION, FREQUENCY, COSINE, SINE, CONSTANT, LAW = range(4, 12)
+#: The numbers of a stop and of friction, as the core has them.
+LAWS = {Stop: ("stiffness", "damping", "preload"), Friction: ("slip", "stick", "speed")}
 #: Degrees of the Chebyshev series that are tried, and the share of an entry that may be left.
 DEGREES, NEGLIGIBLE = (8, 16, 32, 64, 128), 1e-14
 
@@ -38,10 +41,15 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
         (kind, rows, columns, getattr(structure, name)[rows, columns])
         for kind, name in MATRICES.items()
     ]
-    for j, gap in enumerate(structure._rigid()):
-        parts.append((DIRECTION, np.arange(n), np.full(n, j), gap.direction))
-        first = at_rest(gap.restitution)
-        parts += [(OPENING, [j], [-1], [gap.opening]), (RESTITUTION, [j], [-1], [first])]
+    for j, part in enumerate(structure._parts):
+        parts.append((DIRECTION, np.arange(n), np.full(n, j), part.direction))
+        if not isinstance(part, Friction):
+            parts.append((OPENING, [j], [-1], [part.opening]))
+        if isinstance(part, Gap):
+            parts.append((RESTITUTION, [j], [-1], [at_rest(part.restitution)]))
+        else:
+            names = LAWS[type(part)]
+            parts.append((LAW, [j] * 3, np.arange(3), [getattr(part, name) for name in names]))
     parts += [
         (FREQUENCY, [-1], [-1], [load.frequency]),
         (CONSTANT, np.arange(n), np.full(n, -1), load.constant),
@@ -57,8 +65,13 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
 
 
 def laws_of(structure: Structure) -> list[object]:
-    """What a parameter cannot change in the laws of restitution of all gaps."""
-    return [to_columns(gap.restitution) | {"restitution": None} for gap in structure._rigid()]
+    """What a parameter cannot change in the laws of all gaps, stops and friction."""
+    return [
+        to_columns(part.restitution) | {"restitution": None}
+        if isinstance(part, Gap)
+        else (type(part), getattr(part, "release", ""))
+        for part in structure._parts
+    ]
 
 
 def with_entries(
@@ -66,32 +79,36 @@ def with_entries(
 ) -> tuple[Structure, Load]:
     """The structure and the load after some of their entries were set."""
     matrices = {kind: getattr(structure, name).copy() for kind, name in MATRICES.items()}
-    directions = [gap.direction.copy() for gap in structure.gaps]
-    openings = [gap.opening for gap in structure.gaps]
-    laws = [gap.restitution for gap in structure._rigid()]
+    changes: list[dict[str, Any]] = [
+        {"direction": part.direction.copy()} for part in structure._parts
+    ]
     frequency, constant = load.frequency, load.constant.copy()
     harmonics = {COSINE: load.cosine.copy(), SINE: load.sine.copy()}
     for (kind, i, j), value in zip((places - (0, 1, 1)).tolist(), values.tolist(), strict=True):
         if kind in matrices:
             matrices[kind][i, j] = matrices[kind][j, i] = value
         elif kind == DIRECTION:
-            directions[j][i] = value
+            changes[j]["direction"][i] = value
         elif kind == OPENING:
-            openings[i] = value
+            changes[i]["opening"] = value
+        elif kind == LAW:
+            changes[i][LAWS[type(structure._parts[i])][j]] = value
         elif kind == RESTITUTION:
-            laws[i] = from_columns(to_columns(laws[i]) | {"restitution": value})
+            law = to_columns(structure.gaps[i].restitution)
+            changes[i]["restitution"] = from_columns(law | {"restitution": value})
         elif kind == FREQUENCY:
             frequency = value
         elif kind == CONSTANT:
             constant[i] = value
         else:
             harmonics[kind][j, i] = value
+    gaps = [replace(part, **each) for part, each in zip(structure.gaps, changes, strict=False)]
+    friction = [
+        replace(part, **each)
+        for part, each in zip(structure.friction, changes[len(gaps) :], strict=True)
+    ]
     changed = Structure(
-        matrices[1],
-        matrices[2],
-        matrices[3],
-        [Gap(*gap) for gap in zip(directions, openings, laws, strict=True)],
-        outputs=structure.outputs,
+        matrices[1], matrices[2], matrices[3], gaps, friction, outputs=structure.outputs
     )
     return changed, Load(
         frequency, cosine=harmonics[COSINE], sine=harmonics[SINE], constant=constant

@@ -16,6 +16,7 @@ from ..base.errors import ParameterError, SingularError, StudyInterrupted
 from ..motions.exact import settled
 from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
 from ..motions.periodic import impact_restitution, motion_from_phases
+from ..motions.trajectory import simulate_structure
 from ..results import door, namelist
 from ..results.noun import Noun, column
 from ..results.parameters import Parameter, Path, keys_of_parameter
@@ -45,7 +46,9 @@ class SpecialPoint:
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). Of a structure
         also branch_point (a pitchfork or transcritical point where impacts at one instant part), simultaneous
         (two events at one instant, beyond which their order is another), rest_vanishes (the impacts before a rest
-        just fail to accumulate) and rest_splits (the contact force touches zero within a rest).
+        just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
+        (friction that changes its sense begins to stick), stick_vanishes and contact_vanishes (its time falls to
+        zero).
     index : int
         Its place among the points of the branch.
     detail : str
@@ -334,8 +337,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             return [self[j] for j in i]
         if self.of_structure:
             structure, load = self.at(float(self.values[i]))
-            if len(self.resting):
-                return self._resting(structure, load, i)
+            if len(self.resting) or not structure._is_rigid:
+                return self._simulated(structure, load, i)
             # of two impacts at one instant rounding may put the second one first
             phases = np.maximum.accumulate(self.phases[:, i])
             # at a fold Newton's method has no unique step, while for known phases all else is linear
@@ -354,16 +357,21 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             self.multipliers[:, i].copy(), verdicts,
         )  # fmt: skip
 
-    def _resting(self, structure: Structure, load: Load, i: int) -> Motion:
-        """The motion with rests at a point, which can be simulated if it is admissible."""
+    def _simulated(self, structure: Structure, load: Load, i: int) -> Motion:
+        """The motion with rests, stops or friction at a point, which can be simulated if it is admissible."""
         q, rate = (self._values("points", name)[i] for name in ("q", "q_dot"))
         if not self.admissible[i]:
             raise SingularError(
-                f"point {i}: this motion with rests is not admissible and cannot be simulated; the columns have it"
+                f"point {i}: this motion is not admissible and cannot be simulated; the columns have it"
             )
-        start = float(self.phases[0, i]) / load.frequency
+        start, state = float(self.phases[0, i]) / load.frequency, (q, rate)
         try:
-            found = settled(structure, load, start, (q, rate), cycles=self.cycles)
+            if not structure._is_rigid:
+                # just after an event its limit may be reached again by rounding
+                period = 2 * np.pi * self.cycles / load.frequency
+                run = simulate_structure(structure, load, duration=period, state=state, start=start)
+                start, state = run._between_events()
+            found = settled(structure, load, start, state, cycles=self.cycles)
         except SingularError as error:
             raise SingularError(f"point {i}: no motion is simulated from it: {error}") from None
         if len(found.rests) != len(self.resting):
@@ -544,10 +552,12 @@ def run_from(
             "exact(structure, load, motion) gives the exact motion near it"
         )
     start: dict[str, Any] = {"kind": "exact", "cycles": motion.cycles}
-    if len(motion.rests):
+    if len(motion.rests) or not motion.structure._is_rigid:
+        time, state = float(motion.phases[0] / motion.load.frequency), (motion.q, motion.q_dot)
+        if not motion.structure._is_rigid:
+            time, state = motion._run()._between_events()
         start |= {
-            "kind": "settled", "start": float(motion.phases[0] / motion.load.frequency), "settling": 0,
-            "q": motion.q.tolist(), "q_dot": motion.q_dot.tolist(),
+            "kind": "settled", "start": time, "settling": 0, "q": state[0].tolist(), "q_dot": state[1].tolist(),
         }  # fmt: skip
     else:
         start |= {"gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()}
@@ -587,20 +597,24 @@ def branch(
     wall, or an approach speed that is zero. A motion that is its own image half a period later, by the mirror or,
     of a structure, another symmetry such as an exchange of equal units, is followed as such, with the map of half
     a period, so that the branch continues through a pitchfork. The unknowns of a structure are the approach speeds
-    and load phases of the impacts and the mean positions of modes of frequency 0.
+    and load phases of the impacts and the mean positions of modes of frequency 0; with rests, stops or friction a
+    state and the load phases of all events.
 
     Parameters
     ----------
     motion : Motion
         Of an oscillator without rest, with load 1. Of a structure consistent, with at most 24 impacts (23 if a
         mode has frequency 0); with rests, at most 24 impacts before the last ones of each accumulation, and
-        releases. It need be neither stable nor, without rests, admissible.
+        releases; with stops or friction, at most 24 events. It need be neither stable nor, without rests, stops
+        and friction, admissible.
     parameter : str, or function
         "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. Of a structure
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
         and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
-        "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image; all
-        numbers count from 0. Or a smooth function that gives (structure, load) for a value of the parameter.
+        "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image;
+        "slip" or "slip_J" of friction, with the stick level in the same ratio; "contact" or "contact_J", the
+        stiffness of stops; all numbers count from 0. Or a smooth function that gives (structure, load) for a
+        value of the parameter.
     bounds : (float, float)
         Lowest and highest value of the parameter; the motion's own value lies between.
     longest_step : float
@@ -624,7 +638,8 @@ def branch(
     SingularError
         If the motion cannot be followed. Of a structure: if it repeats itself, if gaps close at one instant that
         would part for other values of the parameter or are coupled by damping, or if with rests any two events
-        come at one instant, or one of another gap within an accumulation.
+        come at one instant, or one of another gap within an accumulation; or if a gap rests beside stops or
+        friction.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -87,10 +87,6 @@ class Gap(ByValue):
         object.__setattr__(self, "opening", opening)
         object.__setattr__(self, "restitution", checked(restitution))
 
-    def _along(self, direction: _Array) -> Gap:
-        """The same in another direction."""
-        return Gap(direction, self.opening, self.restitution)
-
     def _law(self) -> list[float]:
         """Kind and numbers of its law, for the core."""
         return numbers_of(self.restitution)
@@ -170,12 +166,6 @@ class Stop(ByValue):
             raise ParameterError(f"release = {release!r}: must be 'gap' or 'force'")
         object.__setattr__(self, "release", release)
 
-    def _along(self, direction: _Array) -> Stop:
-        """The same in another direction."""
-        return Stop(
-            direction, self.opening, self.stiffness, self.damping, self.preload, self.release
-        )
-
     def _law(self) -> list[float]:
         """Kind and numbers of its law, for the core."""
         kind = KINDS.index("stop" if self.release == "gap" else "pushing")
@@ -253,10 +243,6 @@ class Friction(ByValue):
             raise ParameterError(f"speed = {speed!r}: must be a number from -1e100 to 1e100")
         for name, value in {"slip": slip, "stick": stick, "speed": speed}.items():
             object.__setattr__(self, name, value)
-
-    def _along(self, direction: _Array) -> Friction:
-        """The same in another direction."""
-        return Friction(direction, self.slip, self.stick, self.speed)
 
     def _law(self) -> list[float]:
         """Kind and numbers of its law, for the core."""
@@ -336,7 +322,7 @@ class Structure(ByValue):
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        `simulate` and `exact` take stops and friction; the other verbs do not, yet.
+        `simulate`, `exact` and `branch` take stops and friction; the other verbs do not, yet.
     outputs : mapping of str to array_like (n,), optional
         Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
@@ -502,7 +488,7 @@ class Structure(ByValue):
                     f"{label}.direction and shapes give {direction.tolist()!r} for the modes: must be "
                     "numbers from -1e40 to 1e40, not all 0"
                 )
-            modal.append(part._along(direction))
+            modal.append(replace(part, direction=direction))
         rubbing = [part for part in modal if isinstance(part, Friction)]
         closing = [part for part in modal if not isinstance(part, Friction)]
         factors = None
@@ -630,13 +616,14 @@ class Structure(ByValue):
         """Its gaps; ParameterError if one of them is a stop, or if it has friction."""
         if self.friction:
             raise ParameterError(
-                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate and exact take friction"
+                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate, exact "
+                "and branch take friction"
             )
         found = []
         for i, gap in enumerate(self.gaps):
             if isinstance(gap, Stop):
                 raise ParameterError(
-                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate and exact take stops"
+                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate, exact and branch take stops"
                 )
             found.append(gap)
         return found

@@ -8,8 +8,9 @@ module vi_branch
    use vi_crossing, only: locate, look_between
    use vi_curve, only: curve_type, distance_from
    use vi_kinds, only: wp
-   use vi_motion_family, only: condition_type, edge, fold, grazing, is_exchange, &
-      neimark_sacker, repetition, rest_splits, rest_vanishes, zero_approach
+   use vi_motion_family, only: condition_type, contact_vanishes, edge, events_meet, fold, grazing, &
+      is_exchange, neimark_sacker, repetition, rest_splits, rest_vanishes, stick_begins, &
+      stick_vanishes, zero_approach
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_progress, only: is_stopped, report_share
@@ -20,7 +21,8 @@ module vi_branch
 
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
-      end_full = 5, end_stopped = 6, end_simultaneous = 7, end_rest = 8, end_exchange = 9
+      end_full = 5, end_stopped = 6, end_simultaneous = 7, end_rest = 8, end_exchange = 9, &
+      end_stick_begins = 10, end_stick = 11, end_contact = 12
 
    !> A step this short is not repeated to search for hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
@@ -64,6 +66,12 @@ contains
          text = 'a rest vanishes'
       case (end_exchange)
          text = 'two events at one instant'
+      case (end_stick_begins)
+         text = 'friction begins to stick'
+      case (end_stick)
+         text = 'a stick vanishes'
+      case (end_contact)
+         text = 'a contact vanishes'
       case (end_closed)
          text = 'closed'
       case (end_full)
@@ -342,8 +350,9 @@ contains
       if (beside) then
          ! the difference of the parameter from the bifurcation is of second order in the distance
          crossed(fold) = .false.
-      else if (crossed(fold) .neqv. turns_back(now, next)) then
-         ! the parameter turns back at folds, and nowhere else
+      else if ((crossed(fold) .neqv. turns_back(now, next)) .neqv. any(crossed .and. &
+         now%conditions%kind == contact_vanishes)) then
+         ! the parameter turns back at folds, and where a contact becomes a touch
          unsure = .not. short
          if (unsure) return
          ! the end of the step is on another curve
@@ -389,7 +398,8 @@ contains
          case (grazing)
             ! at the end of a flight another gap closes: beyond it, its impact comes first
             done = is_exchange(found(j)%conditions(j))
-            if (done) branch%reason = end_simultaneous
+            if (done) branch%reason = merge(end_exchange, end_simultaneous, &
+               any(now%conditions%kind == stick_begins .or. now%conditions%kind == events_meet))
          case (rest_splits)
             ! a rest ends at another event: beyond it, it ends before
             done = is_exchange(found(j)%conditions(j))
@@ -397,6 +407,15 @@ contains
          case (rest_vanishes)
             ! beyond it the accumulation is not completed
             branch%reason = end_rest
+            done = .true.
+         case (events_meet, stick_begins, stick_vanishes, contact_vanishes)
+            ! beyond it the events are others
+            associate (kind => found(j)%conditions(j)%kind)
+               branch%reason = end_exchange
+               if (kind == stick_begins) branch%reason = end_stick_begins
+               if (kind == stick_vanishes) branch%reason = end_stick
+               if (kind == contact_vanishes) branch%reason = end_contact
+            end associate
             done = .true.
          case default
             done = .false.
@@ -446,7 +465,9 @@ contains
 
       same = .false.
       if (found(j)%conditions(j)%kind /= grazing) return
-      n = count(found(j)%conditions%kind == zero_approach)
+      ! a condition for each event
+      n = count(found(j)%conditions%kind == zero_approach .or. found(j)%conditions%kind == &
+         stick_begins)
       share = found(j)%conditions(j)%share
       do i = 1, size(crossed)
          if (.not. crossed(i)) cycle

@@ -10,8 +10,8 @@ module vi_branch_study
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type
-   use vi_motion_family, only: condition_type, edge, grazing, is_exchange, repetition, &
-      rest_splits, rest_vanishes, zero_approach
+   use vi_motion_family, only: condition_type, contact_vanishes, edge, grazing, is_exchange, &
+      repetition, rest_splits, rest_vanishes, stick_begins, stick_vanishes, zero_approach
    use vi_motion_study, only: check_motion, check_structure_motion, find_motions, &
       find_structure_motion, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
@@ -27,7 +27,7 @@ module vi_branch_study
    use vi_structure_path, only: change_type, structure_takes => parameter_takes, value_at
    use vi_structure_period, only: structure_motion_type
    use vi_structure_resting_family, only: structure_resting_type
-   use vi_structure_rests, only: release
+   use vi_structure_rests, only: release, rests_type
    use vi_structure_return, only: settled_type
    use vi_structure_start, only: motion_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
@@ -176,6 +176,7 @@ contains
       study%meaning = 'follow motions along a parameter'
       study%starts_from = 'motion'
       study%row = 'points'
+      study%takes_elements = .true.
       study%check => check_branch
       study%check_start => check_branch_start
       study%memory => branch_memory
@@ -721,9 +722,10 @@ contains
       type(change_type), intent(in) :: change
       character(*), intent(in) :: name
       type(line_type) :: special(size(motions)), detail(size(motions)), ends(2)
-      character(14), parameter :: names(10) = [character(14) :: 'fold', 'pitchfork', &
-         'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', 'simultaneous', &
-         'rest_vanishes', 'rest_splits']
+      character(name_length), parameter :: names(13) = [character(name_length) :: 'fold', &
+         'pitchfork', 'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', &
+         'simultaneous', 'rest_vanishes', 'rest_splits', 'stick_begins', 'stick_vanishes', &
+         'contact_vanishes']
       character(:), allocatable :: text
       real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions)), &
          shift(size(motions))
@@ -769,10 +771,12 @@ contains
             size(found%resting))])
          call result%put('points', 'rest_end', [rests(2, :, :) + spread(shift, 1, &
             size(found%resting))])
+         call result%put('branch', 'resting', found%resting - 1)
+      end if
+      if (size(found%resting) > 0 .or. allocated(found%events)) then
          call result%put('points', 'q', [(motions(i)%states(:size(extremes, 1), 1), i=1, n)])
          call result%put('points', 'q_dot', [(motions(i)%states(size(extremes, 1) + 1:, 1), &
             i=1, n)])
-         call result%put('branch', 'resting', found%resting - 1)
       end if
       call result%put('branch', 'cycles', [found%cycles])
       call result%put('branch', 'frequency', [frequency])
@@ -809,6 +813,15 @@ contains
             gap = findloc(structure%channel*structure%wall, condition%side, dim=1)
             if (condition%kind == rest_vanishes) gap = family%rests%gaps(number)
             if (condition%kind == rest_splits) gap = condition%side - structure%channels
+            if (condition%kind == stick_begins .or. condition%kind == stick_vanishes .or. &
+               condition%kind == contact_vanishes) gap = family%rests%gaps(number)
+            if (condition%kind == grazing .and. allocated(family%rests%rows)) then
+               if (.not. (structure%rubs(max(1, gap)) .or. structure%elastic(max(1, gap)))) gap = &
+                  -gap
+               if (gap >= 0) call element_detail(family%rests, condition, text)
+               if (gap >= 0) return
+               gap = -gap
+            end if
             number = count(family%rests%kinds(:number) /= release)
          end associate
       type is (structure_family_type)
@@ -826,6 +839,10 @@ contains
             ' closes at the end of flight '//whole(number)
       case (rest_vanishes, rest_splits)
          text = 'rest of gap '//whole(gap - 1)
+      case (stick_begins, stick_vanishes)
+         text = 'friction '//whole(gap - 1)
+      case (contact_vanishes)
+         text = 'stop '//whole(gap - 1)
       case (zero_approach)
          text = 'impact '//whole(number)
       case (edge)
@@ -835,5 +852,37 @@ contains
          text = ''
       end select
    end subroutine touch_detail
+
+   !> What a stop or friction would do within a flight.
+   pure subroutine element_detail(rests, condition, text)
+      !> The family.
+      type(rests_type), intent(in) :: rests
+      !> The condition: a row is at its limit.
+      type(condition_type), intent(in) :: condition
+      !> The text.
+      character(:), allocatable, intent(out) :: text
+      integer, allocatable :: held(:)
+      integer :: number, row
+
+      row = abs(condition%side)
+      associate (structure => rests%path%structure, set => rests%closed(condition%index)%set)
+         if (row > structure%channels) then
+            held = pack(set, set > 0 .and. structure%rubs(abs(set)))
+            text = 'friction '//whole(held(row - structure%channels) - 1)//merge( &
+               ' slips         ', ' does not stick', condition%share > 0)
+         else
+            number = findloc(structure%channel == row .or. structure%push == row, .true., dim=1)
+            text = 'stop '//whole(number - 1)//' is touched'
+            if (structure%rubs(number)) then
+               text = 'friction '//whole(number - 1)//' halts'
+            else if (row /= structure%channel(number)) then
+               text = 'stop '//whole(number - 1)//merge(' presses', ' lets go', condition%side > 0)
+            else if (condition%side < 0) then
+               text = 'stop '//whole(number - 1)//' is left'
+            end if
+         end if
+      end associate
+      text = trim(text)//' in flight '//whole(condition%index)
+   end subroutine element_detail
 
 end module vi_branch_study

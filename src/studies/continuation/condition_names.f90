@@ -1,7 +1,8 @@
 !> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
-   use vi_motion_family, only: edge, flip, fold, grazing, joint, neimark_sacker, &
-      repetition, rest_splits, rest_vanishes, together, zero_approach
+   use vi_motion_family, only: contact_vanishes, edge, events_meet, flip, fold, grazing, joint, &
+      neimark_sacker, repetition, rest_splits, rest_vanishes, stick_begins, stick_vanishes, &
+      together, zero_approach
    implicit none (type, external)
    private
 
@@ -9,7 +10,7 @@ module vi_condition_names
 
    !> Fixed lengths of names and details: gfortran keeps the length of a result of deferred length
    !! in one place for all threads.
-   integer, parameter, public :: name_length = 14, detail_length = 24
+   integer, parameter, public :: name_length = 16, detail_length = 24
 
    !> The parameters in their order in the core.
    character(6), parameter :: parameters(6) = [character(6) :: 'r', 'd K/F0', 'xi', 'mu', 'R1', &
@@ -47,6 +48,14 @@ contains
          name = 'rest_vanishes'
       case (rest_splits)
          name = 'rest_splits'
+      case (stick_begins)
+         name = 'stick_begins'
+      case (stick_vanishes)
+         name = 'stick_vanishes'
+      case (contact_vanishes)
+         name = 'contact_vanishes'
+      case (events_meet)
+         name = 'simultaneous'
       case (joint)
          name = 'joint'
       case default

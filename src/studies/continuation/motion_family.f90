@@ -28,6 +28,11 @@ module vi_motion_family
    !> Grazing of a motion with rest where the contact force touches zero before the release.
    integer, parameter, public :: rest_splits = 10
 
+   !> With friction and stops: friction that changes its sense begins to stick, or time between two
+   !! events falls to zero, of which the first may begin a stick or a contact that the other ends.
+   integer, parameter, public :: stick_begins = 11, stick_vanishes = 12, contact_vanishes = 13, &
+      events_meet = 14
+
    integer, parameter, public :: together = 1, alike = 2
 
    !> A residual that makes Newton's method fail: there is no motion, or not of this family.
@@ -303,8 +308,8 @@ contains
       type(condition_type), intent(in) :: condition
 
       ! within an accumulation the share counts flights as well
-      is_exchange = (condition%kind == grazing .or. condition%kind == rest_splits) .and. .not. &
-         abs(condition%share - 1) > 0
+      is_exchange = condition%kind == events_meet .or. ((condition%kind == grazing .or. &
+         condition%kind == rest_splits) .and. .not. abs(condition%share - 1) > 0)
    end function is_exchange
 
    !> Whether all conditions are met; of the edges only those of one parameter count.

@@ -275,8 +275,8 @@ contains
          call set_flights(family%impacts, member)
          associate (i => condition%index)
             value = touch_value(member%regime, member%x_after(:, i), member%v_after(:, i), &
-               member%equations%times(i), flight_duration(member, i), family%members%length, &
-               condition)
+               member%equations%times(i), flight_duration(member, i), units_of(family, &
+               member), condition)
          end associate
       case default
          value = simple_value(family, unknowns, member, condition)
@@ -408,8 +408,19 @@ contains
       associate (i => touch%index, gaps => member%equations%gaps)
          call least_gap(member%regime, member%x_after(:, i), member%v_after(:, i), &
             member%equations%times(i), flight_duration(member, i), gaps(i), &
-            gaps(modulo(i, size(gaps)) + 1), family%members%length, touch, gap)
+            gaps(modulo(i, size(gaps)) + 1), units_of(family, member), touch, gap)
       end associate
    end subroutine least_gap_of
+
+   !> The units of all rows.
+   pure function units_of(family, member) result(units)
+      !> The family.
+      class(structure_family_type), intent(in) :: family
+      !> The motion.
+      type(member_type), intent(in) :: member
+      real(wp) :: units(size(member%regime%upper))
+
+      units = family%members%length
+   end function units_of
 
 end module vi_structure_family

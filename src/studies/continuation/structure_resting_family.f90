@@ -1,24 +1,29 @@
-!> Families of motions of a structure with rests: the equations of vi_structure_rests, and the
-!! conditions that can bound them.
+!> Families of motions of a structure with rests, or with stops and friction: the equations of
+!! vi_structure_rests, and the conditions that can bound them.
 !!
 !! Besides those of motions without rest these are: a rest vanishes, because its accumulation just
 !! fails to be completed; and it splits, because the contact force touches zero before the release.
 !! A force that falls to zero at the release has, over the time that is left until then, a least
 !! value at any time of the rest, which is positive if the rest does not end before.
+!!
+!! With stops and friction each row has to stay within its limits between the events, so that no
+!! stop is touched and no friction changes in between; the time between two events is positive; and
+!! where friction changes its sense, what would hold it is above the stick level.
 module vi_structure_resting_family
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_family, only: repetition_type
    use vi_kinds, only: two_pi, wp
    use vi_lapack_routines, only: geev
    use vi_linear, only: most
-   use vi_motion_family, only: at_fault, condition_type, coordinates_type, edge, flip, fold, &
-      grazing, motion_family_type, neimark_sacker, parameters_at, repetition, rest_splits, &
-      rest_vanishes, set_differences, zero_approach
+   use vi_motion_family, only: at_fault, condition_type, contact_vanishes, coordinates_type, &
+      edge, events_meet, flip, fold, grazing, motion_family_type, neimark_sacker, parameters_at, &
+      repetition, rest_splits, rest_vanishes, set_differences, stick_begins, stick_vanishes, &
+      zero_approach
    use vi_orbit, only: n_parameters
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_family, only: numbers_of
    use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
-      rests_type, segment_type
+      rests_type, segment_type, switch, unit_of_row
    use vi_structure_touches, only: least_gap, rows_at, touch_value, wide
    implicit none (type, external)
    private
@@ -30,7 +35,7 @@ module vi_structure_resting_family
    contains
       procedure :: unknown_count, wrap_phases, set_equations
       procedure :: condition_count, set_conditions, condition_value
-      procedure :: whole_of, part_of, has_other_symbols, image_of
+      procedure :: whole_of, part_of, has_other_symbols, image_of, phases_of
    end type structure_resting_type
 
    !> In place of the number of a flight: the event after an accumulation comes at its end.
@@ -93,7 +98,7 @@ contains
             a(m + k, :m) = coordinates%scale(k)*((sides(1)%residuals - sides(2)%residuals)/(2*h))
          end do
          b(1, :m) = course%residuals
-         a(:m, :m) = course%slopes
+         a(:m, :m) = course%slopes(:m, :)
       end associate
       do j = 1, size(conditions)
          if (conditions(j)%kind /= edge) call value_in(family, point(:m), course, conditions(j), &
@@ -165,8 +170,9 @@ contains
       found(:3) = [condition_type(fold), condition_type(flip), condition_type(neimark_sacker)]
       do i = 1, n
          found(3 + i) = condition_type(zero_approach, i)
+         if (family%rests%kinds(i) == switch) found(3 + i)%kind = stick_begins
          found(3 + n + i) = condition_type(grazing, i)
-         found(3 + 2*n + i) = condition_type(rest_vanishes, i)
+         found(3 + 2*n + i) = condition_type(end_of(family, i), i)
       end do
       do i = 1, size(family%repetitions)
          found(3 + 3*n + i) = condition_type(repetition, i, bound=family%apart)
@@ -229,7 +235,12 @@ contains
             value = three(condition%kind)
          case (zero_approach)
             value = 1
-            if (s%kinds(symbol) /= release) value = course%speeds(symbol)/s%speed
+            if (s%kinds(symbol) < release) value = course%speeds(symbol)/s%speed
+         case (stick_begins)
+            value = course%excess(symbol)
+         case (stick_vanishes, contact_vanishes, events_meet)
+            i = findloc(course%segments(:course%parts)%symbol, symbol, dim=1)
+            value = course%run%load%frequency*course%segments(i)%duration
          case (rest_vanishes)
             value = course%rests(symbol)
          case (repetition)
@@ -247,7 +258,7 @@ contains
                      call least_force(family, course, part, touch, value)
                   else if (part%duration > 0) then
                      value = touch_value(course%run%regimes(part%regime), part%x, part%v, &
-                        part%time, part%duration, s%length, condition)
+                        part%time, part%duration, units_of(family, course, part), condition)
                   end if
                end associate
                exit
@@ -282,7 +293,7 @@ contains
       if (.not. spectrum%regular) return
       spectrum%multipliers = cmplx(re, im, wp)
       ! where an approach speed passes zero, a multiplier passes infinity and another one zero
-      continued = product(sign(1.0_wp, pack(course%speeds, family%rests%kinds /= release)))
+      continued = product(sign(1.0_wp, pack(course%speeds, family%rests%kinds < release)))
       call numbers_of(spectrum%multipliers, continued, values)
       ! a multiplier approaches 1 where the motion repeats itself, as the square of the distance
       do info = 1, size(family%repetitions)
@@ -322,6 +333,48 @@ contains
       image(n + half + 1:) = unknowns(n + 1:n + half) + way%phase
    end function image_of
 
+   !> The condition at which a symbol and the next one come together, or its rest vanishes.
+   pure integer function end_of(family, symbol) result(kind)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The symbol.
+      integer, intent(in) :: symbol
+      integer :: next
+
+      kind = rest_vanishes
+      associate (s => family%rests)
+         if (.not. allocated(s%rows)) return
+         kind = events_meet
+         next = modulo(symbol, size(s%kinds)) + 1
+         if (s%kinds(symbol) /= switch .or. s%kinds(next) /= switch) return
+         if (s%gaps(symbol) /= s%gaps(next) .or. symbol == next) return
+         if (any(s%closed(symbol)%set == s%gaps(symbol))) kind = merge(stick_vanishes, &
+            contact_vanishes, s%path%structure%rubs(s%gaps(symbol)))
+      end associate
+   end function end_of
+
+   !> The units of all rows in a flight or a rest: lengths without stops and friction.
+   pure function units_of(family, course, part) result(units)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The period.
+      type(course_type), intent(in) :: course
+      !> The flight or rest.
+      type(segment_type), intent(in) :: part
+      real(wp) :: units(size(course%run%regimes(part%regime)%upper))
+      integer :: number, row
+
+      units = family%rests%length
+      if (.not. allocated(family%rests%rows)) return
+      associate (regime => course%run%regimes(part%regime))
+         do row = 1, size(units)
+            number = max(abs(regime%upper_gap(row)), abs(regime%lower_gap(row)))
+            if (number > 0) units(row) = unit_of_row(family%rests, course%run%structure, row, &
+               number, course%run%load%frequency)
+         end do
+      end associate
+   end function units_of
+
    !> The least gap, or contact force, after a symbol and before the next one.
    pure subroutine least_of_symbol(family, course, touch, value)
       !> The family.
@@ -355,8 +408,17 @@ contains
             end if
             if (.not. part%duration > 0) cycle
             here = condition_type(grazing, touch%index, bound=real(part%number, wp))
-            call least_gap(course%run%regimes(part%regime), part%x, part%v, part%time, &
-               part%duration, part%begins, part%ends, family%rests%length, here, least)
+            if (allocated(family%rests%rows)) then
+               associate (next => modulo(part%symbol, size(family%rests%kinds)) + 1)
+                  call least_gap(course%run%regimes(part%regime), part%x, part%v, part%time, &
+                     part%duration, part%begins, part%ends, units_of(family, course, part), here, &
+                     least, family%rests%rows(next)*family%rests%walls(next))
+               end associate
+            else
+               call least_gap(course%run%regimes(part%regime), part%x, part%v, part%time, &
+                  part%duration, part%begins, part%ends, units_of(family, course, part), here, &
+                  least)
+            end if
             if (least < value) then
                value = least
                touch = here
@@ -456,19 +518,30 @@ contains
       end subroutine at
    end subroutine least_force
 
-   !> The load phases of all impacts that are symbols; their approach speeds are not known here.
+   !> The load phases of all symbols, in order.
+   pure function phases_of(family, unknowns) result(phases)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Its unknowns.
+      real(wp), intent(in) :: unknowns(:)
+      real(wp) :: phases(size(family%rests%kinds))
+
+      ! the one that begins the period is last
+      associate (first => size(unknowns) - size(phases) + 1)
+         phases = [unknowns(first + 1:), unknowns(first) + two_pi*family%rests%cycles]
+      end associate
+   end function phases_of
+
+   !> The load phases of all symbols but releases; their approach speeds are not known here.
    pure function whole_of(family, unknowns) result(whole)
       !> The family.
       class(structure_resting_type), intent(in) :: family
       !> Its unknowns.
       real(wp), intent(in) :: unknowns(:)
       real(wp), allocatable :: whole(:)
-      integer :: m
 
       associate (s => family%rests)
-         m = size(s%kinds)
-         ! the release that begins the period is last, and no impact
-         whole = pack(unknowns(size(unknowns) - m + 2:), s%kinds(:m - 1) /= release)
+         whole = pack(family%phases_of(unknowns), s%kinds /= release)
          whole = [spread(ieee_value(1.0_wp, ieee_quiet_nan), 1, size(whole)), whole]
       end associate
    end function whole_of

@@ -1,15 +1,19 @@
-!> One period of a motion of a structure with rests, for given load phases of its impacts and
-!! releases.
+!> One period of a motion of a structure with rests, or with stops and friction, for given load
+!! phases of its events.
 !!
-!! The period begins just after a release. A symbol is an impact; the first of impacts that
-!! accumulate on one gap, with all that follow and the rest there; or a release. Positions and
-!! velocities at the start and the load phases of all symbols are unknown. The equations state that
-!! each gap is closed at its phase, that each contact force is zero at the phase of its release, and
+!! The period begins just after a release, or with stops and friction just after any event. A symbol
+!! is an impact; the first of impacts that accumulate on one gap, with all that follow and the rest
+!! there; a release; or a switch: a stop is touched or left, lets go or presses again, or friction
+!! sticks, slips or changes its sense. Positions and velocities at the start and the load phases of
+!! all symbols are unknown. The equations state that each gap is closed at its phase, that each
+!! contact force is zero at the phase of its release, that a row is at its limit at each switch, and
 !! that the state at the end is that at the start. Impacts within an accumulation are simulated.
 !!
 !! So the equations stay smooth where a gap is touched during a flight, where an approach speed
 !! falls to zero and where a contact force touches zero before its release. An accumulation that
 !! just fails to complete is still treated as complete, at the impact that comes nearest to that.
+!! Between two switches of one row its mean rate is zero instead of its second value: so a contact
+!! that becomes infinitely short and then negative is followed as well.
 !!
 !! Without restitution (R = 0) the first impact of an accumulation is also the last one.
 module vi_structure_rests
@@ -24,28 +28,34 @@ module vi_structure_rests
    use vi_structure_map, only: accelerations, apply_flight, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of
    use vi_structure_path, only: changed, structure_path_type
+   use vi_structure_return, only: closed_type
    use vi_structure_run, only: find_regime, impact_event, new_run, run_event_type, run_state_type, &
       run_type, simulate_structure, stick_event, whole_periods
-   use vi_structure_variation, only: tangent_type, through_event
+   use vi_structure_variation, only: project, tangent_type, through_event
    implicit none (type, external)
    private
 
-   public :: follow_period, monodromy, symbols_to_state
+   public :: follow_period, monodromy, symbols_to_state, unit_of_row
 
-   !> Kinds of symbols: an impact, the first impact of an accumulation, a release.
-   integer, parameter, public :: single = 1, first = 2, release = 3
+   !> Kinds of symbols: an impact, the first impact of an accumulation, a release, a switch.
+   integer, parameter, public :: single = 1, first = 2, release = 3, switch = 4
 
    !> Largest number of impacts in one accumulation.
    integer, parameter :: most_bounces = 2000
 
-   !> What the motions of a family with rests have in common.
+   !> What the motions of a family with rests, or with stops and friction, have in common.
    type, public :: rests_type
       type(structure_path_type) :: path
       integer :: cycles = 1
-      !> (N) Kind and gap of each symbol, the release that begins the period last.
+      !> (N) Kind and gap of each symbol, the one that begins the period last.
       integer, allocatable :: kinds(:), gaps(:)
-      !> The gaps that rest when the period begins.
-      integer, allocatable :: resting(:)
+      !> (0:N) What is closed after each symbol, with the rest of an accumulation.
+      type(closed_type), allocatable :: closed(:)
+      !> (N) Of switches: the row of the regime before that is at its limit, and +1 or -1 for its
+      !! upper or lower one; what would be closed if friction stuck where it changes its sense, with
+      !! its friction as the last element, else nothing.
+      integer, allocatable :: rows(:), walls(:)
+      type(closed_type), allocatable :: stuck(:)
       !> Units of length and of speed.
       real(wp) :: length = 1, speed = 1
    end type rests_type
@@ -65,18 +75,25 @@ module vi_structure_rests
 
    !> A period.
    type, public :: course_type
-      !> The structure under its load at these parameters, and the regime after each symbol (0:N).
+      !> The structure under its load at these parameters, the regime after each symbol (0:N), and
+      !! that of friction that sticks there.
       real(wp), allocatable :: shares(:)
       type(run_type) :: run
-      integer, allocatable :: after(:)
+      integer, allocatable :: after(:), stuck(:)
       !> (2n + N) Residuals: positions and velocities, gaps and forces, in units of the family; and
-      !! the derivative (i, j) of residual j by unknown i.
+      !! the derivative (i, j) of residual j by unknown i. The last i is the load phase of the last
+      !! symbol at the end of the period alone, where the time of the state at the end is kept.
       real(wp), allocatable :: residuals(:), slopes(:, :)
-      !> (N) Approach speeds and impulses of the symbols; 0 of releases.
+      !> (N) Approach speeds and impulses of the symbols; 0 of releases, and impulses of switches.
       real(wp), allocatable :: speeds(:), impulses(:)
       !> (N) A measure of the rest after an accumulation, negative where the accumulation is not
       !! completed; 1 for other symbols.
       real(wp), allocatable :: rests(:)
+      !> (N) By how much the force that would hold friction where it changes its sense is above the
+      !! stick level, in units of the family; 1 for other symbols.
+      real(wp), allocatable :: excess(:)
+      !> What the determinant of the derivative of the period must be: 0 where a direction is lost.
+      real(wp) :: volume = 1
       !> (N) Load phases (rad) at which the rests begin.
       real(wp), allocatable :: begins(:)
       !> The flights and rests in order.
@@ -95,6 +112,8 @@ module vi_structure_rests
       real(wp), allocatable :: d(:, :)
       !> The next segment.
       integer :: symbol = 0, begins = 0
+      !> The unknown that the load phase is.
+      integer :: column = 0
    end type here_type
 
 contains
@@ -120,10 +139,10 @@ contains
 
       n = size(s%path%structure%mass, 1)
       m = size(s%kinds)
-      call begin_course(s, shares, merge(2*n + m, 0, sloped), course, good)
+      call begin_course(s, shares, merge(2*n + m + 1, 0, sloped), course, good)
       if (.not. good) return
       columns = 0
-      if (sloped) columns = 2*n + m
+      if (sloped) columns = 2*n + m + 1
       unit = [spread(s%length, 1, n), spread(s%speed, 1, n)]
       q = s%length*unknowns(:n)
       rate = s%speed*unknowns(n + 1:2*n)
@@ -132,16 +151,20 @@ contains
       here%phase = unknowns(2*n + 1)
       here%symbol = m
       here%begins = s%gaps(m)
+      here%column = 2*n + 1
       associate (regime => course%run%regimes(here%regime))
          allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), here%d(2*size( &
             regime%xq, 1), columns), p(2*n, columns))
-         call to_pairs(regime, here%phase, q, rate, here%x, here%v)
-         call accelerations(regime, here%phase, here%x, here%v, acceleration)
          p = 0
          if (sloped) then
             do i = 1, 2*n
                p(i, i) = unit(i)
             end do
+         end if
+         call hold(course%run%structure, regime, rate, p)
+         call to_pairs(regime, here%phase, q, rate, here%x, here%v)
+         call accelerations(regime, here%phase, here%x, here%v, acceleration)
+         if (sloped) then
             p(:, 2*n + 1) = -[rate, acceleration]/regime%frequency
          end if
          call from_coordinates(regime, p, here%d)
@@ -242,7 +265,7 @@ contains
       if (good) good = .not. any(abs(shares - course%shares) > 0)
       if (.not. good) then
          if (allocated(course%shares)) deallocate (course%shares)
-         call set_regimes(s, shares, course%run, course%after, good)
+         call set_regimes(s, shares, course%run, course%after, course%stuck, good)
          if (.not. good) return
          course%shares = shares
       end if
@@ -254,28 +277,29 @@ contains
       if (.not. allocated(course%slopes)) allocate (course%slopes(columns, 2*n + m))
       if (.not. allocated(course%residuals)) allocate (course%residuals(2*n + m), &
          course%speeds(m), course%impulses(m), course%begins(m), course%rests(m), &
-         course%segments(4*m))
+         course%excess(m), course%segments(4*m))
       course%speeds = 0
       course%impulses = 0
       course%begins = 0
       course%rests = 1
+      course%excess = 1
+      course%volume = 1
    end subroutine begin_course
 
    !> The structure with its load, and the regime after each symbol.
-   pure subroutine set_regimes(s, shares, run, after, good)
+   pure subroutine set_regimes(s, shares, run, after, stuck, good)
       !> The family.
       type(rests_type), intent(in) :: s
       !> The parameters, as shares.
       real(wp), intent(in) :: shares(:)
       !> The structure under its load, with all regimes.
       type(run_type), intent(out) :: run
-      !> (0:N) The numbers of the regimes.
-      integer, allocatable, intent(out) :: after(:)
+      !> (0:N) The numbers of the regimes; (N) of those where friction sticks, else 0.
+      integer, allocatable, intent(out) :: after(:), stuck(:)
       !> False if there is none.
       logical, intent(out) :: good
       type(structure_type) :: structure
       type(load_type) :: load
-      integer, allocatable :: resting(:)
       integer :: i, status
 
       good = .false.
@@ -285,16 +309,12 @@ contains
       if (status /= stat%ok) return
       run%pair%known = .false.
       allocate (after(0:size(s%kinds)))
-      resting = s%resting
+      allocate (stuck(size(s%kinds)), source=0)
       do i = 0, size(s%kinds)
-         if (i > 0) then
-            associate (gap => s%gaps(i))
-               if (s%kinds(i) == first) resting = [pack(resting, resting < gap), gap, &
-                  pack(resting, resting > gap)]
-               if (s%kinds(i) == release) resting = pack(resting, resting /= gap)
-            end associate
-         end if
-         call find_regime(run, resting, after(i), status)
+         call find_regime(run, s%closed(i)%set, after(i), status)
+         if (status /= stat%ok) return
+         if (i == 0 .or. .not. allocated(s%stuck)) cycle
+         if (size(s%stuck(i)%set) > 0) call find_regime(run, s%stuck(i)%set, stuck(i), status)
          if (status /= stat%ok) return
       end do
       do i = 1, size(run%regimes)
@@ -320,15 +340,18 @@ contains
       logical, intent(out) :: good
       real(wp), dimension(size(course%run%structure%mass, 1)) :: q, rate, acceleration, closing
       real(wp), allocatable, dimension(:) :: x, v, by
-      real(wp), allocatable :: p(:, :)
+      real(wp), allocatable :: p(:, :), before(:, :)
       real(wp) :: d(0:3), impulse, restitution, slope, time, unit
       integer :: columns, equation, gap, i, n, row
+      real(wp) :: steepness
+      logical :: impacts
 
       n = size(q)
       columns = size(here%d, 2)
       gap = s%gaps(symbol)
       equation = 2*n + symbol
       good = .false.
+      steepness = 1
       associate (run => course%run, regime => course%run%regimes(here%regime), &
          structure => course%run%structure, frequency => course%run%load%frequency)
          time = (phase - here%phase)/frequency
@@ -336,15 +359,25 @@ contains
          if (.not. (time > -0.25_wp*run%period .and. time < (s%cycles + 1)*run%period)) return
          allocate (x, source=here%x)
          allocate (v, source=here%v)
+         if (s%kinds(symbol) == switch) then
+            allocate (before, source=here%d)
+         else
+            allocate (before(0, 0))
+         end if
          call add_segment(course, here, 0, time, gap)
          call advance(regime%modes, time, here%x, here%v, x, v)
+         course%volume = course%volume*exp(-2*sum(regime%modes%damping)*time)
          if (columns > 0) call apply_flight(regime, time, here%d)
          call state_of(regime, phase, x, v, q, rate)
          call accelerations(regime, phase, x, v, acceleration)
          allocate (p(2*n, columns))
+         if (s%kinds(symbol) == switch) call set_switch(s, symbol, phase, column, [x, v], before, &
+            here, course, steepness)
          here%phase = phase
          here%symbol = symbol
          here%begins = gap
+         here%column = column
+         impacts = s%kinds(symbol) < release
          if (s%kinds(symbol) == release) then
             row = structure%channels + findloc(regime%resting, gap, dim=1)
             call row_derivatives(regime, x, v, phase, row, d)
@@ -359,9 +392,12 @@ contains
             call measure_rest(s, symbol, phase, course)
          end if
          call to_coordinates(regime, here%d, p)
-         if (columns > 0) p(:, column) = p(:, column) + [rate, acceleration]/frequency
+         if (columns > 0) then
+            p(:, column) = p(:, column) + [rate, acceleration]/frequency
+            if (symbol == size(s%kinds)) p(:, columns) = [rate, acceleration]/frequency
+         end if
          restitution = 0
-         if (s%kinds(symbol) /= release) then
+         if (impacts) then
             associate (direction => structure%directions(:, gap), mobility => &
                structure%mobility(:, gap))
                course%residuals(equation) = (dot_product(direction, q) - structure%openings(gap)) &
@@ -370,6 +406,7 @@ contains
                associate (speed => course%speeds(symbol))
                   call impulse_of(structure, gap, speed, impulse, slope)
                   call restitution_of(structure, gap, max(0.0_wp, speed), restitution, d(0))
+                  course%volume = course%volume*restitution*(restitution + d(0)*speed)
                end associate
                course%impulses(symbol) = impulse
                rate = rate - impulse*mobility
@@ -394,15 +431,230 @@ contains
          deallocate (here%x, here%v, here%d)
          allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), &
             here%d(2*size(regime%xq, 1), columns))
+         call hold(course%run%structure, regime, rate, p)
          call to_pairs(regime, phase, q, rate, here%x, here%v)
          call accelerations(regime, phase, here%x, here%v, acceleration)
-         if (columns > 0) p(:, column) = p(:, column) - [rate, acceleration]/frequency
+         if (columns > 0) then
+            p(:, column) = p(:, column) - [rate, acceleration]/frequency
+            if (symbol == size(s%kinds)) p(:, columns) = p(:, columns) - [rate, acceleration] &
+               /frequency
+         end if
          call from_coordinates(regime, p, here%d)
       end associate
       good = .true.
+      if (s%kinds(symbol) == switch) call change_volume(s, symbol, phase, steepness, here, course)
+      if (s%kinds(symbol) == first) course%volume = 0
       if (s%kinds(symbol) == first) call settle_down(s, symbol, restitution*course%speeds(symbol), &
          here, course, good)
    end subroutine next_symbol
+
+   !> The equation of a switch, and what is known of it.
+   pure subroutine set_switch(s, symbol, phase, column, pairs, before, here, course, steepness)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> Its number, its load phase (rad), and the number of the unknown that that is.
+      integer, intent(in) :: symbol, column
+      real(wp), intent(in) :: phase
+      !> (2m) The pairs just before it.
+      real(wp), intent(in) :: pairs(:)
+      !> (2m, unknowns) Changes of the pairs at the beginning of the flight.
+      real(wp), intent(in) :: before(:, :)
+      !> The beginning of the flight, with changes at its end.
+      type(here_type), intent(in) :: here
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      !> The rate of its row.
+      real(wp), intent(out) :: steepness
+      !> Shortest time, in units of the regime, over which a mean rate is a quotient.
+      real(wp), parameter :: short = 1.0e-5_wp
+      real(wp), dimension(size(before, 2)) :: by, by_begin
+      real(wp), dimension(size(here%x)) :: x, v
+      real(wp), dimension(0:3) :: d, d_begin
+      real(wp) :: limit, time, unit
+      integer :: equation, m, row
+
+      associate (structure => course%run%structure, frequency => course%run%load%frequency, &
+         regime => course%run%regimes(here%regime))
+         m = size(here%x)
+         row = s%rows(symbol)
+         equation = size(course%residuals) - size(s%kinds) + symbol
+         limit = merge(regime%upper(row), regime%lower(row), s%walls(symbol) > 0)
+         x = pairs(:m)
+         v = pairs(m + 1:)
+         call row_derivatives(regime, x, v, phase, row, d)
+         steepness = d(1)
+         course%speeds(symbol) = 0
+         if (structure%elastic(s%gaps(symbol))) course%speeds(symbol) = &
+            abs(dot_product(structure%directions(:, s%gaps(symbol)), rate_of(regime, phase, x, v)))
+         unit = unit_of_row(s, structure, row, s%gaps(symbol), frequency)
+         by = matmul(regime%position(row, :), here%d(:m, :)) + matmul(regime%velocity(row, :), &
+            here%d(m + 1:, :))
+         if (size(by) > 0) then
+            by(column) = by(column) + d(1)/frequency
+            if (symbol == size(s%kinds)) by(size(by)) = d(1)/frequency
+         end if
+         if (.not. follows_itself(s, symbol)) then
+            course%residuals(equation) = (d(0) - limit)/unit
+            if (size(by) > 0) course%slopes(:, equation) = by/unit
+         else
+            time = (phase - here%phase)/frequency
+            call row_derivatives(regime, here%x, here%v, here%phase, row, d_begin)
+            unit = unit*frequency
+            if (abs(time) > short*regime%unit) then
+               course%residuals(equation) = (d(0) - d_begin(0))/(time*unit)
+               if (size(by) > 0) then
+                  by_begin = matmul(regime%position(row, :), before(:m, :)) &
+                     + matmul(regime%velocity(row, :), before(m + 1:, :))
+                  by_begin(here%column) = by_begin(here%column) + d_begin(1)/frequency
+                  by = (by - by_begin)/time
+                  by(column) = by(column) - course%residuals(equation)*unit/(time*frequency)
+                  by(here%column) = by(here%column) + course%residuals(equation)*unit &
+                     /(time*frequency)
+               end if
+            else
+               course%residuals(equation) = (d_begin(1) + 0.5_wp*time*(d_begin(2) &
+                  + time*d_begin(3)/3))/unit
+               if (size(by) > 0) then
+                  by = matmul(regime%rate_position(row, :), before(:m, :)) &
+                     + matmul(regime%rate_velocity(row, :), before(m + 1:, :))
+                  by(column) = by(column) + 0.5_wp*d_begin(2)/frequency
+                  by(here%column) = by(here%column) + 0.5_wp*d_begin(2)/frequency
+                  if (symbol == size(s%kinds)) by(size(by)) = 0.5_wp*d_begin(2)/frequency
+               end if
+            end if
+            if (size(by) > 0) course%slopes(:, equation) = by/unit
+         end if
+         if (course%stuck(symbol) == 0) return
+         call find_excess(s, symbol, phase, x, v, regime, course)
+      end associate
+   contains
+      !> The velocities.
+      pure function rate_of(regime, phase, x, v) result(rate)
+         !> The regime, the load phase (rad), and the pairs.
+         type(regime_type), intent(in) :: regime
+         real(wp), intent(in) :: phase
+         real(wp), contiguous, intent(in) :: x(:), v(:)
+         real(wp) :: rate(size(course%run%structure%mass, 1)), q(size(rate))
+
+         call state_of(regime, phase, x, v, q, rate)
+      end function rate_of
+   end subroutine set_switch
+
+   !> Multiplies the factor of volumes by that of a switch: the rate of the row after it over that
+   !! before it, or 0 where friction sticks from now on.
+   pure subroutine change_volume(s, symbol, phase, rate, here, course)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The switch, its load phase (rad), and the rate of its row before it.
+      integer, intent(in) :: symbol
+      real(wp), intent(in) :: phase, rate
+      !> The place just after it.
+      type(here_type), intent(in) :: here
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      real(wp) :: d(0:3)
+
+      associate (structure => course%run%structure, row => s%rows(symbol))
+         if (row > structure%channels) return
+         call row_derivatives(course%run%regimes(here%regime), here%x, here%v, phase, row, d)
+         course%volume = course%volume*(d(1)/rate)
+         if (.not. structure%rubs(s%gaps(symbol))) return
+         if (any(s%closed(symbol)%set == s%gaps(symbol))) course%volume = 0
+      end associate
+   end subroutine change_volume
+
+   !> By how much the force that would hold friction where it changes its sense is above the stick
+   !! level.
+   pure subroutine find_excess(s, symbol, phase, x, v, regime, course)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The switch, its load phase (rad), and (m) the pairs before it, with their regime.
+      integer, intent(in) :: symbol
+      real(wp), intent(in) :: phase, x(:), v(:)
+      type(regime_type), intent(in) :: regime
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      real(wp), dimension(size(course%run%structure%mass, 1)) :: q, rate
+      real(wp), allocatable, dimension(:) :: x_held, v_held
+      real(wp) :: d(0:3), none(2*size(q), 0)
+      integer :: row
+
+      associate (held => course%run%regimes(course%stuck(symbol)), structure => &
+         course%run%structure, friction => s%gaps(symbol))
+         row = structure%channels + findloc(held%held, friction, dim=1)
+         call state_of(regime, phase, x, v, q, rate)
+         call hold(structure, held, rate, none)
+         allocate (x_held(size(held%xq, 1)), v_held(size(held%xq, 1)))
+         call to_pairs(held, phase, q, rate, x_held, v_held)
+         call row_derivatives(held, x_held, v_held, phase, row, d)
+         ! it goes on to the other side than that from which it came
+         course%excess(symbol) = (s%walls(symbol)*d(0) - held%upper(row)) &
+            /unit_of_row(s, structure, row, friction, course%run%load%frequency)
+      end associate
+   end subroutine find_excess
+
+   !> Whether a switch concerns the same row and limit as the one before it; one of them all has to
+   !! be at its limit by itself.
+   pure logical function follows_itself(s, symbol) result(does)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The switch.
+      integer, intent(in) :: symbol
+
+      does = symbol > 1
+      if (does) does = s%kinds(symbol - 1) == switch .and. s%rows(symbol - 1) == s%rows(symbol) &
+         .and. s%gaps(symbol - 1) == s%gaps(symbol) .and. s%rows(symbol) <= &
+         s%path%structure%channels
+   end function follows_itself
+
+   !> The unit of a row: of a position, of a speed of friction, or of a force.
+   pure real(wp) function unit_of_row(s, structure, row, number, frequency) result(unit)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The row, and the gap, stop or friction that it concerns.
+      integer, intent(in) :: row, number
+      !> The frequency of the load.
+      real(wp), intent(in) :: frequency
+
+      if (row > structure%channels) then
+         unit = max(structure%effective(number)*s%speed*frequency, &
+            structure%laws(number)%numbers(2))
+      else if (structure%rubs(number)) then
+         unit = s%speed
+      else if (row == structure%channel(number)) then
+         unit = s%length
+      else
+         unit = structure%laws(number)%numbers(1)*s%length + structure%laws(number)%numbers(2) &
+            *s%speed
+      end if
+   end function unit_of_row
+
+   !> Gives what sticks the speed that it keeps.
+   pure subroutine hold(structure, regime, rate, p)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (n) In and out: velocities.
+      real(wp), intent(inout) :: rate(:)
+      !> (2n, columns) In and out: changes of coordinates and velocities.
+      real(wp), intent(inout) :: p(:, :)
+      real(wp) :: columns(size(rate), 1), speeds(size(regime%held))
+      integer :: i, n
+
+      if (size(regime%held) == size(regime%resting)) return
+      n = size(rate)
+      speeds = 0
+      do i = size(regime%resting) + 1, size(speeds)
+         speeds(i) = structure%laws(regime%held(i))%numbers(3)
+      end do
+      columns(:, 1) = rate
+      call project(structure, regime%held, columns, speeds)
+      rate = columns(:, 1)
+      call project(structure, regime%held, p(n + 1:, :))
+   end subroutine hold
 
    !> Notes the flight or rest that begins here.
    pure subroutine add_segment(course, here, number, duration, ends)
@@ -714,14 +966,16 @@ contains
       do i = 1, n
          p(i, i) = p(i, i) + 1
       end do
-      if (m == 1) return
-      ! the phases of all symbols but the last follow from the state at the start
-      allocate (by(m - 1, n), events(m - 1, m - 1))
-      by = transpose(course%slopes(:n, n + 1:n + m - 1))
-      events = transpose(course%slopes(n + 2:, n + 1:n + m - 1))
+      ! accelerations do not jump at a release
+      if (s%kinds(m) == release) m = m - 1
+      if (m == 0) return
+      ! the phases of the symbols follow from the state at the start
+      allocate (by(m, n), events(m, m))
+      by = transpose(course%slopes(:n, n + 1:n + m))
+      events = transpose(course%slopes(n + 2:n + m + 1, n + 1:n + m))
       call solve_columns(events, by, status)
       good = status == stat%ok
-      if (good) p = p - matmul(transpose(course%slopes(n + 2:, :n)), by)
+      if (good) p = p - matmul(transpose(course%slopes(n + 2:n + m + 1, :n)), by)
    end subroutine monodromy
 
 end module vi_structure_rests

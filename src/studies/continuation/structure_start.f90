@@ -26,12 +26,13 @@ module vi_structure_start
       structure_members_type, whole_sides
    use vi_structure_resting_family, only: structure_resting_type
    use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
-      rests_type, single, symbols_to_state
+      rests_type, single, switch, symbols_to_state
    use vi_structure_path, only: change_type, is_odd, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
-   use vi_structure_return, only: settled_type
+   use vi_structure_return, only: closed_type, settled_type
+   use vi_structure_run, only: impact_event, slip_down_event, slip_up_event
    use vi_text, only: counted, whole_text => whole
    implicit none (type, external)
    private
@@ -81,7 +82,7 @@ contains
 
       mirrored = .false.
       message = ''
-      if (size(start%resting) > 0) then
+      if (size(start%resting) > 0 .or. allocated(start%events)) then
          call start_resting(structure, load, start, changes, curve, point, mirrored, message)
          return
       end if
@@ -211,9 +212,20 @@ contains
          s%path%load = load
          s%path%changes = changes
          s%cycles = start%cycles
-         s%speed = maxval(start%motion%speeds)
-         s%length = s%speed/load%frequency
          n = size(structure%mass, 1)
+         s%speed = maxval(start%motion%speeds)
+         if (allocated(start%events)) s%speed = max(maxval(abs(start%motion%states(n + 1:, :))), &
+            load%frequency*maxval(abs(start%motion%states(:n, :))))
+         s%length = s%speed/load%frequency
+         if (allocated(start%events)) then
+            call read_events(s, start, min(most_impacts, most - 2 - 2*n), unknowns, message)
+            if (len(message) > 0) return
+            call set_repetitions(family, [unknowns(2*n + 1:), unknowns(2*n + 1) + 2*pi*s%cycles], &
+               mirrored, message)
+            start%gaps = s%gaps
+            call finish_resting(family, unknowns, changes, curve, point)
+            return
+         end if
          call new_regime(s%path%structure, load, [integer :: ], regime, status)
          call read_symbols(s, start, regime%unit*load%frequency, min(most_impacts, most - 2 &
             - 2*n), phases, impacts, message)
@@ -221,8 +233,7 @@ contains
          m = size(s%kinds)
          call set_repetitions(family, phases, mirrored, message)
          if (len(message) > 0) return
-         shares = [((changes(i)%start - changes(i)%low)/(changes(i)%high - changes(i)%low), &
-            i=1, size(changes))]
+         shares = shares_of(changes)
          allocate (unknowns(2*n + m))
          i = findloc(s%kinds /= release, .true., dim=1, back=.true.)
          associate (state => start%motion%states(:, impacts(i)))
@@ -236,12 +247,127 @@ contains
          start%gaps = start%gaps(impacts)
          start%resting = pack(s%gaps, s%kinds == release)
       end associate
+      call finish_resting(family, unknowns, changes, curve, point)
+   end subroutine start_resting
+
+   !> The parameters of a motion, as shares of the way between their bounds.
+   pure function shares_of(changes) result(shares)
+      !> The parameters.
+      type(change_type), intent(in) :: changes(:)
+      real(wp) :: shares(size(changes))
+      integer :: i
+
+      shares = [((changes(i)%start - changes(i)%low)/(changes(i)%high - changes(i)%low), &
+         i=1, size(changes))]
+   end function shares_of
+
+   !> The curve or surface of a family with rests, or with stops and friction.
+   subroutine finish_resting(family, unknowns, changes, curve, point)
+      !> In and out: the family.
+      type(structure_resting_type), intent(inout) :: family
+      !> The unknowns of the motion at the start.
+      real(wp), intent(in) :: unknowns(:)
+      !> The parameters.
+      type(change_type), intent(in) :: changes(:)
+      !> As in `start_curve`.
+      type(curve_type), intent(out) :: curve
+      !> As in `start_curve`.
+      real(wp), allocatable, intent(out) :: point(:)
+
       family%jumps = .true.
       allocate (family%images(0))
       allocate (curve%family, source=family)
       call set_bounds(curve, size(changes))
-      point = [unknowns, shares]
-   end subroutine start_resting
+      point = [unknowns, shares_of(changes)]
+   end subroutine finish_resting
+
+   !> The events of a motion with stops or friction, in order from after the one that is followed
+   !! by the longest flight in which nothing sticks.
+   subroutine read_events(s, start, most_symbols, unknowns, message)
+      !> In and out: the family; symbols and what is closed after them are set.
+      type(rests_type), intent(inout) :: s
+      !> The motion.
+      type(settled_type), intent(in) :: start
+      !> Most symbols.
+      integer, intent(in) :: most_symbols
+      !> The unknowns of the motion.
+      real(wp), allocatable, intent(out) :: unknowns(:)
+      !> What is wrong; empty if nothing is.
+      character(:), allocatable, intent(out) :: message
+      !> Events nearer than this (rad) are at one instant.
+      real(wp), parameter :: instant = 1.0e-8_wp
+      integer, allocatable :: order(:)
+      real(wp), allocatable :: phases(:), flights(:)
+      logical, allocatable :: free(:)
+      integer :: begin, i, m
+
+      message = ''
+      associate (events => start%events, structure => s%path%structure)
+         if (size(start%resting) > 0) message = 'a gap rests beside stops or friction; such &
+            &motions cannot be followed'
+         ! what changes at one instant together is told one by one
+         order = pack([(i, i=1, size(events))], [.not. is_repeated(1, size(events)), &
+            (.not. is_repeated(i, i - 1), i=2, size(events))])
+         m = size(order)
+         if (m > most_symbols) message = 'the motion has '//counted(m, 'event')//'; at most '// &
+            whole_text(most_symbols)//' can be followed'
+         if (any(start%limits(1, order) == 0)) message = 'a force that jumps changes what sticks; &
+            &such motions cannot be followed'
+         if (len(message) > 0) return
+         phases = [((real(events(order(i))%cycle - events(order(1))%cycle, wp)*2*pi + &
+            events(order(i))%elapsed*s%path%load%frequency), i=1, m)]
+         flights = [phases(2:), phases(1) + 2*pi*s%cycles] - phases
+         if (any(flights < instant)) then
+            message = 'two events come at one instant; such motions with stops or friction cannot &
+               &be followed'
+            return
+         end if
+         free = [(.not. any(sticks(start%closed(order(i))%set)), i=1, m)]
+         if (.not. any(free)) free = .true.
+         begin = maxloc(flights, dim=1, mask=free)
+         order = cshift(order, begin)
+         phases = [phases(begin), phases(begin + 1:), phases(:begin - 1) + 2*pi*s%cycles]
+         phases = phases - 2*pi*floor(phases(1)/(2*pi))
+         s%kinds = merge(single, switch, events(order)%kind == impact_event)
+         s%gaps = events(order)%gap
+         s%rows = start%limits(1, order)
+         s%walls = start%limits(2, order)
+         allocate (s%closed(0:m), s%stuck(m))
+         s%closed(0) = start%closed(order(m))
+         s%closed(1:) = start%closed(order)
+         do i = 1, m
+            allocate (s%stuck(i)%set(0))
+            associate (event => events(order(i)), set => s%closed(i)%set)
+               if (all(event%kind /= [slip_up_event, slip_down_event]) .or. s%rows(i) > &
+                  structure%channels) cycle
+               s%stuck(i)%set = [pack(set, set < event%gap .and. abs(set) /= event%gap), &
+                  event%gap, pack(set, set > event%gap)]
+            end associate
+         end do
+         unknowns = [events(order(m))%q/s%length, events(order(m))%rate/s%speed, phases]
+      end associate
+   contains
+      !> Whether an event tells of a change that was made at the one before it.
+      pure logical function is_repeated(i, before)
+         !> Both events.
+         integer, intent(in) :: i, before
+
+         associate (events => start%events)
+            is_repeated = i /= before .and. events(i)%regime == events(before)%regime .and. &
+               events(i)%cycle == events(before)%cycle .and. .not. abs(events(i)%elapsed &
+               - events(before)%elapsed) > 0
+         end associate
+      end function is_repeated
+
+      !> Which of what is closed is friction that sticks.
+      pure function sticks(set)
+         !> What is closed.
+         integer, intent(in) :: set(:)
+         logical :: sticks(size(set))
+
+         sticks = set > 0 .and. s%path%structure%rubs(abs(set))
+      end function sticks
+   end subroutine read_events
 
    !> The ways in which motions with rests can repeat themselves, or be their own mirror images,
    !! half a period later.
@@ -262,6 +388,7 @@ contains
       associate (s => family%rests)
          m = size(s%kinds)
          sides = s%path%structure%channel(s%gaps)*s%path%structure%wall(s%gaps)
+         if (allocated(s%rows)) sides = s%rows*s%walls
          do parts = 2, m
             if (modulo(m, parts) > 0) cycle
             if (any(s%kinds /= cshift(s%kinds, m/parts))) cycle
@@ -307,7 +434,7 @@ contains
       !! by simulation.
       real(wp), parameter :: short = 0.3_wp
       real(wp), allocatable :: at(:)
-      integer, allocatable :: kind(:), gap(:), number(:), order(:), left(:)
+      integer, allocatable :: kind(:), gap(:), number(:), order(:), left(:), resting(:)
       real(wp) :: longest, threshold, whole
       integer :: begin, i, j, k, m, n, last
 
@@ -350,11 +477,11 @@ contains
       gap = cshift(gap, begin)
       number = cshift(number, begin)
       ! the gaps that rest then: their last change before is that they began to
-      s%resting = [integer ::]
+      resting = [integer ::]
       do i = minval(gap), maxval(gap)
          k = findloc(gap == i .and. kind /= single, .true., dim=1, back=.true.)
          if (k == 0) cycle
-         if (kind(k) == 0) s%resting = [s%resting, i]
+         if (kind(k) == 0) resting = [resting, i]
       end do
       threshold = short
       do
@@ -401,6 +528,14 @@ contains
       s%kinds = pack(s%kinds, left > 0)
       s%gaps = pack(gap, left > 0)
       impacts = pack(number, left > 0)
+      allocate (s%closed(0:last))
+      s%closed(0) = closed_type(resting)
+      do i = 1, last
+         if (s%kinds(i) == first) resting = [pack(resting, resting < s%gaps(i)), s%gaps(i), &
+            pack(resting, resting > s%gaps(i))]
+         if (s%kinds(i) == release) resting = pack(resting, resting /= s%gaps(i))
+         s%closed(i) = closed_type(resting)
+      end do
       phases = [at(n) - whole, pack(at, left > 0)]
       phases = phases - 2*pi*floor(phases(2)/(2*pi))
    end subroutine read_symbols
@@ -581,6 +716,7 @@ contains
       type(condition_type) :: found(family%condition_count())
       type(spectrum_type) :: spectrum
       real(wp) :: values(size(found)), unit(2*size(extremes, 1))
+      real(wp), allocatable :: speeds(:)
       integer, allocatable :: impacts(:)
       integer :: i, j, k, m, n
       logical :: good
@@ -592,7 +728,8 @@ contains
          extremes(:, 2) = -huge(1.0_wp)
          impacts = pack([(i, i=1, m)], s%kinds /= release)
          allocate (rests(2, m - size(impacts)), source=ieee_value(1.0_wp, ieee_quiet_nan))
-         motion%phases = unknowns(2*n + 1 + impacts)
+         motion%phases = family%phases_of(unknowns)
+         motion%phases = motion%phases(impacts)
          allocate (motion%verdicts%p(2*n, 2*n), motion%verdicts%multipliers(2*n), &
             motion%states(2*n, size(impacts)))
          call without_derivative(motion%verdicts)
@@ -650,10 +787,12 @@ contains
                verdicts%p(:, i) = unit*verdicts%p(:, i)/unit(i)
             end do
             verdicts%multipliers = 0
-            verdicts%law = 0
+            verdicts%law = course%volume
             ! as of a motion found by simulation, see vi_structure_return
-            call assess_multipliers(1.0e-12_wp*max(1.0_wp, maxval(abs(motion%speeds))/ &
-               max(tiny(1.0_wp), minval(abs(motion%speeds)))), verdicts)
+            speeds = pack(abs(course%speeds), s%kinds < release)
+            if (size(speeds) == 0) speeds = [s%speed]
+            call assess_multipliers(1.0e-12_wp*max(1.0_wp, maxval(speeds)/max(tiny(1.0_wp), &
+               minval(speeds))), verdicts)
          end associate
       end associate
    end subroutine resting_motion

@@ -1,4 +1,4 @@
-!> Where the gaps of a structure are least within a flight or a rest.
+!> Where the gaps of a structure, or other rows with limits, are least within a flight or a rest.
 module vi_structure_touches
    use vi_kinds, only: wp
    use vi_modes, only: advance
@@ -17,25 +17,31 @@ contains
 
    !> The least gap within a flight: at stationary points, and at its end of channels that are not
    !! in contact there. Gaps that rest are left out.
-   pure subroutine least_gap(regime, x, v, time, duration, begins, ends, length, touch, gap)
+   !!
+   !! With stops and friction, where accelerations jump, what has a limit is looked at just after
+   !! the beginning, too.
+   pure subroutine least_gap(regime, x, v, time, duration, begins, ends, units, touch, gap, last)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the beginning, the time there, and the duration.
       real(wp), intent(in) :: x(:), v(:), time, duration
       !> The gaps in contact at the beginning and at the end; 0 if there is none.
       integer, intent(in) :: begins, ends
-      !> The unit of length.
-      real(wp), intent(in) :: length
+      !> (rows) The unit of each.
+      real(wp), intent(in) :: units(:)
       !> In and out: the channel, with the sign of the wall, and the share of the duration are set.
       type(condition_type), intent(inout) :: touch
-      !> The gap, in units of length; negative beyond the wall.
+      !> The gap, in its unit; negative beyond the wall.
       real(wp), intent(out) :: gap
+      !> With stops and friction: the row that ends the flight, with the sign of its limit.
+      integer, intent(in), optional :: last
       !> Nodes per time unit of the structure, and limits on their number.
       integer, parameter :: density = 3, least = 12, most = 4000
       real(wp), allocatable, dimension(:, :) :: y, rate
       real(wp) :: value, step, h
       type(condition_type) :: here
       integer :: i, k, nodes, number, row, wall
+      logical :: holds
 
       nodes = max(least, min(most, ceiling(density*duration/regime%unit)))
       associate (rows => size(regime%upper))
@@ -51,11 +57,25 @@ contains
       do row = 1, size(y, 1)
          do i = 1, 2
             wall = 3 - 2*i
-            number = merge(regime%upper_gap(row), regime%lower_gap(row), wall > 0)
-            if (.not. number > 0 .or. any(regime%resting == number)) cycle
+            number = abs(merge(regime%upper_gap(row), regime%lower_gap(row), wall > 0))
+            if (number == 0 .or. any(regime%resting == number)) cycle
+            holds = row > size(units) - size(regime%held)
             do k = 0, nodes
                here = touch
                here%side = wall*row
+               if (k == 0 .and. present(last)) then
+                  ! a force that rises to the limit at which it ends the flight is below it as
+                  ! long as the flight has a duration
+                  if ((here%side /= last .or. wall*rate(row, 0) < 0) .and. (holds .or. &
+                     number /= begins)) then
+                     value = gap_at(regime, units(row), here%side, y(row, 0))
+                     here%share = 0
+                     if (value < gap) then
+                        gap = value
+                        touch = here
+                     end if
+                  end if
+               end if
                ! an impact leaves its wall; without restitution its speed is 0, up to rounding
                if (k == 0 .and. number == begins) cycle
                if (k < nodes) then
@@ -65,10 +85,10 @@ contains
                      ! cubic interpolation decides which minima are refined
                      value = hermite(y(row, k), y(row, k + 1), h*rate(row, k), h*rate(row, k + 1), &
                         step)
-                     value = gap_at(regime, length, here%side, value)
+                     value = gap_at(regime, units(row), here%side, value)
                      if (value < gap + 0.1_wp) then
                         here%share = (k + step)/nodes
-                        value = touch_value(regime, x, v, time, duration, length, here)
+                        value = touch_value(regime, x, v, time, duration, units, here)
                         if (value < gap) then
                            gap = value
                            touch = here
@@ -78,9 +98,12 @@ contains
                   cycle
                end if
                ! the next impact comes first: before it all other gaps are open
-               if (number == ends) cycle
+               if (number == ends .and. .not. holds) cycle
+               if (present(last)) then
+                  if (here%side == last) cycle
+               end if
                here%share = 1
-               value = gap_at(regime, length, here%side, y(row, k))
+               value = gap_at(regime, units(row), here%side, y(row, k))
                if (value >= gap) cycle
                gap = value
                touch = here
@@ -98,11 +121,11 @@ contains
          + slope_b)))
    end function hermite
 
-   !> A gap in units of length.
-   pure real(wp) function gap_at(regime, length, side, y) result(gap)
-      !> The regime, and the unit of length.
+   !> A gap in its unit.
+   pure real(wp) function gap_at(regime, unit, side, y) result(gap)
+      !> The regime, and the unit.
       type(regime_type), intent(in) :: regime
-      real(wp), intent(in) :: length
+      real(wp), intent(in) :: unit
       !> The channel with the sign of the wall.
       integer, intent(in) :: side
       !> The position of the channel.
@@ -113,15 +136,15 @@ contains
       else
          gap = y - regime%lower(-side)
       end if
-      gap = gap/length
+      gap = gap/unit
    end function gap_at
 
    !> The gap at the stationary point near a given share of the flight; at its ends, the gap there.
-   pure real(wp) function touch_value(regime, x, v, time, duration, length, touch) result(gap)
+   pure real(wp) function touch_value(regime, x, v, time, duration, units, touch) result(gap)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> As of `least_gap`.
-      real(wp), intent(in) :: x(:), v(:), time, duration, length
+      real(wp), intent(in) :: x(:), v(:), time, duration, units(:)
       !> Channel and wall, and approximate share of the duration.
       type(condition_type), intent(in) :: touch
       real(wp), dimension(size(regime%upper)) :: y, rate, ahead, unused
@@ -147,7 +170,7 @@ contains
          end do
       end if
       call rows_at(regime, x, v, time, t, y, rate)
-      gap = gap_at(regime, length, touch%side, y(row))
+      gap = gap_at(regime, units(row), touch%side, y(row))
    end function touch_value
 
    !> Positions and rates of all rows at a time after the beginning of a flight.

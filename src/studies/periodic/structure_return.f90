@@ -23,7 +23,8 @@ module vi_structure_return
    use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
       run_state_type, &
       run_type, simulate_structure, start_at, state_now, stick_event
-   use vi_structure_variation, only: derivative_of_run
+   use vi_structure_variation, only: derivative_of_run, limit_of, start_tangent, tangent_type, &
+      through_event
    implicit none (type, external)
    private
 
@@ -32,6 +33,11 @@ module vi_structure_return
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000
+
+   !> What is closed in a regime, as in `regime_type`.
+   type, public :: closed_type
+      integer, allocatable :: set(:)
+   end type closed_type
 
    !> A motion as it was found.
    type, public :: settled_type
@@ -44,6 +50,12 @@ module vi_structure_return
       !> (m) Gaps that rest, and the load phases (rad) at which each rest begins and ends.
       integer, allocatable :: resting(:)
       real(wp), allocatable :: rests(:, :)
+      !> With stops or friction: all events, and what is closed after each of them; (2, events) the
+      !! row of the regime before each that is at its limit, and +1 or -1 for its upper or lower
+      !! one, or 0 where no row is.
+      type(run_event_type), allocatable :: events(:)
+      type(closed_type), allocatable :: closed(:)
+      integer, allocatable :: limits(:, :)
    end type settled_type
 
 contains
@@ -609,6 +621,7 @@ contains
       end if
       status = stat%ok
       call store_period(run, events(:n), found)
+      if (has_elements(run%structure)) call store_events(run, begun, events(:n), found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
       call examine_rests(run, events(:n), state, push, complete)
       if (found%motion%verdicts%consistent == yes) found%motion%verdicts%admissible = &
@@ -788,6 +801,30 @@ contains
          end do
       end do
    end subroutine store_period
+
+   !> Keeps all events of a period with stops or friction.
+   pure subroutine store_events(run, begun, events, found)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state at the beginning, and the events.
+      type(run_state_type), intent(in) :: begun
+      type(run_event_type), intent(in) :: events(:)
+      !> In and out: filled in.
+      type(settled_type), intent(inout) :: found
+      type(tangent_type) :: tangent
+      real(wp) :: none(2*size(run%structure%mass, 1), 0)
+      integer :: i, status
+
+      if (allocated(found%closed)) deallocate (found%closed, found%limits)
+      found%events = events
+      allocate (found%closed(size(events)), found%limits(2, size(events)))
+      call start_tangent(run, begun, none, tangent)
+      do i = 1, size(events)
+         call limit_of(run, events(i), tangent, found%limits(:, i))
+         call through_event(run, events(i), tangent, status)
+         found%closed(i)%set = run%regimes(events(i)%regime)%closed
+      end do
+   end subroutine store_events
 
    !> The motion as arrays.
    subroutine settle_arrays(structure, load, start, state, settling, most_cycles, cycles, &

@@ -23,7 +23,7 @@ module vi_structure_variation
    implicit none (type, external)
    private
 
-   public :: derivative_of_run, start_tangent, through_event, to_state
+   public :: derivative_of_run, limit_of, project, start_tangent, through_event, to_state
 
    !> Changes of the state, carried along a simulation from event to event.
    type, public :: tangent_type
@@ -366,6 +366,37 @@ contains
       end associate
    end subroutine find_row
 
+   !> The row of the regime before an event that is at its limit there, and +1 or -1 for its upper
+   !! or lower one; 0 if none is.
+   pure subroutine limit_of(run, event, tangent, limit)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> The place before it.
+      type(tangent_type), intent(in) :: tangent
+      !> The row and the limit.
+      integer, intent(out) :: limit(2)
+      real(wp), dimension(size(tangent%x)) :: x, v
+      real(wp) :: d(0:3), phase
+
+      limit = 0
+      associate (regime => run%regimes(tangent%number))
+         call advance(regime%modes, max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period &
+            + (event%elapsed - tangent%elapsed)), tangent%x, tangent%v, x, v)
+         phase = run%load%frequency*event%elapsed
+         if (event%kind == impact_event) then
+            limit = [run%structure%channel(event%gap), run%structure%wall(event%gap)]
+            return
+         end if
+         call find_row(run, regime, event, phase, x, v, limit(1))
+         if (limit(1) == 0) return
+         call row_derivatives(regime, x, v, phase, limit(1), d)
+         limit(2) = merge(1, -1, abs(regime%upper(limit(1)) - d(0)) < abs(d(0) &
+            - regime%lower(limit(1))))
+      end associate
+   end subroutine limit_of
+
    !> How much a gap closes by changes of the pairs.
    pure function closing_of(regime, direction, d) result(closing)
       !> The regime.
@@ -461,13 +492,15 @@ contains
 
    !> Removes from vectors the part that closes or opens some gaps, which rest together: they have a
    !! regime, for which the same equations had a solution.
-   pure subroutine project(structure, gaps, vectors)
+   pure subroutine project(structure, gaps, vectors, speeds)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The gaps.
       integer, intent(in) :: gaps(:)
       !> (n, columns) In and out.
       real(wp), intent(inout) :: vectors(:, :)
+      !> (gaps) The rates that are left, if they are not 0.
+      real(wp), intent(in), optional :: speeds(:)
       real(wp) :: gram(size(gaps), size(gaps)), parts(size(gaps), size(vectors, 2))
       real(wp), dimension(size(vectors, 1), size(gaps)) :: directions, kicks
       integer :: status
@@ -476,6 +509,7 @@ contains
       kicks = structure%mobility(:, gaps)
       gram = matmul(transpose(directions), kicks)
       parts = matmul(transpose(directions), vectors)
+      if (present(speeds)) parts = parts - spread(speeds, 2, size(parts, 2))
       call solve_columns(gram, parts, status)
       vectors = vectors - matmul(kicks, parts)
    end subroutine project

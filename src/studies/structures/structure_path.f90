@@ -4,7 +4,7 @@
 !! function of a parameter: then the entries that it changes are given as Chebyshev series.
 module vi_structure_path
    use vi_kinds, only: wp
-   use vi_restitution, only: restitution_type, table_law
+   use vi_restitution, only: friction_law, restitution_type, table_law
    use vi_structure, only: load_type, project, structure_type
    use vi_text, only: counted, number_text, whole
    implicit none (type, external)
@@ -13,16 +13,20 @@ module vi_structure_path
    public :: changed, changed_whole, is_odd, new_change, new_function, opposite_gap, rates_of, &
       reduce, same_law, set_entry, value_at
 
-   !> Kinds of entries: matrices, direction, opening and restitution of a gap, and parts of the
-   !! load.
+   !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
+   !! and the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed).
    integer, parameter :: of_mass = 1, of_damping = 2, of_stiffness = 3, of_direction = 4, &
       of_opening = 5, of_restitution = 6, of_frequency = 7, of_cosine = 8, of_sine = 9, &
-      of_constant = 10
+      of_constant = 10, of_law = 11
+
+   !> Names of law entries: the levels of friction, and the stiffness of a stop.
+   integer, parameter :: of_slip = 11, of_contact = 12
 
    character(*), parameter, public :: parameter_takes = '''frequency'', ''load'', ''constant'', &
       &''damping'' or ''stiffness'' (factors, 1 for the motion), ''opening'' or ''restitution'' &
-      &(of all gaps), ''opening_J'', ''restitution_J'' (of gap J), ''mass_I_J'', &
-      &''damping_I_J'', ''stiffness_I_J'', all from 0'
+      &(of all gaps), ''opening_J'', ''restitution_J'' (of gap J), ''slip'', ''slip_J'' (of &
+      &friction, stick in the same ratio), ''contact'', ''contact_J'' (stiffness of stops), &
+      &''mass_I_J'', ''damping_I_J'', ''stiffness_I_J'', all from 0'
 
    !> How one parameter p changes entries, between its bounds.
    type, public :: change_type
@@ -305,6 +309,8 @@ contains
             load%cosine(i, j) = value
          case (of_sine)
             load%sine(i, j) = value
+         case (of_law)
+            structure%laws(i)%numbers(j) = value
          case default
             load%constant(i) = value
          end select
@@ -340,6 +346,8 @@ contains
             value = load%cosine(i, j)
          case (of_sine)
             value = load%sine(i, j)
+         case (of_law)
+            value = structure%laws(i)%numbers(j)
          case default
             value = load%constant(i)
          end select
@@ -374,20 +382,23 @@ contains
       factor = .false.
       call split(name, word, places, good)
       kind = findloc([character(11) :: 'mass', 'damping', 'stiffness', '', 'opening', &
-         'restitution', 'frequency', 'load', '', 'constant'] == word, .true., 1)
+         'restitution', 'frequency', 'load', '', 'constant', 'slip', 'contact'] == word, .true., 1)
       if (kind == 0 .or. len(word) == 0 .or. .not. good) then
          message = 'it has no such name'
          return
       end if
       select case (kind)
-      case (of_opening, of_restitution)
+      case (of_opening, of_restitution, of_slip, of_contact)
          if (places(2) >= 0) message = 'it has one number, that of a gap'
          if (places(1) >= gaps) message = 'the structure has '//counted(gaps, 'gap')
-         if (places(1) < 0) then
-            entries = reshape([(kind, i, 0, i=1, gaps)], [3, gaps])
-         else
-            entries = reshape([kind, places(1) + 1, 0], [3, 1])
-         end if
+         if (len(message) > 0) return
+         allocate (entries(3, 0))
+         do i = 1, gaps
+            if (.not. has_it(kind, structure%laws(i)%kind)) cycle
+            if (places(1) < 0 .or. places(1) + 1 == i) entries = reshape([entries, &
+               merge(of_law, kind, kind > of_constant), i, merge(1, 0, kind > of_constant)], &
+               [3, size(entries, 2) + 1])
+         end do
       case (of_mass, of_damping, of_stiffness)
          if (any(places >= n)) message = 'the structure has '//counted(n, 'coordinate')
          factor = all(places < 0)
@@ -432,6 +443,7 @@ contains
             return
          end if
       end do
+      if (kind == of_slip .and. change%start > 0) call add_stick(structure, entries, change)
       if (kind == of_restitution) then
          if (any(structure%laws(entries(2, :))%kind == table_law)) message = &
             'the restitution of the gap is a table'
@@ -439,6 +451,42 @@ contains
       call move_alloc(entries, change%entries)
       call check_range(kind, factor, change, message, bound)
    end subroutine new_change
+
+   !> Whether a gap, a stop or friction has what a parameter changes.
+   elemental logical function has_it(kind, law) result(has)
+      !> The kind of the parameter, and that of the law.
+      integer, intent(in) :: kind, law
+
+      select case (kind)
+      case (of_opening)
+         has = law /= friction_law
+      case (of_restitution)
+         has = law <= table_law
+      case (of_slip)
+         has = law == friction_law
+      case default
+         has = law > table_law .and. law /= friction_law
+      end select
+   end function has_it
+
+   !> Adds the stick levels of friction to its slip levels, with the same ratio.
+   pure subroutine add_stick(structure, entries, change)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> In and out: the entries.
+      integer, allocatable, intent(inout) :: entries(:, :)
+      !> In and out: the parameter.
+      type(change_type), intent(inout) :: change
+      real(wp), allocatable :: series(:, :)
+      integer :: i, n
+
+      n = size(entries, 2)
+      allocate (series(0:1, 2*n), source=0.0_wp)
+      series(1, :n) = 1
+      series(1, n + 1:) = [(structure%laws(entries(2, i))%numbers(2)/change%start, i=1, n)]
+      entries = reshape([entries, [(of_law, entries(2, i), 2, i=1, n)]], [3, 2*n])
+      call move_alloc(series, change%series)
+   end subroutine add_stick
 
    !> Checks that the bounds are values that the parameter can have.
    pure subroutine check_range(kind, factor, change, message, bound)
@@ -459,6 +507,10 @@ contains
          return
       else if (kind == of_frequency .and. .not. change%low > 0) then
          message = 'a frequency must be above 0'
+      else if (kind == of_slip .and. .not. change%low >= 0) then
+         message = 'friction is at least 0'
+      else if (kind == of_contact .and. .not. change%low > 0) then
+         message = 'a stiffness of a stop must be above 0'
       else if (factor .and. any(kind == [of_damping, of_stiffness]) .and. .not. change%low >= 0) &
          then
          message = 'this factor must be at least 0'
@@ -557,8 +609,10 @@ contains
                most = [0, n, size(load%sine, 2)]
             case (of_constant)
                most = [0, n, 0]
+            case (of_law)
+               most = [0, gaps, 3]
             case default
-               message = 'kinds are 1 to 10'
+               message = 'kinds are 1 to 11'
                return
             end select
          end associate
@@ -568,7 +622,12 @@ contains
                whole(entries(2, i))//', '//whole(entries(3, i))
             return
          end if
-         if (entries(1, i) == of_restitution) then
+         if (any(entries(1, i) == [of_restitution, of_law])) then
+            if ((structure%laws(entries(2, i))%kind > table_law) .neqv. entries(1, i) == of_law) &
+               then
+               message = 'a stop and friction have kind 11 in place of 6'
+               return
+            end if
             if (structure%laws(entries(2, i))%kind == table_law) then
                message = 'the restitution of gap '//whole(entries(2, i) - 1)//' is a table'
                return

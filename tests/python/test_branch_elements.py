@@ -1,0 +1,180 @@
+"""Branches of structures with elastic stops and friction, against exact motions and simulations."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_exact_elements import of_chance, one_stop, settled
+
+DAMPING = 0.05
+
+
+def den_hartog(slip, stick=None):
+    return vi.Structure(
+        [1.0], [2 * DAMPING], [1.0], friction=[vi.Friction([1.0], slip, stick=stick)]
+    )
+
+
+def apart(branch, i):
+    """How far the moduli of the multipliers at a point are from those of the exact motion there."""
+    motion = branch[i]
+    # changes at one instant are events of their own in a motion
+    phases = np.sort(np.mod(motion.phases, 2 * np.pi * motion.cycles))
+    assert 1 + np.count_nonzero(np.diff(phases) > 1e-9) == len(branch.gaps)
+    assert motion.admissible
+    return np.abs(
+        np.sort(np.abs(motion.multipliers)) - np.sort(np.abs(branch.multipliers[:, i]))
+    ).max()
+
+
+def inner(branch, most):
+    """Admissible points, at most so many."""
+    found = np.flatnonzero(branch.admissible == 1)
+    return found[:: max(1, -(-len(found) // most))].tolist()
+
+
+@pytest.mark.parametrize(("first", "last"), [
+    (0, 8), pytest.param(8, 60, marks=pytest.mark.slow),
+])  # fmt: skip
+def test_points_are_exact_motions(first, last):
+    """Each point is the motion that `exact` finds there by simulation, with the same multipliers."""
+    judged = 0
+    for seed in range(first, last):
+        s, load = of_chance(seed)
+        try:
+            motion = vi.exact(s, load, vi.simulate(s, load, cycles=600, discard=500))
+            w = load.frequency
+            branch = vi.branch(motion, "frequency", bounds=(0.8 * w, 1.2 * w))
+        except (vi.ParameterError, vi.SingularError):
+            continue  # it has no impacts, is not periodic or has too many events
+        assert branch.residual.max() < 1e-9
+        near_fold = np.abs(branch.multipliers - 1).min(axis=0) < 1e-3
+        for i in inner(branch, 7):
+            if not near_fold[i]:
+                assert apart(branch, i) < 2e-7
+                judged += 1
+    assert judged >= 5 * (last - first)
+
+
+def test_closed_form_of_den_hartog():
+    """Amplitudes along the frequency are those of the closed form."""
+    f = 0.3
+    motion = settled(den_hartog(f), vi.Load(0.8, cosine=[1.0]))
+    branch = vi.branch(motion, "frequency", bounds=(0.6, 1.4))
+    b, zeta = branch.values, DAMPING
+    T, w = np.pi / b, np.sqrt(1 - zeta**2)
+    square = (1 - b**2) ** 2 + (2 * zeta * b) ** 2
+    below = np.cosh(zeta * T) + np.cos(w * T)
+    G = (np.sinh(zeta * T) - zeta / w * np.sin(w * T)) / below
+    H = np.sin(w * T) / (b * w * below)
+    assert branch.q_max[0] == pytest.approx(-G * f + np.sqrt(1 / square - (H * f) ** 2), rel=1e-12)
+    assert (branch.stable == 1).all()
+
+
+def test_friction_begins_to_stick():
+    """On one side of the end a simulation reverses, on the other it sticks."""
+    motion = settled(den_hartog(0.3, 0.36), vi.Load(0.8, cosine=[1.0]))
+    branch = vi.branch(motion, "slip", bounds=(0.1, 1.0))
+    (end,) = (p for p in branch.special_points if p.type == "stick_begins")
+    assert branch.ends == ("bound of the parameter", "friction begins to stick")
+    assert end.detail == "friction 0"
+    for value, halts in ((end.value - 1e-5, False), (end.value + 1e-5, True)):
+        run = vi.simulate(*branch.at(value), cycles=10, discard=300)
+        assert ("halt" in run.events["kind"]) == halts
+    assert branch.at(0.2)[0].friction[0].stick == pytest.approx(0.24)
+
+
+def test_a_stick_ends():
+    """Where a stick would begin above the stick level the motion is not admissible any more."""
+    motion = settled(
+        vi.Structure([1.0], [0.02], [1.0], friction=[vi.Friction([1.0], 0.6)]),
+        vi.Load(0.4, cosine=[1.0]), 60,
+    )  # fmt: skip
+    branch = vi.branch(motion, "slip", bounds=(0.1, 0.99))
+    points = [p for p in branch.special_points if p.type == "grazing"]
+    assert [p.detail.split(" in ")[0] for p in points] == ["friction 0 does not stick"] * 2
+    value = points[0].value
+    assert points[1].value == pytest.approx(value, abs=1e-12)
+    assert (branch.admissible[branch.values > value + 1e-9] == 1).all()
+    assert (branch.admissible[branch.values < value - 1e-9] == 0).all()
+    # on one side friction halts, on the other it reverses and halts later
+    for shift, count in ((1e-4, 4), (-1e-4, 6)):
+        run = vi.simulate(*branch.at(value + shift), cycles=2, discard=200)
+        assert len(run.events) == 2 * count
+
+
+def test_a_contact_vanishes():
+    """A stop that is moved away is only touched in the end, where the motion is the linear one."""
+    load = vi.Load(0.7, cosine=[1.0])
+    motion = settled(one_stop(0.5, stiffness=4), load)
+    branch = vi.branch(motion, "opening", bounds=(0.1, 3.0))
+    assert "a contact vanishes" in branch.ends
+    (end,) = (p for p in branch.special_points if p.type == "contact_vanishes")
+    amplitude = 1 / np.hypot(1 - 0.7**2, 0.1 * 0.7)
+    assert end.value == pytest.approx(amplitude, abs=1e-9)
+    assert end.detail == "stop 0"
+
+
+def test_a_stop_is_touched_in_between():
+    """Where a second stop is reached the motion is not admissible any more; simulations touch it."""
+    stops = [vi.Stop([1.0], 0.5, 5.0), vi.Stop([-1.0], 2.0, 50.0)]
+    s, load = vi.Structure([1.0], [0.3], [1.0], stops), vi.Load(0.7, cosine=[1.0])
+    branch = vi.branch(settled(s, load), "load", bounds=(0.9, 6.0))
+    (point,) = (p for p in branch.special_points if p.detail.startswith("stop 1 is touched"))
+    assert point.type == "grazing"
+    inside = vi.exact(
+        *branch.at(point.value - 1e-6), branch[np.flatnonzero(branch.admissible == 1)[-1]]
+    )
+    assert 1 not in inside.gaps
+    beyond = vi.exact(*branch.at(point.value + 1e-6), inside)
+    assert 1 in beyond.gaps
+    # stops that are touched change neither the motion nor its derivative by a jump
+    assert beyond.multipliers == pytest.approx(inside.multipliers, abs=0.1)
+
+
+def test_stiff_stops():
+    """Along the stiffness the multipliers tend to those of the rigid wall, as k^(-1/2)."""
+    s, load = one_stop(1.0, stiffness=1e3), vi.Load(1.0, cosine=[1.0])
+    branch = vi.branch(settled(s, load), lambda logarithm: (
+        one_stop(1.0, stiffness=10**logarithm), load), bounds=(3, 9), at=3.0)  # fmt: skip
+    wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 1.0)])
+    guess = vi.exact(wall, load, ([branch.phases[0, -1]], [0]))
+    distance = np.abs(
+        np.sort_complex(branch.multipliers.T) - np.sort_complex(guess.multipliers)
+    ).max(axis=1)
+    stiff = branch.values > 6
+    slope = np.polyfit(branch.values[stiff], np.log10(distance[stiff]), 1)[0]
+    assert slope == pytest.approx(-0.5, abs=0.01)
+
+
+def test_of_a_file(tmp_path):
+    """A branch is the same after it was saved, and from its namelist."""
+    motion = settled(den_hartog(0.3), vi.Load(0.8, cosine=[1.0]))
+    branch = vi.branch(motion, "slip", bounds=(0.2, 0.4))
+    branch.save(tmp_path / "branch.json")
+    loaded = vi.load(tmp_path / "branch.json")
+    assert np.array_equal(loaded.multipliers, branch.multipliers)
+    assert apart(loaded, len(loaded) - 2) < 1e-12
+    case = tmp_path / "branch.nml"
+    case.write_text(branch.to_namelist())
+    vi.run_namelists([case], tmp_path)
+    lines = (tmp_path / "branch.csv").read_text().splitlines()
+    assert sum(not line.startswith("#") for line in lines) == len(branch) + 1
+
+
+@pytest.mark.parametrize(("parameter", "message"), [
+    ("contact", "there is nothing that it could change"), ("restitution", "nothing"),
+    ("slip_4", "the structure has 1 gap"),
+])  # fmt: skip
+def test_parameters_that_it_has_not(parameter, message):
+    motion = settled(den_hartog(0.3), vi.Load(0.8, cosine=[1.0]))
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.branch(motion, parameter, bounds=(0.2, 3.0))
+
+
+def test_rests_beside_friction_are_refused():
+    """A gap that rests beside friction."""
+    slot = [vi.Gap([-1, 1], 1.2, 0.0), vi.Gap([1, -1], 1.2, 0.0)]
+    s = vi.Structure([1, 0.2], [0.05, 0], [1, 0], slot, [vi.Friction([-1, 1], 0.01)])
+    motion = settled(s, vi.Load(0.85, sine=[1, 0]), 300)
+    with pytest.raises(vi.SingularError, match="a gap rests beside stops or friction"):
+        vi.branch(motion, "frequency", bounds=(0.8, 0.9))
