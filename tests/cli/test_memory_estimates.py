@@ -31,8 +31,8 @@ POINT = {
     "&basins clearance = 10, states = 200000, probes = 500000": 300,
     "&basins clearance = 10, axes = 'x', 'y', values = 4000, 500, low = -1, -1, high = 1, 1, probes = 1000": 1002,
     "&basins clearance = 10, probes = 1, list = 500000*0": 210,  # and 320 for each number of the list
-    "&bifurcation parameter = 'clearance', low = 5, high = 9, values = 100000, points = 60, sweep = 'both'": 2500,
-    "&bifurcation parameter = 'clearance', low = 5, high = 9, values = 100000, points = 40, sweep = 'up'": 850,
+    "&bifurcation parameter = 'clearance', low = 5, high = 9, values = 100000, points = 60, sweep = 'both'": 2540,
+    "&bifurcation parameter = 'clearance', low = 5, high = 9, values = 100000, points = 40, sweep = 'up'": 870,
     "&motion kind = 'exact', sides = 'RLL', cycles = 1, phases = 0, 1, 2, clearance = 5 /\n"
     "&branch parameter = 'clearance', low = 4, high = 9, max_points = 100000": 500,  # 2 (1600 + 300 x 3)
     "&motion kind = 'equispaced', clearance = 5 /\n"

@@ -5,13 +5,15 @@ module vi_attractor_list
    use vi_attractor_known, only: alike, chaotic, identify, is_free, known_type, no_impacts, &
       periodic, quasi_periodic, repeating, shortest_period, within
    use vi_attractor_neighbourhood, only: find_neighbourhoods
-   use vi_attractor_settled, only: settle_chains
    use vi_attractor_target, only: target_state, target_type
    use vi_attractor_wandering, only: find_cells, group_of, group_type, measure_kind, search_near
+   use vi_chains, only: settle_chains
    use vi_event_symbols, only: symbol_endings
    use vi_forced_system, only: event_type, forced_system_type, initial_state, state_type
    use vi_kinds, only: wp
    use vi_simulate, only: simulate_cycles
+   use vi_simulated_motion, only: cell_type, examination_type
+   use vi_simulated_pair, only: new_pair_chains, pair_chains_type
    use vi_status, only: stat
    use vi_progress, only: add_expected_work, is_stopped
    implicit none (type, external)
@@ -55,12 +57,6 @@ module vi_attractor_list
       !> Cells of the attractors that are not periodic.
       type(group_type), allocatable :: groups(:)
    end type attractor_list_type
-
-   !> The motions on which some states settle: contents as in `settle_chains`, one link.
-   type :: ends_type
-      real(wp), allocatable :: values(:, :, :, :), extremes(:, :, :), ends(:, :, :)
-      integer, allocatable :: labels(:, :, :, :), found(:, :), periods(:, :, :), status(:, :)
-   end type ends_type
 
 contains
 
@@ -142,33 +138,27 @@ contains
    end subroutine keep_open
 
    !> Simulates states until they have settled.
-   subroutine find_ends(list, starts, settling, capacity, found, progress)
+   subroutine find_ends(list, starts, settling, points, found, progress)
       !> System, longest period, limit of events and threads are read.
       type(attractor_list_type), intent(in) :: list
       !> (5, m): t, x, x', z, z'
       real(wp), intent(in) :: starts(:, :)
-      !> Load cycles of the transient, and impacts kept.
-      integer, intent(in) :: settling, capacity
-      !> The motions on which the states settle.
-      type(ends_type), intent(out) :: found
+      !> Load cycles of the transient, and most impacts that are kept.
+      integer, intent(in) :: settling, points
+      !> (m) The motions on which the states settle.
+      type(cell_type), allocatable, intent(out) :: found(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      real(wp), allocatable :: parameters(:, :, :)
-      integer :: m, j
+      type(pair_chains_type) :: each
 
-      m = size(starts, 2)
-      allocate (parameters(6, 1, m), found%values(7, capacity, 1, m), found%labels(2, capacity, 1, &
-         m), &
-         found%found(1, m), found%periods(4, 1, m), found%extremes(2, 1, m), found%ends(5, 1, m), &
-         found%status(1, m))
+      allocate (found(size(starts, 2)))
       associate (system => list%system)
-         do j = 1, m
-            parameters(:, 1, j) = [system%r, system%clearance, system%osc%xi, system%osc%mu, &
-               system%osc%restitution]
-         end do
-         call settle_chains(parameters, system%load, starts, settling, 2*list%max_cycles + 1, &
-            0.0_wp, list%max_events, list%threads, found%values, found%labels, found%found, &
-            found%periods, found%extremes, found%ends, found%status, progress)
+         each = new_pair_chains(1, size(found), system%load, 0.0_wp)
+         each%parameters = spread(reshape([system%r, system%clearance, system%osc%xi, &
+            system%osc%mu, system%osc%restitution], [6, 1]), 3, size(found))
+         each%starts = starts
+         call settle_chains(each, examination_type(settling, 2*list%max_cycles + 1, points, &
+            list%max_events, .false.), list%threads, found, progress)
       end associate
    end subroutine find_ends
 
@@ -182,27 +172,29 @@ contains
       integer, intent(in) :: settling
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(ends_type) :: found
+      type(cell_type), allocatable :: found(:)
       type(known_type) :: new
       integer :: i, j, n, seen(size(starts, 2))
       logical :: good
 
-      call find_ends(list, starts, settling, 1, found, progress)
+      call find_ends(list, starts, settling, 0, found, progress)
       n = 0
       do j = 1, size(starts, 2)
-         if (found%status(1, j) /= stat%ok .or. found%periods(1, 1, j) <= 0 .or. &
-            found%periods(3, 1, j) == 0 .or. list%n == most_attractors) cycle
+         if (found(j)%status /= stat%ok .or. found(j)%cycles == 0 .or. found(j)%impacts == 0 .or. &
+            list%n == most_attractors) cycle
          ! a state with the same numbers as an earlier one is on the same motion
          do i = 1, n
-            if (all(found%periods(:2, 1, seen(i)) == found%periods(:2, 1, j)) .and. &
-               maxval(abs(found%extremes(:, 1, seen(i)) - found%extremes(:, 1, j))) < &
-               1.0e-3_wp*list%system%clearance) exit
+            associate (one => found(seen(i)), other => found(j))
+               if (one%cycles == other%cycles .and. one%symbols == other%symbols .and. &
+                  maxval(abs(one%extent(1, :2) - other%extent(1, :2))) < &
+                  1.0e-3_wp*list%system%clearance) exit
+            end associate
          end do
          if (i <= n) cycle
          n = n + 1
          seen(n) = j
-         call identify(list%system, found%ends(:, 1, j), found%periods(1, 1, j), &
-            list%threads, new, good, progress)
+         call identify(list%system, found(j)%strobes(:, 1), found(j)%cycles, list%threads, new, &
+            good, progress)
          if (.not. good) cycle
          do i = 1, list%n
             if (alike(new, list%known(i), list%system%clearance)) exit
@@ -339,33 +331,28 @@ contains
       integer, intent(inout) :: members(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(ends_type) :: found
-      integer :: j, n
+      type(cell_type), allocatable :: found(:)
+      integer :: j
 
       call find_ends(list, starts, 0, impacts_kept, found, progress)
       do j = 1, size(members)
-         if (found%status(1, j) == stat%event_limit) labels(members(j)) = event_limited
-         if (found%status(1, j) /= stat%ok) members(j) = 0
+         if (found(j)%status == stat%event_limit) labels(members(j)) = event_limited
+         if (found(j)%status /= stat%ok) members(j) = 0
          if (members(j) == 0) cycle
-         n = found%found(1, j)
-         if (found%periods(1, 1, j) > 0) then
-            call place_settled(list, found%ends(:, 1, j), found%periods(:, 1, j), &
-               labels(members(j)), progress)
-         else if (n > 0) then
-            labels(members(j)) = group_of(list%system, found%values(:, :n, 1, j), &
-               found%labels(2, :n, 1, j), list%groups)
+         if (found(j)%cycles > 0) then
+            call place_settled(list, found(j), labels(members(j)), progress)
+         else if (size(found(j)%gaps) > 0) then
+            labels(members(j)) = group_of(list%system, found(j)%hits, found(j)%gaps, list%groups)
          end if
       end do
    end subroutine describe
 
    !> The attractor of a state that has settled; it may be a new one.
-   subroutine place_settled(list, end, period, label, progress)
+   subroutine place_settled(list, found, label, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
-      !> t, x, x', z, z'
-      real(wp), intent(in) :: end(5)
-      !> As of `settle_chains`; the period is confirmed.
-      integer, intent(in) :: period(4)
+      !> The motion on which it has settled; its period is confirmed.
+      type(cell_type), intent(in) :: found
       !> The number of the attractor; 0 if there is no room for it.
       integer, intent(out) :: label
       !> Progress counters, see vi_progress.
@@ -374,13 +361,15 @@ contains
       logical :: good
 
       label = 0
-      if (period(3) == 0) then
-         call add_free(list, end, label)
-         return
-      end if
-      label = place_of(list, end, period(1))
-      if (label > 0 .or. list%n == most_attractors) return
-      call identify(list%system, end, period(1), list%threads, new, good, progress)
+      associate (end => found%strobes(:, 1), cycles => found%cycles)
+         if (found%impacts == 0) then
+            call add_free(list, end, label)
+            return
+         end if
+         label = place_of(list, end, cycles)
+         if (label > 0 .or. list%n == most_attractors) return
+         call identify(list%system, end, cycles, list%threads, new, good, progress)
+      end associate
       if (.not. good) return
       call add(list, new)
       label = list%n
@@ -537,7 +526,7 @@ contains
       integer, intent(out) :: label
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(ends_type) :: found
+      type(cell_type), allocatable :: found(:)
       real(wp) :: ends(5, 1)
       integer :: labels(1), counts(1)
 
@@ -548,9 +537,9 @@ contains
       if (label == not_reached) label = 0
       if (label /= 0) return
       ! it may lie on a motion without a neighbourhood
-      call find_ends(list, ends, 0, 1, found, progress)
-      if (found%status(1, 1) == stat%ok .and. found%periods(1, 1, 1) > 0) call place_settled(list, &
-         found%ends(:, 1, 1), found%periods(:, 1, 1), label, progress)
+      call find_ends(list, ends, 0, 0, found, progress)
+      if (found(1)%status == stat%ok .and. found(1)%cycles > 0) call place_settled(list, found(1), &
+         label, progress)
       end = within(ends(:, 1), list%system%clearance)
    end subroutine wait_for
 

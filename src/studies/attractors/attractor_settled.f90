@@ -1,195 +1,81 @@
-!> The motions on which simulations settle: last impacts, period if any, extreme positions.
-!!
-!! Simulations form chains. Along a chain the parameters change from link to link and the state is
-!! carried over, so that a chain is a sweep; chains of one link are independent initial states.
+!> The motion on which a simulation of the oscillator settles: last impacts, period if any, extreme
+!! positions.
 module vi_attractor_settled
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_known, only: is_free, known_type, shortest_period
-   use vi_forced_system, only: forced_system_type, event_type, impact_event, initial_state, &
-      new_forced_system, state_time, state_type, stick_event
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, state_time, &
+      state_type, stick_event
    use vi_event_symbols, only: symbol_endings
    use vi_kinds, only: wp
-   use vi_oscillator, only: oscillator_type
    use vi_simulate, only: simulate_on
+   use vi_simulated_motion, only: cell_type, examination_type
    use vi_status, only: stat
-   use vi_progress, only: add_expected_work, add_done_work, is_stopped
    use vi_trajectory, only: extreme_positions, later, store_events
    implicit none (type, external)
    private
 
-   public :: advance, segments_between, settle_chains
+   public :: advance, segments_between, settle_on
 
    !> Events kept of a simulation: room at first, and the most.
    integer, parameter :: capacity = 4096, most_events = 262144
    !> States one period apart count as the same within this share of the clearance.
    real(wp), parameter :: same = 1.0e-5_wp
 
-   !> The end of a simulation.
-   type :: settled_type
-      !> Load cycles of the period of the motion, 0 if none is confirmed, and minus the cycles after
-      !! which the simulation seems to repeat itself if no stable motion is confirmed there;
-      !! symbols,
-      !! impacts and rests in it, or in all cycles examined.
-      integer :: period = 0, symbols = 0, impacts = 0, rests = 0
-      real(wp) :: x_min = 0, x_max = 0
-      !> Events of the last cycles.
-      integer :: n = 0
-      type(event_type), allocatable :: events(:)
-      integer :: status = stat%ok
-   end type settled_type
-
 contains
 
-   !> Chains of simulations; each chain is a separate task.
-   subroutine settle_chains(parameters, load, starts, settling, keep, kick, max_events, threads, &
-      values, labels, found, periods, extremes, ends, status, progress)
-      !> (6, links, chains): r, D, xi, mu, R1, R2
-      real(wp), intent(in) :: parameters(:, :, :)
-      !> Load amplitude f.
-      real(wp), intent(in) :: load
-      !> (5, chains): t, x, x', z, z'
-      real(wp), intent(in) :: starts(:, :)
-      !> Load cycles simulated first, and those that are kept.
-      integer, intent(in) :: settling, keep
-      !> Added to x' from link to link, over half the clearance, so that a sweep leaves unstable
-      !! motions.
-      real(wp), intent(in) :: kick
-      !> Largest number of events of the simulation of a link, and number of OpenMP threads.
-      integer, intent(in) :: max_events, threads
-      !> (7, capacity, links, chains): the kept impacts as in `store_events`.
-      real(wp), intent(inout) :: values(:, :, :, :)
-      !> (2, capacity, links, chains): kind and side of the kept impacts; (links, chains): their
-      !! number.
-      integer, intent(inout) :: labels(:, :, :, :), found(:, :)
-      !> (4, links, chains): load cycles of the period (0 or negative if none is confirmed, see
-      !! `settled_type`), symbols, impacts, rests.
-      integer, intent(inout) :: periods(:, :, :)
-      !> (2, links, chains): least and greatest x; NaN where it was not computed.
-      real(wp), intent(inout) :: extremes(:, :, :)
-      !> (5, links, chains): states at the end, as `starts`.
-      real(wp), intent(inout) :: ends(:, :, :)
-      !> (links, chains): codes of vi_status; `stat%not_computed` from the link at which the study
-      !! was stopped.
-      integer, intent(inout) :: status(:, :)
-      !> Progress counters, see vi_progress.
-      integer, intent(inout), optional :: progress(3)
-      type(settled_type) :: settled
-      type(state_type) :: state
-      type(forced_system_type) :: system
-      integer :: i, j
-
-      call add_expected_work(size(parameters, 2)*size(starts, 2), progress)
-      status = stat%not_computed
-      found = 0
-      periods = 0
-      extremes = ieee_value(load, ieee_quiet_nan)
-      !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(settled, state, system, i)
-      do j = 1, size(starts, 2)
-         do i = 1, size(parameters, 2)
-            if (is_stopped(progress)) exit
-            associate (c => parameters(:, i, j))
-               system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), load, c(2))
-            end associate
-            if (i == 1) then
-               state = initial_state(system, starts(:, j))
-            else
-               state = carried(system, state, parameters(2, max(1, i - 1), j), kick)
-            end if
-            call settle_on(system, state, settling, keep, max_events, settled, progress)
-            if (settled%status == stat%not_computed) exit
-            call store(settled, values(:, :, i, j), labels(:, :, i, j), system%r, found(i, j))
-            periods(:, i, j) = [settled%period, settled%symbols, settled%impacts, settled%rests]
-            extremes(:, i, j) = [settled%x_min, settled%x_max]
-            ends(:, i, j) = [state%phase/system%r, state%x, state%x_dot, state%z, state%z_dot]
-            status(i, j) = settled%status
-            call add_done_work(1, progress)
-         end do
-      end do
-      !$omp end parallel do
-   end subroutine settle_chains
-
-   !> A state with new parameters: the free mass keeps its relative position between the walls.
-   pure function carried(system, state, clearance, kick) result(next)
-      !> The system with the new parameters.
-      type(forced_system_type), intent(in) :: system
-      !> The state with the old ones.
-      type(state_type), intent(in) :: state
-      !> The old clearance.
-      real(wp), intent(in) :: clearance
-      !> Added to x', over half the clearance.
-      real(wp), intent(in) :: kick
-      type(state_type) :: next
-      real(wp) :: y, half
-
-      half = 0.5_wp*system%clearance
-      y = (state%z - state%x)*(system%clearance/clearance)
-      if (state%side /= 0) y = state%side*half
-      y = max(-half, min(half, y))
-      next = initial_state(system, [state%phase/system%r, state%x, state%x_dot + kick*half, &
-         state%x + y, state%z_dot + merge(kick*half, 0.0_wp, state%side /= 0)])
-   end function carried
-
-   !> Simulates the transient, and examines the load cycles after it. Where it fails, nothing of the
-   !! simulation before is left.
-   subroutine settle_on(system, state, settling, keep, max_events, settled, progress)
+   !> Simulates the transient, and examines the load cycles after it.
+   subroutine settle_on(system, state, how, cell, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> In: state at the start. Out: state at the end.
+      !> In: state at the start. Out: state at the end, or after the transient where it fails.
       type(state_type), intent(inout) :: state
-      !> Load cycles of the transient, and those examined.
-      integer, intent(in) :: settling, keep
-      !> Largest number of events of all of them.
-      integer, intent(in) :: max_events
-      !> Out: the end of the simulation; its arrays are reused.
-      type(settled_type), intent(inout) :: settled
+      !> How it is examined.
+      type(examination_type), intent(in) :: how
+      !> In: empty. Out: what was found.
+      type(cell_type), intent(inout) :: cell
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      type(state_type) :: begin, last(0:keep)
-      integer :: n, first(0:keep), i, k
-      integer :: left, stored
+      type(event_type), allocatable :: events(:)
+      type(state_type) :: begin, last(0:how%keep)
+      integer :: first(0:how%keep), i, left, n
 
-      if (.not. allocated(settled%events)) allocate (settled%events(capacity))
-      settled%period = 0
-      settled%symbols = 0
-      settled%impacts = 0
-      settled%rests = 0
-      settled%x_min = ieee_value(settled%x_min, ieee_quiet_nan)
-      settled%x_max = settled%x_min
-      settled%n = 0
-      left = max_events
+      allocate (events(capacity))
+      left = how%max_events
       state%cycle = 0
       last(0) = state
       ! states are compared at a phase unrelated to that of the start, which may be an impact
-      call advance(system, state, last(0), settling + 0.6180339887_wp, settled%events, n, left, &
-         settled%status, progress)
+      call advance(system, state, last(0), how%settling + 0.6180339887_wp, events, n, left, &
+         cell%status, progress)
       first = 1
-      stored = 0
-      n = 0
-      do i = 1, keep
-         if (settled%status /= stat%ok) exit
+      do i = 1, how%keep
+         if (cell%status /= stat%ok) exit
          begin = state
          do
             last(i) = last(i - 1)
-            call advance(system, state, last(i), 1.0_wp, settled%events(first(i - 1):), n, left, &
-               settled%status, progress)
-            if (settled%status /= stat%more_events .or. size(settled%events) >= most_events) exit
-            call enlarge(settled%events)
+            call advance(system, state, last(i), 1.0_wp, events(first(i - 1):), n, left, &
+               cell%status, progress)
+            if (cell%status /= stat%more_events .or. size(events) >= most_events) exit
+            call enlarge(events)
             left = left + n
             state = begin
          end do
          first(i) = first(i - 1) + n
-         stored = stored + n
       end do
-      if (settled%status == stat%ok) then
-         settled%n = stored
-         call find_period(system, last, settled%events(:stored), first, settled)
-         k = merge(settled%period, keep, settled%period > 0)
-         call read_period(settled, first(keep - k), settled%n)
-         call find_extremes(system, last(keep - k), last(keep), &
-            settled%events(first(keep - k):settled%n), settled)
-      end if
-      state = last(merge(keep, 0, settled%status == stat%ok))
+      state = last(0)
+      if (cell%status /= stat%ok) return
+      n = first(how%keep) - 1
+      call find_period(system, last, events(:n), first, cell%cycles)
+      call keep_impacts(events(:n), system%r, how%points, cell)
+      i = how%keep - merge(cell%cycles, how%keep, cell%cycles > 0)
+      associate (period => events(first(i):n), final => last(how%keep))
+         cell%impacts = count(period%kind == impact_event)
+         cell%rests = count(period%kind == stick_event)
+         cell%symbols = count(symbol_endings(period, .true.) /= 0)
+         cell%strobes = reshape([final%phase/system%r, final%x, final%x_dot, final%z, &
+            final%z_dot], [5, 1])
+         call find_extremes(system, last(i), final, period, cell)
+         if (cell%status == stat%ok) state = final
+      end associate
    end subroutine settle_on
 
    !> Doubles the room for events.
@@ -211,9 +97,8 @@ contains
    !! A simulation that approaches a motion slowly, as near a flip, or leaves one that is not stable
    !! nearly repeats itself, possibly only after several periods. Newton's method has to confirm a
    !! stable motion there, and its shortest period counts. Near a flip the shorter period also
-   !! nearly
-   !! repeats itself, but is not stable.
-   pure subroutine find_period(system, last, events, first, settled)
+   !! nearly repeats itself, but is not stable.
+   pure subroutine find_period(system, last, events, first, cycles)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> (0:keep) The states a load cycle apart.
@@ -222,19 +107,19 @@ contains
       type(event_type), intent(in) :: events(:)
       !> (0:keep) The number of the first event after each state.
       integer, intent(in) :: first(0:)
-      !> In and out: its period is set.
-      type(settled_type), intent(inout) :: settled
-      integer :: k, keep, period, symbols, times
+      !> Load cycles of the period; 0 if none is confirmed.
+      integer, intent(out) :: cycles
+      integer :: k, keep, n, period, symbols, times
 
+      cycles = 0
       keep = ubound(last, 1)
       do k = 1, (keep - 1)/2
          if (alike(last(keep), last(keep - k), system%clearance) .and. alike(last(keep - k), &
             last(keep - 2*k), system%clearance)) exit
       end do
       if (2*k > keep - 1) return
-      settled%period = -k
       if (first(keep) == first(keep - k)) then
-         if (is_free(system, last(keep))) settled%period = 1
+         if (is_free(system, last(keep))) cycles = 1
          return
       end if
       do times = 1, 2
@@ -242,8 +127,8 @@ contains
          call confirm(system, last(keep), k*times, period, symbols)
          if (period == 0) cycle
          ! the simulation may still touch a wall more or less often than the motion
-         if (count(symbol_endings(events(first(keep - period):), .true.) /= 0) /= symbols) return
-         settled%period = period
+         n = count(symbol_endings(events(first(keep - period):), .true.) /= 0)
+         cycles = merge(period, 0, n == symbols)
          return
       end do
    end subroutine find_period
@@ -310,30 +195,16 @@ contains
          same*clearance
    end function alike
 
-   !> Counts symbols, impacts and rests of a period; its first event follows its last one.
-   pure subroutine read_period(settled, first, last)
-      !> In: with its events. Out: symbols, impacts and rests are set.
-      type(settled_type), intent(inout) :: settled
-      !> Numbers of the first and last event of the period.
-      integer, intent(in) :: first, last
-
-      associate (events => settled%events(first:last))
-         settled%impacts = count(events%kind == impact_event)
-         settled%rests = count(events%kind == stick_event)
-         settled%symbols = count(symbol_endings(events, .true.) /= 0)
-      end associate
-   end subroutine read_period
-
    !> Extreme positions of the primary mass between two states.
-   pure subroutine find_extremes(system, begin, finish, events, settled)
+   pure subroutine find_extremes(system, begin, finish, events, cell)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The states at both ends.
       type(state_type), intent(in) :: begin, finish
       !> The events in between.
       type(event_type), intent(in) :: events(:)
-      !> Out: x_min and x_max; status `stat%budget` if a search ran out of steps.
-      type(settled_type), intent(inout) :: settled
+      !> Out: least and greatest x; status `stat%budget` if a search ran out of steps.
+      type(cell_type), intent(inout) :: cell
       ! there may be too many events for a stack
       real(wp), allocatable :: starts(:, :)
       integer, allocatable :: resting(:)
@@ -342,8 +213,9 @@ contains
       allocate (starts(6, 0:size(events)), resting(0:size(events)))
       call segments_between(system, begin, events, starts, resting)
       call extreme_positions(system, starts, resting, &
-         state_time(finish%cycle, finish%phase, system%r), settled%x_min, settled%x_max, complete)
-      if (.not. complete) settled%status = stat%budget
+         state_time(finish%cycle, finish%phase, system%r), cell%extent(1, 1), &
+         cell%extent(1, 2), complete)
+      if (.not. complete) cell%status = stat%budget
    end subroutine find_extremes
 
    !> Where the segments between events begin.
@@ -372,23 +244,27 @@ contains
       end do
    end subroutine segments_between
 
-   !> Stores the kept impacts as columns, as many as there is room for.
-   pure subroutine store(settled, values, labels, r, n)
-      !> The end of a simulation.
-      type(settled_type), intent(in) :: settled
-      !> (7, capacity) Out: as in `store_events`.
-      real(wp), intent(inout) :: values(:, :)
-      !> (2, capacity) Out: as in `store_events`.
-      integer, intent(inout) :: labels(:, :)
+   !> Keeps the first impacts.
+   pure subroutine keep_impacts(events, r, points, cell)
+      !> The events that were examined.
+      type(event_type), intent(in) :: events(:)
       !> Frequency ratio.
       real(wp), intent(in) :: r
-      !> Number of impacts stored.
-      integer, intent(out) :: n
+      !> Most impacts that are kept.
+      integer, intent(in) :: points
+      !> Out: with the impacts.
+      type(cell_type), intent(inout) :: cell
       type(event_type), allocatable :: impacts(:)
+      integer, allocatable :: labels(:, :)
 
-      impacts = pack(settled%events(:settled%n), settled%events(:settled%n)%kind == impact_event)
-      n = min(size(impacts), size(values, 2))
-      call store_events(impacts(:n), r, values(:, :n), labels(:, :n))
-   end subroutine store
+      if (points == 0) return
+      impacts = pack(events, events%kind == impact_event)
+      associate (n => min(size(impacts), points))
+         deallocate (cell%hits)
+         allocate (cell%hits(7, n), labels(2, n))
+         call store_events(impacts(:n), r, cell%hits, labels)
+      end associate
+      cell%gaps = labels(2, :)
+   end subroutine keep_impacts
 
 end module vi_attractor_settled

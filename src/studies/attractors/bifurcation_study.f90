@@ -1,21 +1,23 @@
 !> The study &bifurcation: the impacts after the transient along a parameter.
 module vi_bifurcation_study
-   use vi_attractor_diagram, only: diagram, diagram_type, find_windows, path_type
+   use vi_attractor_spread, only: spread_states
+   use vi_chains, only: settle_chains
    use vi_common_keys, only: check_parameter, check_product, check_start, clearance_key, keep_key, &
       load_key, max_events_key, most_numbers, most_state, parameter_of, parameter_place, &
       parameter_takes, parameter_values, parameter_words, range_takes, resonance, settling_key, &
       spacing_key, state_keys, state_of, window_keys
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance
+   use vi_simulated_motion, only: cell_type, examination_type
+   use vi_simulated_pair, only: new_pair_chains, pair_chains_type
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_groups, only: load_frequency, output_rows, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
    use vi_structure_parameter, only: function_keys, parameter_change
    use vi_structure_path, only: change_type, structure_path_type, structure_takes => parameter_takes
-   use vi_structure_sweep, only: cell_type
-   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, &
-      sweep_keys, value_count
+   use vi_structure_sweep_tables, only: cell_columns, check_sweep, run_sweep, sweep_keys, &
+      value_count
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
       values_type, wholes, words
@@ -24,6 +26,10 @@ module vi_bifurcation_study
    private
 
    public :: declare_bifurcation
+
+   !> Added to x' from value to value, over half the clearance, so that a sweep leaves unstable
+   !! motions.
+   real(wp), parameter :: kick = 1.0e-9_wp
 
    character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
       'sweep=states'
@@ -197,7 +203,7 @@ contains
                study%set(trim(state_keys(i)%name), &
                [0.0_wp])
          end do
-         allocate (clearance, source=clearance_values(case, n))
+         allocate (clearance, source=along(case, 'clearance', n))
          if (study%is('sweep', 'up')) clearance = clearance(1)
          if (study%is('sweep', 'down')) clearance = clearance(n)
          call check_start(study, min(clearance(1), clearance(n)))
@@ -230,36 +236,30 @@ contains
       end associate
    end subroutine check_lists
 
-   !> The clearance at each value.
-   pure function clearance_values(case, n) result(clearance)
+   !> The clearance or the frequency ratio at each value, as it is given.
+   pure function along(case, name, n) result(values)
       !> The case.
       type(case_type), intent(in) :: case
+      !> Name of the key.
+      character(*), intent(in) :: name
       !> Number of values of the parameter.
       integer, intent(in) :: n
-      real(wp) :: clearance(n)
+      real(wp) :: values(n)
 
-      if (case%study%has('clearance')) then
-         associate (given => case%study%numbers('clearance'))
-            clearance = given(1)
-            if (size(given) == n) clearance = given
+      if (case%study%has(name)) then
+         associate (given => case%study%numbers(name))
+            values = given(1)
+            if (size(given) == n) values = given
          end associate
+      else if (name == 'r') then
+         values = case%r
       else
-         clearance = parameter_values(case)
+         values = parameter_values(case)
       end if
-   end function clearance_values
-
-   !> The state that sweeps start from: t, x, x', z, z'; empty if none was given.
-   pure function start_state(case) result(state)
-      !> The case, checked.
-      type(case_type), intent(in) :: case
-      real(wp), allocatable :: state(:)
-
-      allocate (state(0))
-      if (case%study%has('t')) state = state_of(case%study)
-   end function start_state
+   end function along
 
    !> Bytes for all runs and values, in the result too: of an oscillator three copies of the impacts
-   !! kept and about 60 numbers each, of a structure the states and impacts.
+   !! kept and about 90 numbers each, of a structure the states and impacts.
    pure real(wp) function bifurcation_memory(case) result(bytes)
       !> The case, checked.
       type(case_type), intent(in) :: case
@@ -271,7 +271,7 @@ contains
                case%coordinates + 60.0_wp*s%whole_number('points') + 500)
          else
             runs = size(directions_of(case))
-            bytes = (200.0_wp*s%whole_number('points') + 500)*size(parameter_values(case))*runs
+            bytes = (200.0_wp*s%whole_number('points') + 700)*size(parameter_values(case))*runs
          end if
       end associate
    end function bifurcation_memory
@@ -286,87 +286,142 @@ contains
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
-      type(path_type) :: path
-      type(diagram_type) :: found
+      type(cell_type), allocatable :: cells(:, :)
+      real(wp), allocatable :: values(:)
       type(line_type), allocatable :: names(:), labels(:)
       integer, allocatable :: directions(:)
-      integer :: windows, reached, lost, m, n, i, j
+      integer :: impacts, windows, reached, lost, m, n, i, j
 
       if (case%model == of_structure) then
          call run_structure(case, result, progress)
          return
       end if
-      path = path_of(case)
+      allocate (values, source=parameter_values(case))
       allocate (directions, source=directions_of(case))
-      associate (s => case%study)
-         call diagram(path, directions, start_state(case), s%whole_number('settling'), &
-            s%whole_number('keep'), s%whole_number('points'), s%whole_number('max_events'), &
-            threads, found, progress)
-      end associate
-      m = size(path%values)
+      m = size(values)
       n = size(directions)
+      allocate (cells(m, n))
+      call settle_runs(case, values, directions, threads, cells, progress)
       allocate (names(n), labels(m*n))
       do j = 1, n
          names(j)%text = run_name(directions, j)
          do i = 1, m
-            labels((j - 1)*m + i)%text = label(found%periods(:, i, j))
+            labels((j - 1)*m + i)%text = label(cells(i, j))
          end do
       end do
       call result%open('runs', 'run', [n])
       call result%put_text('runs', 'run', names)
       call result%open('values', trim(parameter_of(case)), [m])
-      call result%put('values', 'value', path%values)
-      call result%put('values', 'r_along', path%r(min(size(path%r), [(i, i=1, m)])))
-      call result%put('values', 'clearance_along', path%clearance(min(size(path%clearance), &
-         [(i, i=1, m)])))
+      call result%put('values', 'value', values)
+      call result%put('values', 'r_along', along(case, 'r', m))
+      call result%put('values', 'clearance_along', along(case, 'clearance', m))
       call result%open('cells', trim(parameter_of(case))//' run', [m, n])
       call result%put_text('cells', 'label', labels)
-      call result%put('cells', 'cycles', [found%periods(1, :, :)])
-      call result%put('cells', 'symbols', [found%periods(2, :, :)])
-      call result%put('cells', 'impacts', [found%periods(3, :, :)])
-      call result%put('cells', 'rests', [found%periods(4, :, :)])
-      call result%put('cells', 'x_min', [found%extremes(1, :, :)])
-      call result%put('cells', 'x_max', [found%extremes(2, :, :)])
-      call result%put('cells', 'status', [found%status])
-      call put_impacts(found, result)
-      call put_windows(path%values, directions, found, result, windows)
-      reached = count(found%status /= stat%not_computed)
+      call result%put('cells', 'cycles', [cells%cycles])
+      call result%put('cells', 'symbols', [cells%symbols])
+      call result%put('cells', 'impacts', [cells%impacts])
+      call result%put('cells', 'rests', [cells%rests])
+      call result%put('cells', 'x_min', [((cells(i, j)%extent(1, 1), i=1, m), j=1, n)])
+      call result%put('cells', 'x_max', [((cells(i, j)%extent(1, 2), i=1, m), j=1, n)])
+      call result%put('cells', 'status', [cells%status])
+      call put_impacts(cells, result, impacts)
+      call put_windows(values, directions, cells, result, windows)
+      reached = count(cells%status /= stat%not_computed)
       if (reached < m*n) result%cut = whole(reached)//' of '//whole(m*n)// &
          ' simulations were reached'
-      lost = reached - count(found%status == stat%ok)
+      lost = reached - count(cells%status == stat%ok)
       result%empty = lost == reached
       if (.not. result%empty) call result%add_note(counted(n, &
          'run')//' of '//whole(m)//' values, '// &
-         counted(sum(found%found), 'impact')//', '//counted(windows, 'periodic window'))
+         counted(impacts, 'impact')//', '//counted(windows, 'periodic window'))
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(reached, 'simulation')// &
-         ' failed: '//status_text(maxval(found%status, found%status /= stat%not_computed)))
+         ' failed: '//status_text(maxval(cells%status, cells%status /= stat%not_computed)))
    end subroutine run_bifurcation
 
+   !> Simulates all runs.
+   subroutine settle_runs(case, values, directions, threads, cells, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> The values of the parameter.
+      real(wp), intent(in) :: values(:)
+      !> (runs) As of `directions_of`.
+      integer, intent(in) :: directions(:)
+      !> Number of OpenMP threads.
+      integer, intent(in) :: threads
+      !> (values, runs) The motions on which the runs settle.
+      type(cell_type), contiguous, intent(out) :: cells(:, :)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(pair_chains_type) :: runs
+      type(cell_type) :: spare
+      real(wp) :: c(6, size(values))
+      integer :: i, j, m, n, place
+      logical :: sweeps, tied
+
+      m = size(values)
+      n = size(directions)
+      sweeps = any(directions /= 0)
+      c(1, :) = along(case, 'r', m)
+      c(2, :) = along(case, 'clearance', m)
+      c(3:, :) = spread([case%osc%xi, case%osc%mu, case%osc%restitution], 2, m)
+      call parameter_place(trim(parameter_of(case)), place, tied)
+      c(place, :) = values
+      if (tied) c(6, :) = values
+      associate (s => case%study)
+         ! runs with new states at each value are chains of one link, the values varying fastest
+         runs = new_pair_chains(merge(m, 1, sweeps), merge(n, m*n, sweeps), s%number('load'), kick)
+         runs%parameters = reshape(spread(c, 3, n), shape(runs%parameters))
+         do j = 1, merge(n, 0, sweeps)
+            if (directions(j) < 0) runs%parameters(:, :, j) = c(:, m:1:-1)
+            runs%starts(:, j:j) = spread_states(case%osc, runs%parameters(1, 1, j), runs%load, &
+               runs%parameters(2, 1, j), 1)
+            if (s%has('t')) runs%starts(:, j) = state_of(s)
+         end do
+         do i = 1, merge(0, m, sweeps)
+            runs%starts(:, i::m) = spread_states(case%osc, c(1, i), runs%load, c(2, i), n)
+         end do
+         call settle_chains(runs, examination_type(s%whole_number('settling'), &
+            s%whole_number('keep'), s%whole_number('points'), s%whole_number('max_events'), &
+            .false.), threads, cells, progress)
+      end associate
+      ! in rising order
+      do j = 1, n
+         do i = 1, merge(m/2, 0, directions(j) < 0)
+            spare = cells(i, j)
+            cells(i, j) = cells(m + 1 - i, j)
+            cells(m + 1 - i, j) = spare
+         end do
+      end do
+   end subroutine settle_runs
+
    !> Puts the impacts of all runs and values into the result.
-   pure subroutine put_impacts(found, result)
-      !> The motions on which the runs settle.
-      type(diagram_type), intent(in) :: found
+   pure subroutine put_impacts(cells, result, n)
+      !> (values, runs) The motions on which the runs settle.
+      type(cell_type), intent(in) :: cells(:, :)
       !> In: with the tables of runs and values. Out: with the impacts.
       type(result_type), intent(inout) :: result
+      !> Number of impacts.
+      integer, intent(out) :: n
       integer, allocatable :: owners(:), sides(:)
       real(wp), allocatable :: impacts(:, :)
       character(*), parameter :: names(6) = [character(12) :: 'phase', 'x', 'x_dot_before', &
          'x_dot_after', 'z_dot_before', 'z_dot_after']
-      integer :: i, j, n, first
+      integer :: i, j, first
 
-      n = sum(found%found)
+      n = sum([((size(cells(i, j)%gaps), i=1, size(cells, 1)), j=1, size(cells, 2))])
       allocate (owners(n), sides(n), impacts(6, n))
       first = 0
-      do j = 1, size(found%found, 2)
-         do i = 1, size(found%found, 1)
-            n = found%found(i, j)
-            owners(first + 1:first + n) = (j - 1)*size(found%found, 1) + i
-            sides(first + 1:first + n) = merge(1, 2, found%labels(2, :n, i, j) > 0)
-            impacts(:, first + 1:first + n) = found%impacts(2:, :n, i, j)
+      do j = 1, size(cells, 2)
+         do i = 1, size(cells, 1)
+            n = size(cells(i, j)%gaps)
+            owners(first + 1:first + n) = (j - 1)*size(cells, 1) + i
+            sides(first + 1:first + n) = merge(1, 2, cells(i, j)%gaps > 0)
+            impacts(:, first + 1:first + n) = cells(i, j)%hits(2:, :)
             first = first + n
          end do
       end do
-      call result%open('impacts', 'impact', [first], 'cells', owners)
+      n = first
+      call result%open('impacts', 'impact', [n], 'cells', owners)
       call result%put('impacts', 'side', sides)
       do i = 1, size(names)
          call result%put('impacts', trim(names(i)), impacts(i, :))
@@ -375,13 +430,13 @@ contains
 
    !> Puts the ranges of values over which each run has one period into the result, with remarks:
    !! first the ranges whose ends are known, then those next to values that were not reached.
-   pure subroutine put_windows(values, directions, found, result, windows)
+   pure subroutine put_windows(values, directions, cells, result, windows)
       !> Values of the parameter.
       real(wp), intent(in) :: values(:)
       !> Direction of each run: 1 up, -1 down, 0 with new states at each value.
       integer, intent(in) :: directions(:)
-      !> The motions on which the runs settle.
-      type(diagram_type), intent(in) :: found
+      !> (values, runs) The motions on which the runs settle.
+      type(cell_type), intent(in) :: cells(:, :)
       !> The result.
       type(result_type), intent(inout) :: result
       !> Number of ranges with known ends.
@@ -392,12 +447,12 @@ contains
 
       allocate (runs(0), labels(0), all_first(0), all_last(0), cut(0))
       do j = 1, size(directions)
-         call find_windows(found%periods(:, :, j), first, last, n)
+         call find_windows(cells(:, j), first, last, n)
          do i = 1, n
             call append(runs, run_name(directions, j))
-            call append(labels, label(found%periods(:, first(i), j)))
-            cut = [cut, merge(1, 0, any(found%status(max(1, first(i) - 1):min(last(i) + 1, &
-               size(values)), j) == stat%not_computed))]
+            call append(labels, label(cells(first(i), j)))
+            cut = [cut, merge(1, 0, any(cells(max(1, first(i) - 1):min(last(i) + 1, &
+               size(values)), j)%status == stat%not_computed))]
          end do
          all_first = [all_first, first(:n)]
          all_last = [all_last, last(:n)]
@@ -420,20 +475,32 @@ contains
       call result%put('windows', 'cut', cut)
    end subroutine put_windows
 
-   !> The system with its values of the parameter.
-   pure function path_of(case) result(path)
-      !> The case, checked.
-      type(case_type), intent(in) :: case
-      type(path_type) :: path
+   !> The ranges of successive values over which a run keeps its period and its number of symbols.
+   pure subroutine find_windows(cells, first, last, n)
+      !> (values) What was found along the run.
+      type(cell_type), intent(in) :: cells(:)
+      !> (values) First and last value of each of the n windows; the rest is not set.
+      integer, intent(out) :: first(:), last(:)
+      !> Number of windows.
+      integer, intent(out) :: n
+      integer :: i
+      logical :: goes_on
 
-      path%osc = case%osc
-      path%load = case%study%number('load')
-      allocate (path%values, source=parameter_values(case))
-      allocate (path%r(1), source=case%r)
-      if (case%study%has('r')) path%r = case%study%numbers('r')
-      allocate (path%clearance, source=clearance_values(case, size(path%values)))
-      call parameter_place(trim(parameter_of(case)), path%place, path%tied)
-   end function path_of
+      n = 0
+      goes_on = .false.
+      do i = 1, size(cells)
+         associate (last => cells(max(1, i - 1)))
+            goes_on = goes_on .and. cells(i)%cycles == last%cycles .and. cells(i)%symbols == &
+               last%symbols
+         end associate
+         if (.not. goes_on .and. cells(i)%cycles > 0) then
+            n = n + 1
+            first(n) = i
+            goes_on = .true.
+         end if
+         if (goes_on) last(n) = i
+      end do
+   end subroutine find_windows
 
    !> The direction of each run: 1 up, -1 down, 0 with new states at each value.
    pure function directions_of(case) result(directions)
@@ -479,13 +546,13 @@ contains
    end function padded_name
 
    !> Symbols and load cycles of a period as N/k; empty where no period is confirmed.
-   pure function label(period) result(text)
-      !> Load cycles, symbols, impacts, rests.
-      integer, intent(in) :: period(4)
-      character(merge(whole_width(period(1)) + whole_width(period(2)) + 1, 0, &
-         period(1) > 0)) :: text
+   pure function label(cell) result(text)
+      !> The motion.
+      type(cell_type), intent(in) :: cell
+      character(merge(whole_width(cell%cycles) + whole_width(cell%symbols) + 1, 0, &
+         cell%cycles > 0)) :: text
 
-      if (period(1) > 0) text = whole(period(2))//'/'//whole(period(1))
+      if (cell%cycles > 0) text = whole(cell%symbols)//'/'//whole(cell%cycles)
    end function label
 
    !> Checks the rules that involve several keys.
@@ -545,7 +612,7 @@ contains
       type(structure_path_type) :: path
       type(cell_type), allocatable :: cells(:)
       character(:), allocatable :: message
-      integer, allocatable :: owners(:)
+      integer, allocatable :: order(:), owners(:)
       real(wp), allocatable :: outputs(:, :)
       integer :: bound, i, n
 
@@ -553,9 +620,8 @@ contains
       call structure_path(case, path, message, bound)
       allocate (outputs, source=output_rows(case%system, n))
       ! outputs are given at the beginning of load cycles alone
-      call run_sweep(case%study, path, case%study%whole_number('points'), outputs(:0, :), cells, &
-         result, progress)
-      call put_cells(result, path, case%study, cells)
+      call run_sweep(case%study, path, case%study%whole_number('points'), .true., outputs(:0, :), &
+         cells, order, result, progress)
       owners = [(spread(i, 1, size(cells(i)%strobes, 2)), i=1, size(cells))]
       call result%open('strobes', 'strobe', [size(owners)], 'cells', owners)
       call result%put('strobes', 'q', [(cells(i)%strobes(:n, :), i=1, size(cells))], n)
@@ -565,8 +631,8 @@ contains
       owners = [(spread(i, 1, size(cells(i)%gaps)), i=1, size(cells))]
       call result%open('impacts', 'impact', [size(owners)], 'cells', owners)
       call result%put('impacts', 'gap', [(cells(i)%gaps - 1, i=1, size(cells))])
-      call result%put('impacts', 'phase', [(cells(i)%phases, i=1, size(cells))])
-      call result%put('impacts', 'speed', [(cells(i)%speeds, i=1, size(cells))])
+      call result%put('impacts', 'phase', [(cells(i)%hits(1, :), i=1, size(cells))])
+      call result%put('impacts', 'speed', [(cells(i)%hits(2, :), i=1, size(cells))])
    end subroutine run_structure
 
 end module vi_bifurcation_study

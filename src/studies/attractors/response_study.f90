@@ -1,11 +1,15 @@
 !> The study &response: the greatest displacement of the primary mass along the frequency ratio.
 module vi_response_study
-   use vi_attractor_response, only: respond
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use vi_attractor_spread, only: spread_states
+   use vi_chains, only: settle_chains
    use vi_common_keys, only: check_product, clearance_key, keep_key, max_events_key, most_numbers, &
       resonance, settling_key, window_keys
    use vi_kinds, only: wp
-   use vi_oscillator, only: at_resonance
+   use vi_oscillator, only: at_resonance, gain
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
+   use vi_simulated_motion, only: cell_type, examination_type
+   use vi_simulated_pair, only: new_pair_chains, pair_chains_type
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
@@ -13,9 +17,9 @@ module vi_response_study
    use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
    use vi_structure_parameter, only: bounds_of
    use vi_structure_path, only: new_change, structure_path_type
-   use vi_structure_sweep, only: cell_type, steady_size
-   use vi_structure_sweep_tables, only: cell_columns, check_sweep, put_cells, run_sweep, &
-      shares_of, sweep_keys, value_count
+   use vi_structure_settled, only: steady_size
+   use vi_structure_sweep_tables, only: cell_columns, check_sweep, run_sweep, shares_of, &
+      sweep_keys, value_count
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, shown, whole
@@ -225,9 +229,10 @@ contains
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      type(cell_type), allocatable :: cells(:, :)
       real(wp), allocatable :: r(:), clearance(:), attenuation(:, :), envelope(:, :)
-      integer, allocatable :: periods(:, :, :), status(:, :), done(:)
-      integer :: n, states, lost, i
+      integer, allocatable :: done(:)
+      integer :: n, states, lost, i, j
 
       if (case%model == of_structure) then
          call run_structure(case, threads, result, progress)
@@ -237,38 +242,76 @@ contains
       n = size(r)
       states = case%study%whole_number('states')
       allocate (clearance, source=clearance_values(case, n))
-      allocate (attenuation(states, n), envelope(2, n), periods(4, states, n), status(states, n))
-      call respond(case%osc, r, clearance, case%study%number('load'), &
-         case%study%whole_number('settling'), case%study%whole_number('keep'), &
-         case%study%whole_number('max_events'), threads, attenuation, envelope, periods, status, &
-         progress)
+      call simulate_states(case, r, clearance, threads, cells, progress)
       ! only the points that were completed before a stop
-      done = pack([(i, i=1, n)], all(status /= stat%not_computed, 1))
+      done = pack([(i, i=1, n)], all(cells%status /= stat%not_computed, 1))
       if (size(done) < n) result%cut = whole(size(done))//' of '//whole(n)//' points were reached'
-      call result%open('points', 'r', [size(done)])
+      n = size(done)
+      allocate (attenuation(states, n), envelope(2, n), source=ieee_value(1.0_wp, ieee_quiet_nan))
+      do i = 1, n
+         associate (these => cells(:, done(i)), each => attenuation(:, i), size_alone => &
+            case%study%number('load')*gain(case%osc%xi, r(done(i))))
+            do j = 1, states
+               if (these(j)%status == stat%ok) each(j) = max(-these(j)%extent(1, 1), &
+                  these(j)%extent(1, 2))/size_alone
+            end do
+            if (any(these%status == stat%ok)) envelope(:, i) = [minval(each, these%status == &
+               stat%ok), maxval(each, these%status == stat%ok)]
+         end associate
+      end do
+      call result%open('points', 'r', [n])
       call result%put('points', 'r', r(done))
       call result%put('points', 'clearance', clearance(done))
-      call result%put('points', 'lowest', envelope(1, done))
-      call result%put('points', 'highest', envelope(2, done))
-      call result%open('runs', 'state r', [states, size(done)])
-      call result%put('runs', 'attenuation', [attenuation(:, done)])
-      call result%put('runs', 'cycles', [periods(1, :, done)])
-      call result%put('runs', 'symbols', [periods(2, :, done)])
-      call result%put('runs', 'impacts', [periods(3, :, done)])
-      call result%put('runs', 'rests', [periods(4, :, done)])
-      call result%put('runs', 'status', [status(:, done)])
-      lost = count(status(:, done) /= stat%ok)
-      n = size(done)
-      result%empty = lost == n*states
-      if (.not. result%empty) then
-         associate (values => attenuation(:, done), good => status(:, done) == stat%ok)
-            call result%add_note('max|X|/A from '//shown(minval(values, good), 'f12.4')//' to '// &
-               shown(maxval(values, good), 'f12.4')//' at '//counted(n, 'point'))
-         end associate
-      end if
+      call result%put('points', 'lowest', envelope(1, :))
+      call result%put('points', 'highest', envelope(2, :))
+      call result%open('runs', 'state r', [states, n])
+      call result%put('runs', 'attenuation', [attenuation])
+      call result%put('runs', 'cycles', [cells(:, done)%cycles])
+      call result%put('runs', 'symbols', [cells(:, done)%symbols])
+      call result%put('runs', 'impacts', [cells(:, done)%impacts])
+      call result%put('runs', 'rests', [cells(:, done)%rests])
+      call result%put('runs', 'status', [cells(:, done)%status])
+      associate (good => cells(:, done)%status == stat%ok)
+         lost = count(.not. good)
+         result%empty = lost == n*states
+         if (.not. result%empty) call result%add_note('max|X|/A from '// &
+            shown(minval(attenuation, good), 'f12.4')//' to '//shown(maxval(attenuation, good), &
+            'f12.4')//' at '//counted(n, 'point'))
+      end associate
       if (lost > 0) call result%fail(whole(lost)//' of '//counted(n*states, 'simulation')// &
-         ' failed: '//status_text(maxval(status(:, done))))
+         ' failed: '//status_text(maxval(cells(:, done)%status)))
    end subroutine run_response
+
+   !> The motions on which evenly spread states settle at each frequency ratio.
+   subroutine simulate_states(case, r, clearance, threads, cells, progress)
+      !> The case, checked.
+      type(case_type), intent(in) :: case
+      !> (n) each
+      real(wp), intent(in) :: r(:), clearance(:)
+      !> Number of OpenMP threads.
+      integer, intent(in) :: threads
+      !> (states, n) What was found.
+      type(cell_type), allocatable, intent(out) :: cells(:, :)
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(pair_chains_type) :: each
+      integer :: i, states
+
+      associate (s => case%study, osc => case%osc)
+         states = s%whole_number('states')
+         allocate (cells(states, size(r)))
+         each = new_pair_chains(1, size(cells), s%number('load'), 0.0_wp)
+         do i = 1, size(r)
+            each%parameters(:, 1, (i - 1)*states + 1:i*states) = spread([r(i), clearance(i), &
+               osc%xi, osc%mu, osc%restitution], 2, states)
+            each%starts(:, (i - 1)*states + 1:i*states) = spread_states(osc, r(i), each%load, &
+               clearance(i), states)
+         end do
+         call settle_chains(each, examination_type(s%whole_number('settling'), &
+            s%whole_number('keep'), 0, s%whole_number('max_events'), .false.), threads, cells, &
+            progress)
+      end associate
+   end subroutine simulate_states
 
    !> Sweeps of a structure.
    subroutine run_structure(case, threads, result, progress)
@@ -286,6 +329,7 @@ contains
       type(load_type) :: load
       character(:), allocatable :: message
       real(wp), allocatable :: largest(:, :), outputs(:, :), rms(:, :), shares(:)
+      integer, allocatable :: order(:)
       integer :: i, k, m, n
 
       call structure_of(case, structure, load)
@@ -309,24 +353,37 @@ contains
             call add_done_work(1, progress)
          end do
          !$omp end parallel do
-         call run_sweep(s, path, 0, outputs, cells, result, progress)
-         call put_cells(result, path, s, cells)
+         call run_sweep(s, path, 0, .false., outputs, cells, order, result, progress)
       end associate
-      call result%put('cells', 'largest', [(max(abs(cells(i)%q_min(:n)), cells(i)%q_max(:n)), i=1, &
-         size(cells))], n)
-      call result%put('cells', 'rms', [(cells(i)%q_rms(:n), i=1, size(cells))], n)
-      call result%put('cells', 'steady_largest', [largest(:n, cells%value)], n)
-      call result%put('cells', 'steady_rms', [rms(:n, cells%value)], n)
-      call result%put('cells', 'q_min', [(cells(i)%q_min(:n), i=1, size(cells))], n)
-      call result%put('cells', 'q_max', [(cells(i)%q_max(:n), i=1, size(cells))], n)
-      if (k == n) return
-      call result%put('cells', 'output_largest', [(max(abs(cells(i)%q_min(n + 1:)), &
-         cells(i)%q_max(n + 1:)), i=1, size(cells))], k - n)
-      call result%put('cells', 'output_rms', [(cells(i)%q_rms(n + 1:), i=1, size(cells))], k - n)
-      call result%put('cells', 'steady_output_largest', [largest(n + 1:, cells%value)], k - n)
-      call result%put('cells', 'steady_output_rms', [rms(n + 1:, cells%value)], k - n)
-      call result%put('cells', 'output_min', [(cells(i)%q_min(n + 1:), i=1, size(cells))], k - n)
-      call result%put('cells', 'output_max', [(cells(i)%q_max(n + 1:), i=1, size(cells))], k - n)
+      call put_sizes('', 1, n)
+      if (k > n) call put_sizes('output_', n + 1, k)
+
+   contains
+
+      !> Puts the sizes of coordinates or outputs.
+      subroutine put_sizes(prefix, first, last)
+         !> What the names of the columns begin with; q_min and q_max are of coordinates.
+         character(*), intent(in) :: prefix
+         !> The first one and the last one.
+         integer, intent(in) :: first, last
+         character(:), allocatable :: of
+
+         of = 'q_'
+         if (len(prefix) > 0) of = prefix
+         associate (m => last - first + 1)
+            call result%put('cells', prefix//'largest', [(max(abs(cells(i)%extent(first:last, 1)), &
+               cells(i)%extent(first:last, 2)), i=1, size(cells))], m)
+            call result%put('cells', prefix//'rms', [(cells(i)%extent(first:last, 3), &
+               i=1, size(cells))], m)
+            call result%put('cells', 'steady_'//prefix//'largest', [largest(first:last, order)], m)
+            call result%put('cells', 'steady_'//prefix//'rms', [rms(first:last, order)], m)
+            call result%put('cells', of//'min', [(cells(i)%extent(first:last, 1), &
+               i=1, size(cells))], m)
+            call result%put('cells', of//'max', [(cells(i)%extent(first:last, 2), &
+               i=1, size(cells))], m)
+         end associate
+      end subroutine put_sizes
+
    end subroutine run_structure
 
 end module vi_response_study

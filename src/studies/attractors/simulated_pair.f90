@@ -1,4 +1,5 @@
-!> A simulation of the oscillator that goes on, through impacts, accumulations and rests.
+!> A simulation of the oscillator that goes on, through impacts, accumulations and rests, and chains
+!! of such simulations.
 !!
 !! Four directions are carried from event to event by the exact derivatives and orthonormalised
 !! after each. The sums of the logarithms of their lengths, over the time, are the exponents. They
@@ -12,19 +13,22 @@
 !! -2 xi t + 2 sum(log R) + log(u_first/u_last).
 module vi_simulated_pair
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_settled, only: settle_on
    use vi_attractor_tangent, only: departure_speed, event_derivative, lapse, restitution_at
+   use vi_chains, only: chains_type
    use vi_exponents, only: orthonormalise
-   use vi_forced_system, only: forced_system_type, event_type, impact_event, release_event, &
-      state_type
+   use vi_forced_system, only: forced_system_type, event_type, impact_event, &
+      initial_state, new_forced_system, release_event, state_type
    use vi_kinds, only: two_pi, wp
+   use vi_oscillator, only: oscillator_type
    use vi_progress, only: is_stopped
    use vi_simulate, only: simulate_on
-   use vi_simulated_motion, only: growth_type, simulated_motion_type
+   use vi_simulated_motion, only: cell_type, examination_type, growth_type, simulated_motion_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: new_simulated_pair
+   public :: new_pair_chains, new_simulated_pair
 
    !> The oscillator, where it is, and its directions.
    type, extends(simulated_motion_type), public :: simulated_pair_type
@@ -37,7 +41,21 @@ module vi_simulated_pair
       logical, private :: begun = .false.
    contains
       procedure :: grow
+      procedure :: examine
    end type simulated_pair_type
+
+   !> Chains of simulations of the oscillator.
+   type, extends(chains_type), public :: pair_chains_type
+      !> (6, links, chains) r, D, xi, mu, R1, R2; (5, chains) t, x, x', z, z' at the start.
+      real(wp), allocatable :: parameters(:, :, :), starts(:, :)
+      !> Load amplitude f.
+      real(wp) :: load = 1
+      !> Added to x' from link to link, over half the clearance, so that a sweep leaves unstable
+      !! motions.
+      real(wp) :: kick = 0
+   contains
+      procedure :: go_to
+   end type pair_chains_type
 
    !> Events simulated at a time.
    integer, parameter :: chunk = 64
@@ -55,12 +73,23 @@ contains
       type(simulated_pair_type) :: motion
 
       motion%system = system
+      call begin(motion, state, left)
+   end function new_simulated_pair
+
+   !> Begins a simulation, once it has its system.
+   pure subroutine begin(motion, state, left)
+      !> In: with its system. Out: the simulation.
+      class(simulated_pair_type), intent(inout) :: motion
+      !> As of `new_simulated_pair`.
+      type(state_type), intent(in) :: state
+      integer, intent(in) :: left
+
       motion%state = state
       motion%final = state
       motion%left = left
-      motion%period = two_pi/system%r
+      motion%period = two_pi/motion%system%r
       motion%dimensions = 4
-   end function new_simulated_pair
+   end subroutine begin
 
    !> Simulates whole load cycles; the transient without directions.
    subroutine grow(motion, cycles, growth, status, progress)
@@ -92,6 +121,74 @@ contains
          if (status /= stat%more_events) exit
       end do
    end subroutine grow
+
+   !> Simulates a transient, and examines the load cycles after it.
+   subroutine examine(motion, how, cell, progress)
+      !> In: the motion. Out: at the end of the last load cycle.
+      class(simulated_pair_type), intent(inout) :: motion
+      !> How it is examined.
+      type(examination_type), intent(in) :: how
+      !> In: empty. Out: what was found.
+      type(cell_type), intent(inout) :: cell
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+
+      call settle_on(motion%system, motion%final, how, cell, progress)
+      motion%state = motion%final
+   end subroutine examine
+
+   !> Chains of simulations; their parameters and starts are not set yet.
+   pure function new_pair_chains(links, chains, load, kick) result(sweep)
+      !> Numbers of links of each chain, and of chains.
+      integer, intent(in) :: links, chains
+      !> Load amplitude f, and as in `pair_chains_type`.
+      real(wp), intent(in) :: load, kick
+      type(pair_chains_type) :: sweep
+
+      sweep%links = links
+      sweep%chains = chains
+      sweep%sizes = [1, 5, 7]
+      sweep%load = load
+      sweep%kick = kick
+      allocate (sweep%parameters(6, links, chains), sweep%starts(5, chains))
+   end function new_pair_chains
+
+   !> Brings a simulation to a link: the free mass keeps its relative position between the walls.
+   pure subroutine go_to(chains, link, chain, motion, status)
+      !> The chains.
+      class(pair_chains_type), intent(in) :: chains
+      !> Numbers of the link and of the chain.
+      integer, intent(in) :: link, chain
+      !> In: the simulation at the link before, if there is one. Out: at this link.
+      class(simulated_motion_type), allocatable, intent(inout) :: motion
+      !> Out: `stat%ok`; a simulation that failed goes on, too.
+      integer, intent(inout) :: status
+      real(wp) :: before, half, y
+
+      status = stat%ok
+      if (.not. allocated(motion)) allocate (simulated_pair_type :: motion)
+      select type (motion)
+      type is (simulated_pair_type)
+         before = motion%system%clearance
+         ! in place: it holds large tables
+         associate (c => chains%parameters(:, link, chain))
+            motion%system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), &
+               chains%load, c(2))
+         end associate
+         if (link == 1) then
+            call begin(motion, initial_state(motion%system, chains%starts(:, chain)), 0)
+            return
+         end if
+         associate (last => motion%final, system => motion%system, kick => chains%kick)
+            half = 0.5_wp*system%clearance
+            y = (last%z - last%x)*(system%clearance/before)
+            if (last%side /= 0) y = last%side*half
+            y = max(-half, min(half, y))
+            call begin(motion, initial_state(system, [last%phase/system%r, last%x, last%x_dot + &
+               kick*half, last%x + y, last%z_dot + merge(kick*half, 0.0_wp, last%side /= 0)]), 0)
+         end associate
+      end select
+   end subroutine go_to
 
    !> Carries the directions to the next event and adds the logarithms of their growth.
    pure subroutine carry(motion, event, place, growth)

@@ -10,12 +10,13 @@ module vi_simulated_structure
    use vi_exponents, only: orthonormalise
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
-   use vi_simulated_motion, only: growth_type, simulated_motion_type
+   use vi_simulated_motion, only: cell_type, examination_type, growth_type, simulated_motion_type
    use vi_status, only: stat
    use vi_structure, only: restitution_of
    use vi_structure_map, only: from_coordinates, to_coordinates
    use vi_structure_run, only: impact_event, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at, stick_event
+   use vi_structure_settled, only: settle_structure
    use vi_structure_variation, only: start_tangent, tangent_type, through_event, to_state
    implicit none (type, external)
    private
@@ -26,6 +27,8 @@ module vi_simulated_structure
    type, extends(simulated_motion_type), public :: simulated_structure_type
       type(run_type) :: run
       type(run_state_type) :: state
+      !> (outputs, n) Outputs whose sizes are measured, as sums of the coordinates.
+      real(wp), allocatable :: outputs(:, :)
       type(run_event_type), allocatable, private :: events(:)
       type(tangent_type), private :: tangent
       !> (directions) Logarithms of their growth in the present period, and what the impacts make of
@@ -34,6 +37,7 @@ module vi_simulated_structure
       real(wp), private :: shrinking = 0
    contains
       procedure :: grow
+      procedure :: examine
    end type simulated_structure_type
 
    !> Events simulated at a time.
@@ -59,8 +63,8 @@ contains
       motion%period = run%period
       motion%unit = run%period
       motion%dimensions = size(state)
-      allocate (motion%events(chunk))
       associate (n => size(state)/2)
+         allocate (motion%events(chunk), motion%outputs(0, n))
          call start_at(motion%run, start, state(:n), state(n + 1:), motion%state, status)
       end associate
    end subroutine new_simulated_structure
@@ -100,6 +104,20 @@ contains
          growth%time = growth%time + 1
       end do
    end subroutine grow
+
+   !> Simulates a transient, and examines the load cycles after it.
+   subroutine examine(motion, how, cell, progress)
+      !> In: the motion, at load phase 0. Out: at the end of the last load cycle.
+      class(simulated_structure_type), intent(inout) :: motion
+      !> How it is examined.
+      type(examination_type), intent(in) :: how
+      !> In: empty. Out: what was found.
+      type(cell_type), intent(inout) :: cell
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+
+      call settle_structure(motion%run, motion%state, motion%outputs, how, cell, progress)
+   end subroutine examine
 
    !> Directions at a state; none is along a single coordinate, which could be independent of all
    !! others.

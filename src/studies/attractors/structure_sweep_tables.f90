@@ -1,19 +1,24 @@
-!> The keys of sweeps of structures along a parameter, and their tables in a result.
+!> Sweeps of structures along a parameter: their keys, and their tables in a result.
 module vi_structure_sweep_tables
+   use vi_chains, only: chains_type, settle_chains
    use vi_common_keys, only: check_product, most_numbers
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
+   use vi_simulated_motion, only: cell_type, examination_type, simulated_motion_type
+   use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
-   use vi_structure_path, only: structure_path_type, value_at
-   use vi_structure_sweep, only: cell_type, sweep, sweep_type
+   use vi_structure, only: load_type, structure_type
+   use vi_structure_find, only: open_gaps
+   use vi_structure_path, only: changed, structure_path_type, value_at
+   use vi_structure_run, only: is_far, new_run, run_type, state_now
    use vi_study, only: a_whole, a_word, column_type, key_type, result_type, values_type, &
       wholes, words
    use vi_text, only: counted, whole
    implicit none (type, external)
    private
 
-   public :: check_sweep, put_cells, run_sweep, shares_of, value_count
+   public :: check_sweep, run_sweep, shares_of, value_count
 
    !> The keys of all sweeps of structures.
    type(key_type), parameter, public :: sweep_keys(*) = [ &
@@ -36,6 +41,19 @@ module vi_structure_sweep_tables
       column_type('cells', 'rests', wholes, meaning='rests, counted in the same way'), &
       column_type('cells', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]
+
+   !> A sweep of a structure.
+   type, extends(chains_type) :: structure_chain_type
+      !> The structure and its load as functions of the parameter.
+      type(structure_path_type) :: path
+      !> (links, chains) The parameter, as shares of the way between its bounds.
+      real(wp), allocatable :: shares(:, :)
+      !> (2n) Coordinates and velocities at the beginning, and after a failure; (outputs, n) outputs
+      !! whose sizes are measured, as sums of the coordinates.
+      real(wp), allocatable :: start(:), outputs(:, :)
+   contains
+      procedure :: go_to
+   end type structure_chain_type
 
 contains
 
@@ -83,74 +101,110 @@ contains
          &and the coordinates at most '//whole(most_numbers)//' numbers')
    end subroutine check_sweep
 
-   !> Sweeps over the values of a case.
-   subroutine run_sweep(study, path, points, outputs, cells, result, progress)
+   !> Sweeps over the values of a case, and fills the table of the cells, with notes.
+   subroutine run_sweep(study, path, points, strobes, outputs, cells, order, &
+      result, progress)
       !> The group.
       type(values_type), intent(in) :: study
       !> The structure and its load as functions of the parameter.
       type(structure_path_type), intent(in) :: path
       !> Impacts that are kept at each value.
       integer, intent(in) :: points
+      !> Whether states are kept.
+      logical, intent(in) :: strobes
       !> (outputs, n) Outputs whose sizes are measured, as sums of the coordinates.
       real(wp), intent(in) :: outputs(:, :)
-      !> What was found, as far as it was reached.
+      !> What was found, as far as it was reached, and the number of the value of each.
       type(cell_type), allocatable, intent(out) :: cells(:)
+      integer, allocatable, intent(out) :: order(:)
       !> In and out: marked if it was stopped.
       type(result_type), intent(inout) :: result
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      type(structure_chain_type) :: sweep
       type(cell_type), allocatable :: all_cells(:)
-      integer, allocatable :: order(:), runs(:)
-      integer :: done, first, i, last, n
+      real(wp), allocatable :: shares(:)
+      integer, allocatable :: runs(:)
+      integer :: done, first, i, last, lost, n
 
       n = value_count(study)
-      allocate (order(2*n), runs(2*n))
-      order(:n) = [(i, i=1, n)]
-      order(n + 1:) = order(n:1:-1)
-      runs(:n) = 1
-      runs(n + 1:) = 2
       first = merge(n + 1, 1, study%is('sweep', 'down'))
       last = merge(n, 2*n, study%is('sweep', 'up'))
-      allocate (all_cells(first:last))
-      call sweep(path, shares_of(study), order(first:last), runs(first:last), &
-         study%numbers('q'), study%numbers('q_dot'), sweep_type(study%whole_number('settling'), &
-         study%whole_number('keep'), points, study%whole_number('max_events'), outputs), &
-         all_cells, done, progress)
-      allocate (cells, source=all_cells(first:first + done - 1))
+      order = [(merge(i, 2*n + 1 - i, i <= n), i=first, last)]
+      runs = [(merge(1, 2, i <= n), i=first, last)]
+      allocate (shares, source=shares_of(study))
+      sweep%links = size(order)
+      sweep%path = path
+      sweep%shares = reshape(shares(order), [size(order), 1])
+      sweep%start = [study%numbers('q'), study%numbers('q_dot')]
+      sweep%outputs = outputs
+      sweep%sizes = [size(sweep%start)/2 + size(outputs, 1), size(sweep%start), 2]
+      allocate (all_cells(size(order)))
+      call settle_chains(sweep, examination_type(study%whole_number('settling'), &
+         study%whole_number('keep'), points, study%whole_number('max_events'), strobes), 1, &
+         all_cells, progress)
+      done = count(all_cells%status /= stat%not_computed)
       if (is_stopped(progress) .and. done < size(all_cells)) result%cut = whole(done)//' of '// &
          counted(size(all_cells), 'value')//' were reached'
-   end subroutine run_sweep
-
-   !> Fills the table of the cells, with notes.
-   pure subroutine put_cells(result, path, study, cells)
-      !> The result.
-      type(result_type), intent(inout) :: result
-      !> The path.
-      type(structure_path_type), intent(in) :: path
-      !> The group.
-      type(values_type), intent(in) :: study
-      !> What was found.
-      type(cell_type), intent(in) :: cells(:)
-      real(wp), allocatable :: shares(:)
-      integer :: i, lost
-
-      allocate (shares, source=shares_of(study))
-      call result%open('cells', 'cell', [size(cells)])
-      call result%put('cells', 'value', [(value_at(path%changes(1), shares(cells(i)%value)), &
-         i=1, size(cells))])
-      call result%put('cells', 'run', cells%run)
+      allocate (cells, source=all_cells(:done))
+      order = order(:done)
+      call result%open('cells', 'cell', [done])
+      call result%put('cells', 'value', [(value_at(path%changes(1), shares(order(i))), i=1, done)])
+      call result%put('cells', 'run', runs(:done))
       call result%put('cells', 'cycles', cells%cycles)
       call result%put('cells', 'impacts', cells%impacts)
       call result%put('cells', 'rests', cells%rests)
       call result%put('cells', 'status', cells%status)
       lost = count(cells%status /= stat%ok)
-      result%empty = lost == size(cells)
-      if (.not. result%empty) call result%add_note(counted(size(cells), 'value')//', '// &
+      result%empty = lost == done
+      if (.not. result%empty) call result%add_note(counted(done, 'value')//', '// &
          whole(count(cells%cycles > 0))//' with a period')
       if (lost == 0) return
       i = findloc(cells%status /= stat%ok, .true., 1)
-      call result%fail(whole(lost)//' of '//counted(size(cells), 'value')//' failed: '// &
+      call result%fail(whole(lost)//' of '//counted(done, 'value')//' failed: '// &
          status_text(cells(i)%status))
-   end subroutine put_cells
+   end subroutine run_sweep
+
+   !> Brings a simulation to a value; it goes on from the last state of the value before.
+   pure subroutine go_to(chains, link, chain, motion, status)
+      !> The sweep.
+      class(structure_chain_type), intent(in) :: chains
+      !> Numbers of the link and of the chain.
+      integer, intent(in) :: link, chain
+      !> In: the simulation at the value before, if there is one. Out: at this value.
+      class(simulated_motion_type), allocatable, intent(inout) :: motion
+      !> In: the status at the value before. Out: `stat%ok`, or why there is no simulation.
+      integer, intent(inout) :: status
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(run_type) :: run
+      real(wp) :: here(size(chains%start))
+
+      here = chains%start
+      associate (n => size(here)/2)
+         if (allocated(motion)) then
+            select type (motion)
+            type is (simulated_structure_type)
+               ! after a failure anew
+               if (status == stat%ok) call state_now(motion%run, motion%state, here(:n), &
+                  here(n + 1:))
+            end select
+            deallocate (motion)
+         end if
+         call changed(chains%path, [chains%shares(link, chain)], structure, load)
+         call new_run(structure, load, run, status)
+         if (status /= stat%ok) return
+         ! a start that is too far is refused, as in a simulation, not moved into the gaps
+         if (is_far(run, here(:n), here(n + 1:))) status = stat%extreme_units
+         if (status /= stat%ok) return
+         call open_gaps(structure, here(:n))
+         allocate (simulated_structure_type :: motion)
+         select type (motion)
+         type is (simulated_structure_type)
+            call new_simulated_structure(run, 0.0_wp, here, 0, motion, status)
+            motion%outputs = chains%outputs
+         end select
+      end associate
+   end subroutine go_to
 
 end module vi_structure_sweep_tables

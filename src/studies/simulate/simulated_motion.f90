@@ -1,7 +1,9 @@
-!> What averages along simulated motions know of a simulation that goes on: load cycles, and the
-!! growth of small changes meanwhile. The oscillator and structures extend its type.
+!> What averages and sweeps know of a simulation that goes on: load cycles, the growth of small
+!! changes meanwhile, and the motion on which it settles. The oscillator and structures extend its
+!! type.
 module vi_simulated_motion
    use vi_kinds, only: wp
+   use vi_status, only: stat
    implicit none (type, external)
    private
 
@@ -23,6 +25,34 @@ module vi_simulated_motion
       procedure :: add
    end type growth_type
 
+   !> How a motion is examined once it has settled.
+   type, public :: examination_type
+      !> Load cycles before, those that are examined, most impacts that are kept, and events until
+      !! the simulation is given up.
+      integer :: settling = 0, keep = 3, points = 0, max_events = huge(1)
+      !> Whether a state is kept for each load cycle, not only the last one.
+      logical :: strobes = .false.
+   end type examination_type
+
+   !> What was found when a motion was examined.
+   type, public :: cell_type
+      !> `stat%ok`, or why there is nothing.
+      integer :: status = stat%not_computed
+      !> Load cycles of the period, 0 if none is confirmed; symbols, impacts and rests in it, or in
+      !! all cycles that were examined. Structures have no symbols.
+      integer :: cycles = 0, symbols = 0, impacts = 0, rests = 0
+      !> (coordinates, 3) Least and greatest values, and roots of the mean squares; of the
+      !! oscillator the least and greatest x.
+      real(wp), allocatable :: extent(:, :)
+      !> (numbers, states) States at the ends of load cycles, the last one at the end: q and q', or
+      !! t, x, x', z, z'.
+      real(wp), allocatable :: strobes(:, :)
+      !> (impacts) Gaps, or sides (+1 right, -1 left), and (numbers, impacts) load phases within a
+      !! cycle and approach speeds, or numbers as in `store_events`.
+      integer, allocatable :: gaps(:)
+      real(wp), allocatable :: hits(:, :)
+   end type cell_type
+
    !> A motion that is simulated.
    type, abstract, public :: simulated_motion_type
       !> Number of events that it may still have.
@@ -33,6 +63,7 @@ module vi_simulated_motion
       integer :: dimensions = 0
    contains
       procedure(grow_in), deferred :: grow
+      procedure(examine_in), deferred :: examine
    end type simulated_motion_type
 
    abstract interface
@@ -52,6 +83,20 @@ module vi_simulated_motion
          !> Progress counters, see vi_progress; read to stop.
          integer, intent(inout), optional :: progress(3)
       end subroutine grow_in
+
+      !> Simulates a transient, and examines the load cycles after it.
+      subroutine examine_in(motion, how, cell, progress)
+         import :: cell_type, examination_type, simulated_motion_type
+         implicit none (type, external)
+         !> In: the motion. Out: at the end of the last load cycle.
+         class(simulated_motion_type), intent(inout) :: motion
+         !> How it is examined.
+         type(examination_type), intent(in) :: how
+         !> In: empty. Out: what was found.
+         type(cell_type), intent(inout) :: cell
+         !> Progress counters, see vi_progress; read to stop.
+         integer, intent(inout), optional :: progress(3)
+      end subroutine examine_in
    end interface
 
 contains

@@ -1,53 +1,24 @@
-!> Settled motions of a structure along a parameter: at each value the simulation goes on from the
-!! last state of the value before it.
-module vi_structure_sweep
+!> The motion on which a simulation of a structure settles: last impacts, period if any, extremes
+!! and mean squares of the coordinates.
+module vi_structure_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_modes, only: advance
-   use vi_progress, only: add_done_work, add_expected_work, is_stopped
+   use vi_progress, only: is_stopped
+   use vi_simulated_motion, only: cell_type, examination_type
    use vi_status, only: stat
    use vi_structure, only: load_type, state_of, structure_type
    use vi_structure_extremes, only: turning_share
-   use vi_structure_find, only: open_gaps
    use vi_structure_path, only: changed, structure_path_type
    use vi_structure_return, only: confirmed_cycles, is_steady, most_events, one_cycle, repetition, &
       some_cycles
-   use vi_structure_run, only: impact_event, is_far, new_run, run_event_type, run_state_type, &
-      run_type, start_at, state_now, stick_event
+   use vi_structure_run, only: impact_event, new_run, run_event_type, run_state_type, run_type, &
+      state_now, stick_event
    implicit none (type, external)
    private
 
-   public :: steady_size, sweep
-
-   !> How each value is examined.
-   type, public :: sweep_type
-      !> Load cycles before, those that are examined, most impacts that are kept, and events until a
-      !! simulation is given up.
-      integer :: settling = 0, keep = 3, points = 100, max_events = huge(1)
-      !> (outputs, n) Further quantities, as sums of the coordinates.
-      real(wp), allocatable :: outputs(:, :)
-   end type sweep_type
-
-   !> What was found at a value.
-   type, public :: cell_type
-      !> Number of the value, and 1 on the way up or 2 on the way down.
-      integer :: value = 0, run = 1
-      !> `stat%ok`, or why there is nothing.
-      integer :: status = stat%not_computed
-      !> Load cycles of the period, 0 if none is confirmed; impacts and rests in it, or in all
-      !! cycles
-      !! that were examined.
-      integer :: cycles = 0, impacts = 0, rests = 0
-      !> (n + outputs) Least and greatest values of the coordinates and then of the outputs, and
-      !! roots of their mean squares.
-      real(wp), allocatable, dimension(:) :: q_min, q_max, q_rms
-      !> (2n, cycles of a period, or all examined) States at the beginning of load cycles.
-      real(wp), allocatable :: strobes(:, :)
-      !> (impacts) Gaps, load phases (rad) within a cycle, and approach speeds.
-      integer, allocatable :: gaps(:)
-      real(wp), allocatable :: phases(:), speeds(:)
-   end type cell_type
+   public :: settle_structure, steady_size
 
    !> Extremes and integrals of squares of the coordinates and outputs, and the time so far.
    type :: size_type
@@ -66,135 +37,80 @@ module vi_structure_sweep
 
 contains
 
-   !> Follows the motion over values of a parameter, one after another.
-   subroutine sweep(path, shares, order, runs, q, rate, how, cells, done, progress)
-      !> The structure and its load as functions of the parameter.
-      type(structure_path_type), intent(in) :: path
-      !> (values) The parameter, as shares of the way between its bounds.
-      real(wp), intent(in) :: shares(:)
-      !> (cells) The number of the value of each cell, in the order of the sweep, and its direction.
-      integer, intent(in) :: order(:), runs(:)
-      !> (n) Coordinates and velocities at the beginning.
-      real(wp), intent(in) :: q(:), rate(:)
-      !> How each value is examined.
-      type(sweep_type), intent(in) :: how
-      !> (cells) What was found.
-      type(cell_type), intent(out) :: cells(:)
-      !> Number of cells that were reached.
-      integer, intent(out) :: done
-      !> Progress counters, see vi_progress.
-      integer, intent(inout), optional :: progress(3)
-      type(structure_type) :: structure
-      type(load_type) :: load
-      real(wp) :: here(2*size(q))
-      integer :: i
-
-      call add_expected_work(size(cells), progress)
-      here = [q, rate]
-      do i = 1, size(cells)
-         done = i - 1
-         if (is_stopped(progress)) return
-         call changed(path, [shares(order(i))], structure, load)
-         call examine(structure, load, how, here, cells(i), progress)
-         cells(i)%value = order(i)
-         cells(i)%run = runs(i)
-         if (cells(i)%status == stat%not_computed) return
-         done = i
-         ! after a failure anew
-         if (cells(i)%status /= stat%ok) here = [q, rate]
-         call add_done_work(1, progress)
-      end do
-   end subroutine sweep
-
-   !> Settles and examines the motion at one value.
-   subroutine examine(structure, load, how, here, cell, progress)
-      !> The structure and its load.
-      type(structure_type), intent(in) :: structure
-      !> As in `structure`.
-      type(load_type), intent(in) :: load
+   !> Simulates the transient, and examines the load cycles after it.
+   subroutine settle_structure(run, state, outputs, how, cell, progress)
+      !> In and out: the structure under its load; regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In: state at load phase 0. Out: state at the end.
+      type(run_state_type), intent(inout) :: state
+      !> (outputs, n) Outputs whose sizes are measured, as sums of the coordinates.
+      real(wp), intent(in) :: outputs(:, :)
       !> How it is examined.
-      type(sweep_type), intent(in) :: how
-      !> (2n) In: coordinates and velocities at load phase 0. Out: those at the end.
-      real(wp), intent(inout) :: here(:)
-      !> What was found.
-      type(cell_type), intent(out) :: cell
+      type(examination_type), intent(in) :: how
+      !> In: empty. Out: what was found.
+      type(cell_type), intent(inout) :: cell
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
-      type(run_type) :: run
-      type(run_state_type) :: state, before
+      type(run_state_type) :: before
       type(run_event_type), allocatable :: events(:)
       type(size_type) :: sizes
       real(wp), allocatable :: strobes(:, :)
-      integer :: counts(how%keep), rests(how%keep), first, i, k, left, n, repeats
+      real(wp) :: hits(2, how%points)
+      integer :: counts(how%keep), gaps(how%points), rests(how%keep), first, i, k, kept, left, m, &
+         n, repeats
       logical :: exactly
 
-      associate (m => size(here)/2)
-         allocate (cell%gaps(0), cell%phases(0), cell%speeds(0), cell%strobes(2*m, 0))
-         call new_sizes(how%outputs, sizes)
-         allocate (cell%q_min, cell%q_max, cell%q_rms, mold=sizes%low)
-         cell%q_min = ieee_value(1.0_wp, ieee_quiet_nan)
-         cell%q_max = cell%q_min
-         cell%q_rms = cell%q_min
-         call new_run(structure, load, run, cell%status)
-         if (cell%status /= stat%ok) return
-         ! a start that is too far is refused, as in a simulation, not moved into the gaps
-         if (is_far(run, here(:m), here(m + 1:))) then
-            cell%status = stat%extreme_units
-            return
-         end if
-         call open_gaps(structure, here(:m))
-         call start_at(run, 0.0_wp, here(:m), here(m + 1:), state, cell%status)
-         if (cell%status /= stat%ok) return
-         allocate (events(most_events), strobes(2*m, 0:how%keep))
-         left = how%max_events
-         call some_cycles(run, state, 0.0_wp, how%settling, left, events, strobes(:, :0), &
-            cell%status, progress)
-         if (cell%status /= stat%ok) return
-         call state_now(run, state, strobes(:m, 0), strobes(m + 1:, 0))
-         do i = 1, how%keep
-            before = state
-            call one_cycle(run, state, 1, 0.0_wp, events, n, cell%status, progress)
-            left = left - n
-            if (cell%status == stat%ok .and. left < 0) cell%status = stat%event_limit
-            if (is_stopped(progress)) cell%status = stat%not_computed
-            if (cell%status /= stat%ok) return
-            call state_now(run, state, strobes(:m, i), strobes(m + 1:, i))
-            call measure_cycle(run, before, events(:n), state, sizes)
-            counts(i) = count(events(:n)%kind == impact_event)
-            rests(i) = count(events(:n)%kind == stick_event)
-            do k = 1, n
-               if (events(k)%kind /= impact_event .or. size(cell%gaps) >= how%points) cycle
-               cell%gaps = [cell%gaps, events(k)%gap]
-               cell%phases = [cell%phases, load%frequency*events(k)%elapsed]
-               cell%speeds = [cell%speeds, events(k)%speed]
-            end do
+      m = size(run%structure%mass, 1)
+      allocate (events(most_events), strobes(2*m, 0:how%keep))
+      left = how%max_events
+      call some_cycles(run, state, 0.0_wp, how%settling, left, events, strobes(:, :0), &
+         cell%status, progress)
+      if (cell%status /= stat%ok) return
+      call state_now(run, state, strobes(:m, 0), strobes(m + 1:, 0))
+      call new_sizes(outputs, sizes)
+      kept = 0
+      do i = 1, how%keep
+         before = state
+         call one_cycle(run, state, 1, 0.0_wp, events, n, cell%status, progress)
+         left = left - n
+         if (cell%status == stat%ok .and. left < 0) cell%status = stat%event_limit
+         if (is_stopped(progress)) cell%status = stat%not_computed
+         if (cell%status /= stat%ok) exit
+         call state_now(run, state, strobes(:m, i), strobes(m + 1:, i))
+         call measure_cycle(run, before, events(:n), state, sizes)
+         counts(i) = count(events(:n)%kind == impact_event)
+         rests(i) = count(events(:n)%kind == stick_event)
+         do k = 1, n
+            if (events(k)%kind /= impact_event .or. kept >= how%points) cycle
+            kept = kept + 1
+            gaps(kept) = events(k)%gap
+            hits(:, kept) = [run%load%frequency*events(k)%elapsed, events(k)%speed]
          end do
-         here = strobes(:, how%keep)
-         cell%q_min = sizes%low
-         cell%q_max = sizes%high
-         cell%q_rms = sqrt(sizes%squares/sizes%time)
-         k = (how%keep - 1)/2
-         call repetition(strobes(:, how%keep - 2*k:), k, at_rounding, repeats)
-         exactly = repeats > 0
-         if (.not. exactly) call repetition(strobes(:, how%keep - 2*k:), k, near, repeats)
-         call confirm(structure, run, state, repeats, exactly, counts, events, cell%cycles, &
-            progress)
-         first = 1
-         if (cell%cycles > 0) first = how%keep - cell%cycles + 1
-         cell%impacts = sum(counts(first:))
-         cell%rests = sum(rests(first:))
-         cell%strobes = strobes(:, first:how%keep)
-      end associate
-   end subroutine examine
+      end do
+      cell%gaps = gaps(:kept)
+      cell%hits = hits(:, :kept)
+      if (cell%status /= stat%ok) return
+      cell%extent(:, 1) = sizes%low
+      cell%extent(:, 2) = sizes%high
+      cell%extent(:, 3) = sqrt(sizes%squares/sizes%time)
+      k = (how%keep - 1)/2
+      call repetition(strobes(:, how%keep - 2*k:), k, at_rounding, repeats)
+      exactly = repeats > 0
+      if (.not. exactly) call repetition(strobes(:, how%keep - 2*k:), k, near, repeats)
+      call confirm(run, state, repeats, exactly, counts, events, cell%cycles, progress)
+      first = 1
+      if (cell%cycles > 0) first = how%keep - cell%cycles + 1
+      cell%impacts = sum(counts(first:))
+      cell%rests = sum(rests(first:))
+      cell%strobes = strobes(:, merge(first, how%keep, how%strobes):how%keep)
+   end subroutine settle_structure
 
    !> The shortest period of the motion on which a simulation has settled.
    !!
    !! A simulation that approaches a motion slowly, or leaves one that is not stable, nearly repeats
    !! itself, possibly only after several periods: Newton's method has to confirm a stable motion.
-   subroutine confirm(structure, run, state, repeats, exactly, counts, events, cycles, progress)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
+   subroutine confirm(run, state, repeats, exactly, counts, events, cycles, progress)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> The state at the end.
@@ -220,7 +136,7 @@ contains
          if (is_steady(run, state)) cycles = 1
          return
       end if
-      call confirmed_cycles(structure, run, state, 0.0_wp, repeats, exactly, events, cycles, &
+      call confirmed_cycles(run%structure, run, state, 0.0_wp, repeats, exactly, events, cycles, &
          impacts, progress)
       ! the simulation may still hit a gap more or less often than the motion
       if (impacts >= 0 .and. sum(counts(n - cycles + 1:)) /= impacts) cycles = 0
@@ -386,4 +302,4 @@ contains
       rms = sqrt(sizes%squares/sizes%time)
    end subroutine steady_size
 
-end module vi_structure_sweep
+end module vi_structure_settled
