@@ -3,8 +3,8 @@ module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_settled, only: advance
    use vi_attractor_known, only: chaotic, known_type, periodic, quasi_periodic, shortest_period
-   use vi_exponents, only: average_type, exponents_along, exponents_type, positive, sign_by_error, &
-      zero
+   use vi_exponents, only: average_type, cycles_to_settle, decays, exponents_along, &
+      exponents_type, positive, sign_by_error, zero
    use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type
    use vi_kinds, only: two_pi, wp
    use vi_simulate, only: simulate_on
@@ -17,10 +17,7 @@ module vi_attractor_wandering
 
    !> Load cycles whose impacts mark the cells of an attractor; number of batches of an average.
    integer, parameter :: cell_cycles = 4000, batches = 20
-   !> A motion counts as settled after this many of the times in which volumes contract by a factor
-   !! e in each direction, and of those in which the slowest free vibration decays by a factor e,
-   !! and no sooner than after some load cycles.
-   real(wp), parameter :: contractions = 40, decays = 10
+   !> Load cycles before which a motion does not count as settled.
    integer, parameter :: least_cycles = 12000
    !> Load cycles of an average with which an exponent may count as zero.
    integer, parameter :: zero_cycles = 16000
@@ -143,11 +140,8 @@ contains
    !! quasi-periodic if it is zero by its error, `periodic` if it is so negative that the motion has
    !! settled during the average, and 0 as long as it is none of these.
    !!
-   !! A transient may look like either for a long time. Volumes contract at a known rate, and
-   !! nothing
-   !! settles faster: the kind is 0 until the motion has gone on for many times as long. A free
-   !! vibration, which decays slowest while both masses move together, may last much longer than
-   !! that. Without contraction there are no transients.
+   !! The kind is 0 until the motion has gone on for as long as transients may last; a free
+   !! vibration decays slowest while both masses move together.
    subroutine measure_kind(system, state, cycles, before, left, kind, largest, settling, status, &
       progress)
       !> The forced system.
@@ -170,7 +164,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(simulated_pair_type) :: motion
       type(exponents_type) :: found
-      real(wp) :: deviation, most
+      real(wp) :: deviation
       integer :: sign_of_it
 
       kind = 0
@@ -185,27 +179,14 @@ contains
       largest = found%exponents(1)*found%period
       deviation = found%deviations(1)*found%period
       associate (osc => system%osc)
-         most = times(contractions, -sum(found%exponents(:found%rank))*found%period/found%rank)
-         most = max(most, times(decays, osc%xi/(1 + osc%mu)*found%period))
+         settling = cycles_to_settle(-sum(found%exponents(:found%rank))*found%period/found%rank, &
+            osc%xi/(1 + osc%mu)*found%period)
       end associate
-      settling = ceiling(min(1.0e9_wp, most))
       if (before + cycles < max(settling, least_cycles)) return
       sign_of_it = sign_by_error(largest, deviation, cycles)
       if (sign_of_it == positive) kind = chaotic
       if ((largest + 4*deviation)*cycles < -2*decays) kind = periodic
       if (sign_of_it == zero .and. cycles >= zero_cycles) kind = quasi_periodic
-
-   contains
-
-      !> Load cycles in which a logarithm grows to a number; 0 if only rounding makes it grow.
-      pure real(wp) function times(number, rate)
-         !> The number, and the growth per load cycle.
-         real(wp), intent(in) :: number, rate
-
-         times = 0
-         if (rate > 1.0e-12_wp) times = number/rate
-      end function times
-
    end subroutine measure_kind
 
    !> A stable periodic motion around which a trajectory may wind, by Newton's method from where the

@@ -2,8 +2,8 @@
 !! impacts.
 module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_exponents, only: average_type, exponents_along, exponents_type, negative, positive, &
-      sign_by_error, zero
+   use vi_exponents, only: average_type, cycles_to_settle, exponents_along, exponents_type, &
+      negative, positive, sign_by_error, zero
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: no
    use vi_philox, only: philox
@@ -45,11 +45,6 @@ module vi_structure_find
    !! before which a motion does not count as settled; batches of an average.
    integer, parameter :: first_average = 1000, most_followed = 30000, zero_cycles = 8000, &
       least_cycles = 3000, batches = 20
-   !> A motion counts as settled after this many of the times in which volumes contract by a factor
-   !! e in each direction, and of those in which the slowest damped vibration decays by a factor
-   !! e.
-   real(wp), parameter :: contractions = 40, decays = 10
-
    !> Tasks between which the list of motions is brought up to date.
    integer, parameter :: block = 512
 
@@ -163,9 +158,8 @@ contains
    !! is positive by its error, and quasi-periodic if that is zero by its error and no stable motion
    !! is near. A negative one tells that it settles.
    !!
-   !! A transient may look like any of them for a long time. Volumes contract at a known rate, and
-   !! nothing settles faster: there is no kind until the motion has gone on for many times as long.
-   !! A vibration, also one with a gap at rest, may last much longer than that.
+   !! There is no kind until the motion has gone on for as long as transients may last; the slowest
+   !! vibration may be one with a gap at rest.
    subroutine follow_on(structure, run, start, state, how, found, kind, status, progress)
       !> The structure.
       type(structure_type), intent(in) :: structure
@@ -190,7 +184,7 @@ contains
       type(exponents_type) :: average
       type(simulated_structure_type) :: motion
       real(wp) :: here(size(state)), slowest
-      integer :: cycles, left, n, settling, sign_of_it, spent, ended
+      integer :: cycles, least, left, n, settling, sign_of_it, spent, ended
 
       kind = 0
       call find_slowest(run, slowest)
@@ -209,9 +203,9 @@ contains
          left = motion%left
          sign_of_it = sign_by_error(average%exponents(1)*average%period, average%deviations(1)* &
             average%period, cycles)
-         if (is_steady(average, spent)) then
-            if (sign_of_it == positive) kind = chaotic
-         end if
+         least = max(least_cycles, cycles_to_settle(average%contraction*average%period, &
+            slowest*average%period))
+         if (spent >= least .and. sign_of_it == positive) kind = chaotic
          status = stat%no_period
          if (kind > 0) return
          here = state
@@ -221,10 +215,10 @@ contains
          spent = spent + 2*how%max_cycles
          if (is_decided(found, status)) return
          ! it settles on what is not looked for, such as a longer period
-         if (sign_of_it == negative .and. is_steady(average, spent)) settling = settling + 1
+         if (sign_of_it == negative .and. spent >= least) settling = settling + 1
          if (settling == 2) exit
          if (status == stat%no_period .and. sign_of_it == zero .and. cycles >= zero_cycles .and. &
-            is_steady(average, spent)) then
+            spent >= least) then
             kind = quasi_periodic
             status = stat%no_period
             return
@@ -232,22 +226,6 @@ contains
          cycles = 2*cycles
       end do
       if (any(ended == [stat%event_limit, stat%not_computed])) status = ended
-
-   contains
-
-      !> Whether a motion with such an average has gone on for long enough.
-      pure logical function is_steady(average, spent)
-         !> The average.
-         type(exponents_type), intent(in) :: average
-         !> Load cycles simulated.
-         integer, intent(in) :: spent
-
-         is_steady = spent >= least_cycles
-         if (average%contraction > 1.0e-12_wp) is_steady = is_steady .and. &
-            spent*average%period*average%contraction >= contractions
-         if (slowest > 0) is_steady = is_steady .and. spent*average%period*slowest >= decays
-      end function is_steady
-
    end subroutine follow_on
 
    !> The rate at which the slowest damped vibration decays, without rest and with each gap at rest.

@@ -9,7 +9,8 @@ module vi_exponents
    implicit none (type, external)
    private
 
-   public :: exponents_along, is_chaotic, kaplan_yorke, orthonormalise, scatter, sign_by_error
+   public :: cycles_to_settle, exponents_along, is_chaotic, kaplan_yorke, orthonormalise, &
+      scatter, sign_by_error
 
    !> What an average needs.
    type, public :: average_type
@@ -42,6 +43,11 @@ module vi_exponents
    !> The sign of a largest exponent: that which it has by its error, or none as long as the error
    !! is too large for that.
    integer, parameter, public :: negative = -1, zero = 0, positive = 1, unclear = 2
+
+   !> A motion counts as settled after this many of the times in which volumes contract by a factor
+   !! e in each direction, and of those in which the slowest vibration decays by a factor e.
+   real(wp), parameter :: contractions = 40
+   real(wp), parameter, public :: decays = 10
 
    !> Chaos: least values of the largest exponent per load cycle, and of its ratio to its standard
    !! error.
@@ -134,6 +140,25 @@ contains
       if (chaos) chaos = found%exponents(1)*found%period > least_chaos .and. &
          found%exponents(1) > least_ratio*found%deviations(1)
    end subroutine is_chaotic
+
+   !> Load cycles after which any motion nearby counts as settled.
+   !!
+   !! A transient may look chaotic or quasi-periodic for a long time. Volumes contract at a known
+   !! rate, and nothing settles faster; the slowest vibration may last much longer than that.
+   !! Without contraction there are no transients.
+   pure integer function cycles_to_settle(contraction, decay) result(cycles)
+      !> The rates, per load cycle, at which volumes contract in each direction, and at which the
+      !! slowest vibration decays.
+      real(wp), intent(in) :: contraction, decay
+      !> A rate below this is rounding.
+      real(wp), parameter :: rounding = 1.0e-12_wp
+      real(wp) :: most
+
+      most = 0
+      if (contraction > rounding) most = contractions/contraction
+      if (decay > rounding) most = max(most, decays/decay)
+      cycles = ceiling(min(1.0e9_wp, most))
+   end function cycles_to_settle
 
    !> Gram-Schmidt orthonormalisation, applied twice.
    !!
