@@ -1,11 +1,10 @@
 !> The least and greatest values of the coordinates of a structure over a period.
 module vi_structure_extremes
    use vi_kinds, only: wp
-   use vi_modes, only: advance
    use vi_orbit, only: family_type
-   use vi_rows, only: row_values
    use vi_structure, only: regime_type
    use vi_structure_members, only: flight_duration, member_type
+   use vi_structure_touches, only: rows_at
    implicit none (type, external)
    private
 
@@ -56,14 +55,15 @@ contains
       nodes = max(fewest, min(most, ceiling(density*duration/regime%unit)))
       h = duration/nodes
       do k = 0, nodes
-         call coordinates_at(regime, x, v, time, k*h, q, rate)
+         call rows_at(regime, regime%coordinates, x, v, time, k*h, q, rate)
          extremes(:, 1) = min(extremes(:, 1), q)
          extremes(:, 2) = max(extremes(:, 2), q)
          if (k > 0) then
             do j = 1, size(q)
                if (.not. rate_before(j)*rate(j) < 0) cycle
                call turning_share(before(j), q(j), h*rate_before(j), h*rate(j), share)
-               call coordinates_at(regime, x, v, time, (k - 1 + share)*h, there, rate_there)
+               call rows_at(regime, regime%coordinates, x, v, time, (k - 1 + share)*h, there, &
+                  rate_there)
                ! the velocity that is left there changes the extreme by its square
                value = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - rate_before(j))
                extremes(j, 1) = min(extremes(j, 1), value)
@@ -97,28 +97,5 @@ contains
          end if
       end do
    end subroutine turning_share
-
-   !> Coordinates and velocities at a time after the beginning of a flight.
-   pure subroutine coordinates_at(regime, x0, v0, time, t, q, rate)
-      !> The regime.
-      type(regime_type), intent(in) :: regime
-      !> (m) The pairs at the beginning, and the time there.
-      real(wp), intent(in) :: x0(:), v0(:), time
-      !> Time since then.
-      real(wp), intent(in) :: t
-      !> (n)
-      real(wp), contiguous, intent(out) :: q(:), rate(:)
-      real(wp), dimension(size(x0)) :: x, v
-      complex(wp) :: turn(size(regime%ripple, 2))
-      real(wp) :: phase
-      integer :: h
-
-      call advance(regime%modes, t, x0, v0, x, v)
-      phase = regime%frequency*(time + t)
-      do h = 1, size(turn)
-         turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
-      end do
-      call row_values(regime%coordinates, regime%frequency, x, v, turn, q, rate)
-   end subroutine coordinates_at
 
 end module vi_structure_extremes

@@ -502,8 +502,10 @@ contains
          real(wp), dimension(size(course%run%regimes(part%regime)%upper)) :: y, rate
          real(wp) :: left
 
-         call rows_at(course%run%regimes(part%regime), part%x, part%v, part%time, &
-            share*part%duration, y, rate)
+         associate (regime => course%run%regimes(part%regime))
+            call rows_at(regime, regime%rows, part%x, part%v, part%time, share*part%duration, y, &
+               rate)
+         end associate
          ratio = y(row)/unit
          slope = rate(row)
          if (.not. ends) return

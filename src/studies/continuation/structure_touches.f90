@@ -3,7 +3,7 @@ module vi_structure_touches
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_motion_family, only: condition_type
-   use vi_rows, only: row_values
+   use vi_rows, only: row_values, rows_type
    use vi_structure, only: regime_type
    implicit none (type, external)
    private
@@ -48,7 +48,7 @@ contains
          allocate (y(rows, 0:nodes), rate(rows, 0:nodes))
       end associate
       do k = 0, nodes
-         call rows_at(regime, x, v, time, k*duration/nodes, y(:, k), rate(:, k))
+         call rows_at(regime, regime%rows, x, v, time, k*duration/nodes, y(:, k), rate(:, k))
       end do
       h = duration/nodes
       gap = wide
@@ -159,8 +159,8 @@ contains
          limit = 0.2_wp*regime%unit
          h = 1.0e-3_wp*regime%unit
          do i = 1, 8
-            call rows_at(regime, x, v, time, t, y, rate)
-            call rows_at(regime, x, v, time, t + h, unused, ahead)
+            call rows_at(regime, regime%rows, x, v, time, t, y, rate)
+            call rows_at(regime, regime%rows, x, v, time, t + h, unused, ahead)
             step = ahead(row) - rate(row)
             if (.not. abs(step) > 0) exit
             step = -h*rate(row)/step
@@ -169,19 +169,21 @@ contains
             if (abs(step) < 1.0e-9_wp*regime%unit) exit
          end do
       end if
-      call rows_at(regime, x, v, time, t, y, rate)
+      call rows_at(regime, regime%rows, x, v, time, t, y, rate)
       gap = gap_at(regime, units(row), touch%side, y(row))
    end function touch_value
 
-   !> Positions and rates of all rows at a time after the beginning of a flight.
-   pure subroutine rows_at(regime, x, v, time, t, y, rate)
+   !> The values and rates of rows at a time after the beginning of a flight.
+   pure subroutine rows_at(regime, rows, x, v, time, t, y, rate)
       !> The regime.
       type(regime_type), intent(in) :: regime
+      !> Its rows: those of the channels, or of the coordinates.
+      type(rows_type), intent(in) :: rows
       !> (m) The pairs at the beginning, and the time there.
       real(wp), intent(in) :: x(:), v(:), time
       !> Time since then.
       real(wp), intent(in) :: t
-      !> (rows) Positions and rates.
+      !> (rows) Values and rates.
       real(wp), contiguous, intent(out) :: y(:), rate(:)
       real(wp), dimension(size(x)) :: x_then, v_then
       complex(wp) :: turn(size(regime%ripple, 2))
@@ -193,7 +195,7 @@ contains
       do h = 1, size(turn)
          turn(h) = cmplx(cos(h*phase), sin(h*phase), wp)
       end do
-      call row_values(regime%rows, regime%frequency, x_then, v_then, turn, y, rate)
+      call row_values(rows, regime%frequency, x_then, v_then, turn, y, rate)
    end subroutine rows_at
 
 end module vi_structure_touches
