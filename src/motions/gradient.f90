@@ -14,9 +14,9 @@ module vi_gradient
    use vi_lapack_routines, only: geev
    use vi_orbit, only: by_clearance, by_left, by_position, by_r, by_right, by_speed, by_velocity, &
       by_xi, family_type, flight_at, most_impacts, n_parameters, orbit_slopes, orbit_type, &
-      period_parts, set_orbit
+      oscillator_parameters, period_parts, set_orbit
    use vi_oscillation, only: derivatives
-   use vi_oscillator, only: gain, lag, left, right
+   use vi_oscillator, only: gain, lag
    use vi_period_slope, only: add_period_slope
    use vi_status, only: stat
    implicit none (type, external)
@@ -138,8 +138,7 @@ contains
       n = size(x)
       solved%clearance = setting%clearance
       solved%load = setting%load
-      c = [setting%r, log(setting%clearance/setting%load), setting%osc%xi, setting%osc%mu, &
-         setting%osc%restitution([right, left])]
+      c = oscillator_parameters(setting%osc, setting%r, setting%clearance/setting%load)
       unknowns = [x/setting%clearance, theta]
       solved%o%varied = n_parameters
       do pass = 1, 2

@@ -5,11 +5,11 @@
 !! its first half.
 module vi_member
    use vi_kinds, only: pi, wp
-   use vi_oscillator, only: eta, gain
+   use vi_oscillator, only: eta, gain, left, oscillator_type, right
    implicit none (type, external)
    private
 
-   public :: set_orbit, span_of
+   public :: oscillator_of, oscillator_parameters, set_orbit, span_of
 
    !> Largest number of impacts of an orbit.
    integer, parameter, public :: most_impacts = 24
@@ -55,6 +55,26 @@ module vi_member
    end type orbit_type
 
 contains
+
+   !> The parameters of an oscillator at a point.
+   pure function oscillator_parameters(osc, r, clearance) result(c)
+      !> The oscillator.
+      type(oscillator_type), intent(in) :: osc
+      !> Frequency ratio, and D = dK/F0.
+      real(wp), intent(in) :: r, clearance
+      real(wp) :: c(n_parameters)
+
+      c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [r, log(clearance), osc%xi, &
+         osc%mu, osc%restitution([right, left])]
+   end function oscillator_parameters
+
+   !> The oscillator with given parameters.
+   pure type(oscillator_type) function oscillator_of(c) result(osc)
+      !> (6) r and D, or log(D), which are not read, xi, mu, R1, R2
+      real(wp), intent(in) :: c(:)
+
+      osc = oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left]))
+   end function oscillator_of
 
    !> Load phase after which the impacts repeat, or are mirrored.
    pure real(wp) function span_of(family)

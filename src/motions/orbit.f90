@@ -9,7 +9,8 @@ module vi_orbit
    use vi_impact_map, only: impact_map
    use vi_kinds, only: wp
    use vi_member, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
-      most_impacts, n_parameters, orbit_type, set_orbit, span_of
+      most_impacts, n_parameters, oscillator_of, oscillator_parameters, orbit_type, set_orbit, &
+      span_of
    use vi_oscillator, only: eta
    implicit none (type, external)
    private
@@ -18,7 +19,7 @@ module vi_orbit
    public :: by_forced, by_law, by_speed, by_time, by_position, by_velocity, flight_at, &
       period_parts, span_of, split_part, transfer_by_xi
    public :: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, most_impacts
-   public :: family_type, orbit_type
+   public :: family_type, orbit_type, oscillator_of, oscillator_parameters
 
 contains
 

@@ -13,8 +13,8 @@ module vi_survey
    use vi_kinds, only: two_pi, wp
    use vi_motion_family, only: condition_type, edge, repetition
    use vi_symbols, only: standard_symbols
-   use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters
-   use vi_oscillator, only: left, oscillator_type, right
+   use vi_orbit, only: by_clearance, by_r, most_impacts, n_parameters, oscillator_parameters
+   use vi_oscillator, only: oscillator_type
    use vi_oscillator_families, only: choose_family
    use vi_pattern, only: pattern_type
    use vi_simulate, only: forced_system_type, event_type, new_forced_system, simulate_cycles, &
@@ -353,8 +353,7 @@ contains
       allocate (surface%edges(0))
       call choose_family(pattern_type(attractor%symbols, attractor%cycles), .false., .true., &
          surface%family, possible)
-      c = [attractor%r, log(attractor%clearance), osc%xi, osc%mu, osc%restitution(right), &
-         osc%restitution(left)]
+      c = oscillator_parameters(osc, attractor%r, attractor%clearance)
       surface%c = c
       surface%active = [by_r, by_clearance]
       surface%origin = c(:2)

@@ -5,7 +5,7 @@ module vi_branch_of
    use vi_kinds, only: wp
    use vi_likeness, only: length_scale, mirrors_itself => is_symmetric
    use vi_motion, only: motion_type
-   use vi_orbit, only: by_left, by_right
+   use vi_orbit, only: by_left, by_right, oscillator_parameters
    use vi_status, only: stat
    implicit none (type, external)
    private
@@ -53,9 +53,8 @@ contains
          p%symmetric = is_symmetric(motion) .and. (tied .or. .not. any(parameter == [by_right, &
             by_left]))
          p%mirrored = p%mirrored .and. .not. p%symmetric
-         request = branch_request_type(motion%pattern, p%symmetric, [motion%r, &
-            log(motion%clearance), osc%xi, osc%mu, osc%restitution], parameter, tied, bounds, &
-            longest)
+         request = branch_request_type(motion%pattern, p%symmetric, oscillator_parameters(osc, &
+            motion%r, motion%clearance), parameter, tied, bounds, longest)
          n = size(motion%x)
          capacity = 2*most
          allocate (p%parameters(6, capacity), p%phases(n, capacity), p%impacts(n, 6, capacity), &

@@ -13,8 +13,9 @@ module vi_branch_switching
    use vi_kinds, only: pi, wp
    use vi_lapack, only: eigenvector
    use vi_motion, only: flight_of, motion_type, yes
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
-   use vi_oscillator, only: at_resonance, oscillator_type
+   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters, &
+      oscillator_of
+   use vi_oscillator, only: at_resonance
    use vi_pattern, only: default_restitution, pattern_type
    use vi_points, only: store_motion
    use vi_stability, only: stability_matrix
@@ -365,9 +366,9 @@ contains
 
       x_now = x
       theta_now = theta
-      call solve_exact(setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), 1.0_wp, c(by_clearance), pattern, default_restitution(pattern%sides, &
-         c(by_right), c(by_left))), x_now, theta_now, most_iterations, none, motion, iterations)
+      call solve_exact(setting_type(oscillator_of(c), c(by_r), 1.0_wp, c(by_clearance), pattern, &
+         default_restitution(pattern%sides, c(by_right), c(by_left))), x_now, theta_now, &
+         most_iterations, none, motion, iterations)
       call assess_exact(motion)
       call assess_flights(motion)
    end subroutine solve_at

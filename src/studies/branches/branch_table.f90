@@ -7,8 +7,7 @@ module vi_branch_table
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: no, unknown
    use vi_motion_family, only: condition_type, edge, zero_approach
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, n_parameters
-   use vi_oscillator, only: oscillator_type
+   use vi_orbit, only: by_clearance, by_left, by_r, by_right, n_parameters, oscillator_of
    use vi_oscillator_families, only: choose_family
    use vi_pattern, only: default_restitution, pattern_type
    use vi_points, only: member_point
@@ -250,8 +249,7 @@ contains
          condition%side > 0))
       if (curve%tied) c(by_left) = c(by_right)
       parameters = c
-      setting = setting_type(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), 1.0_wp, c(by_clearance), request%pattern, &
+      setting = setting_type(oscillator_of(c), c(by_r), 1.0_wp, c(by_clearance), request%pattern, &
          default_restitution(request%pattern%sides, c(by_right), c(by_left)))
       whole = curve%family%whole_of(unknowns_of(curve, point))
       m = size(whole)/2

@@ -17,6 +17,7 @@ module vi_grid_continuation
    use vi_kinds, only: wp
    use vi_likeness, only: distance, is_repeated, is_symmetric, length_scale, same
    use vi_motion, only: motion_type, yes
+   use vi_orbit, only: oscillator_parameters
    use vi_search, only: search_pattern
    use vi_status, only: stat
    use vi_progress, only: is_stopped
@@ -65,8 +66,8 @@ contains
          associate (j => points(1, p), k => points(2, p))
             here = at(setting, r(k), clearance(j))
             n_found = 0
-            call search_pattern(here%pattern, [here%r, log(here%clearance/here%load), here%osc%xi, &
-               here%osc%mu, here%osc%restitution], guesses, found, n_found, tried, 0)
+            call search_pattern(here%pattern, oscillator_parameters(here%osc, here%r, &
+               here%clearance/here%load), guesses, found, n_found, tried, 0)
             do i = 1, n_found
                found(:size(found, 1)/2, i) = here%clearance*found(:size(found, 1)/2, i)
                call try_guess(here, found(:, i), 0, symmetry, unknowns(:, :, j, k), marks(:, :, &

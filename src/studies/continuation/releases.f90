@@ -5,11 +5,10 @@ module vi_releases
    use vi_event_symbols, only: last_of_period, period_type, read_periods, total_phase
    use vi_forced_system, only: impact_event, initial_state
    use vi_kinds, only: two_pi, wp
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
-   use vi_oscillator, only: left, oscillator_type, right
+   use vi_oscillator, only: left, right
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: last_release
-   use vi_simulate, only: event_type, forced_system_type, new_forced_system, simulate_cycles, &
+   use vi_rest_family, only: last_release, system_of
+   use vi_simulate, only: event_type, forced_system_type, simulate_cycles, &
       simulate_on, state_type
    use vi_starts, only: state_start
    use vi_status, only: stat
@@ -60,8 +59,7 @@ contains
 
       cycles = settling
       if (present(longer)) cycles = longer*settling
-      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), 1.0_wp, exp(c(by_clearance)))
+      system = system_of(c)
       allocate (events(chunk))
       do k = 1, size(releases)
          state = initial_state(system, state_start(system%osc, system%r, system%load, &
@@ -132,8 +130,7 @@ contains
 
       allocate (motion(0))
       m = size(pattern%sides)
-      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), 1.0_wp, exp(c(by_clearance)))
+      system = system_of(c)
       state = initial_state(system, state_start(system%osc, system%r, system%load, &
          system%clearance, start))
       allocate (events(most_events*between*m))

@@ -10,7 +10,7 @@ module vi_find
       new_resting, describe_motion, described_type, scale_of
    use vi_kinds, only: wp
    use vi_motion, only: no, yes
-   use vi_oscillator, only: left, right
+   use vi_orbit, only: oscillator_parameters
    use vi_passages, only: begin_lines, birth_type, follow_birth, lines_type
    use vi_pattern, only: pattern_type, starred_symbols
    use vi_pattern_list, only: side_patterns
@@ -111,8 +111,8 @@ contains
       total = sum([(size(patterns(i)%sides)**2, i=1, size(patterns))])
       associate (system => request%system, osc => request%system%osc)
          ! without load, the clearance over the load is set so large that there are no motions
-         c = [system%r, log(system%clearance/max(system%load, system%clearance*1.0e-300_wp)), &
-            osc%xi, osc%mu, osc%restitution(right), osc%restitution(left)]
+         c = oscillator_parameters(osc, system%r, &
+            system%clearance/max(system%load, system%clearance*1.0e-300_wp))
       end associate
       !$omp parallel do schedule(dynamic, 1) num_threads(request%threads)
       do i = 1, size(patterns)

@@ -29,9 +29,9 @@ module vi_rest_family
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_bounce, only: bounce, series
    use vi_kinds, only: two_pi, wp
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi
+   use vi_orbit, only: by_clearance, by_r, oscillator_of
    use vi_oscillation, only: derivatives, oscillation_type
-   use vi_oscillator, only: left, oscillator_type, right
+   use vi_oscillator, only: left, right
    use vi_rest, only: new_rest, release_time
    use vi_variation, only: columns, gap_change, moment_type, release, through_contact, &
       through_flight, through_rest, through_stick, variation_type
@@ -39,7 +39,7 @@ module vi_rest_family
    private
 
    public :: critical, follow_symbols, last_release, new_rest_family, plane_map, rest_period, &
-      rest_stability, rest_unknowns
+      rest_stability, rest_unknowns, system_of
 
    !> Largest number of impacts followed in one accumulation.
    integer, parameter :: most_hops = 20000
@@ -305,8 +305,7 @@ contains
       real(wp), intent(in) :: c(:)
       type(forced_system_type) :: system
 
-      system = new_forced_system(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), &
-         c(by_r), 1.0_wp, exp(c(by_clearance)))
+      system = new_forced_system(oscillator_of(c), c(by_r), 1.0_wp, exp(c(by_clearance)))
    end function system_of
 
    !> The release with which a period starts.

@@ -17,8 +17,7 @@ module vi_rest_motion
    use vi_kinds, only: two_pi, wp
    use vi_lapack, only: eigenvalues, solve
    use vi_motion, only: motion_type
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, most_impacts, &
-      n_parameters
+   use vi_orbit, only: most_impacts, n_parameters, oscillator_parameters
    use vi_oscillator, only: left, right
    use vi_pattern, only: default_restitution, pattern_type
    use vi_rest_family, only: new_rest_family, plane_map, rest_family_type, rest_period, &
@@ -127,9 +126,7 @@ contains
       motion%residual = huge(1.0_wp)
       motion%status = stat%no_motion
       if (.not. system%load > 0) return
-      c([by_r, by_clearance, by_xi, by_mu, by_right, by_left]) = [system%r, &
-         log(system%clearance/system%load), system%osc%xi, system%osc%mu, &
-         system%osc%restitution([right, left])]
+      c = oscillator_parameters(system%osc, system%r, system%clearance/system%load)
       rounds = 0
       do i = 1, most
          call simulate_period(system, side, cycles, point, image, motion%residual, events, n, &

@@ -8,9 +8,8 @@ module vi_search
    use vi_kinds, only: two_pi, wp
    use vi_linear, only: eliminate, most
    use vi_motion, only: motion_type
-   use vi_orbit, only: by_clearance, by_left, by_mu, by_r, by_right, by_xi, family_type, &
-      orbit_residual, orbit_slopes, orbit_type, set_orbit
-   use vi_oscillator, only: oscillator_type
+   use vi_orbit, only: by_left, by_r, by_right, family_type, orbit_residual, orbit_slopes, &
+      orbit_type, oscillator_of, set_orbit
    use vi_pattern, only: default_restitution, pattern_type
    use vi_periodic, only: linear_system_type, solve_periodic
    use vi_status, only: stat
@@ -61,8 +60,8 @@ contains
       do i = 1, guesses
          if (n_found == size(found, 2)) return
          phases = spread_phases(skip + i, n, golden)*two_pi*pattern%cycles
-         call solve_periodic(oscillator_type(c(by_xi), c(by_mu), c([by_right, by_left])), c(by_r), &
-            pattern, restitution, phases, system, motion)
+         call solve_periodic(oscillator_of(c), c(by_r), pattern, restitution, phases, system, &
+            motion)
          if (motion%status /= stat%ok) cycle
          tried = tried + 1
          unknowns = [motion%x/motion%clearance, phases + motion%tau]
