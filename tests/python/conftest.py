@@ -5,7 +5,9 @@ import signal
 import pytest
 
 # a failed assert in these modules shows the values compared, as in a test
-pytest.register_assert_rewrite("shared_laws", "shared_simulations", "shared_structures")
+pytest.register_assert_rewrite(
+    "reference_regimes", "shared_laws", "shared_simulations", "shared_structures"
+)
 
 import vibroimpact as vi  # noqa: E402
 from shared_answers import load  # noqa: E402

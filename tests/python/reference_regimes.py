@@ -6,8 +6,9 @@ are far shorter than any contact, Newton's method between brackets finds the zer
 """
 
 import numpy as np
+import pytest
 import vibroimpact as vi
-from shared_structures import exponential, extended, first_order
+from shared_structures import exponential, extended, first_order, written
 
 #: States of a stop, and of friction.
 OPEN, PRESSING, INSIDE = "open", "pressing", "inside"
@@ -189,3 +190,19 @@ class ReferenceRegimes:
                     if kind != "impact" and states[i] != STICK:
                         fresh.add((i, STICK))
         return events
+
+
+def check_reference(folder, s, load, duration, start, least):
+    """All events are those of a simulation without modes and bounds; a namelist gives the same digits."""
+    known = ReferenceRegimes(s, load, 5e-4).simulate(duration, start)
+    run = vi.simulate(s, load, duration=duration, state=start)
+    assert len(known) >= least
+    assert [tuple(e) for e in run.events[["kind", "gap"]].tolist()] == [
+        (kind, j) for _, kind, j, _ in known
+    ]
+    assert run.events["time"] == pytest.approx([t for t, *_ in known], abs=1e-9)
+    found = run.states.reshape(len(known), -1)
+    assert np.abs(found - [y for *_, y in known]).max() < 1e-8
+    (case,) = written(folder, run.to_namelist())
+    (again,) = case.run()
+    assert np.array_equal(again.events, run.events)

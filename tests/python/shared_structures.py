@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 import vibroimpact as vi
 
 
@@ -115,3 +116,40 @@ def random_structure(rng, coupled):
         for _ in range(int(rng.integers(1, 4)))
     ]
     return vi.Structure(mass, damping, stiffness, gaps)
+
+
+def written(folder, text):
+    """The cases of a namelist."""
+    path = folder / "case.nml"
+    path.write_text(text, encoding="utf-8")
+    return vi.read_namelist(path)
+
+
+def one_stop(opening, **stop):
+    """x'' + .1 x' + x with a stop."""
+    return vi.Structure([1.0], [0.1], [1.0], [vi.Stop([1.0], opening, **stop)])
+
+
+def cycle_map(structure, load, start, first, step=1e-5):
+    """A state of a structure of one coordinate a load cycle later, and the derivative by differences."""
+
+    def later(state):
+        run = vi.simulate(structure, load, cycles=1, start=start, state=(state[:1], state[1:]))
+        return np.concatenate(run.final_state)
+
+    sides = [later(first + e) - later(first - e) for e in step * np.eye(2)]
+    return later(first), np.array(sides).T / (2 * step)
+
+
+def check_parts(s, load, middles, tolerance):
+    """A run that is continued from its final state is the whole one, and so is one whose beginning is left out."""
+    whole = vi.simulate(s, load, duration=40)
+    for middle in middles(whole):
+        first = vi.simulate(s, load, duration=middle)
+        second = vi.simulate(s, load, duration=40 - middle, start=middle, state=first.final_state)
+        times = np.concatenate([first.events["time"], second.events["time"]])
+        assert times == pytest.approx(whole.events["time"], abs=tolerance)
+        kept = vi.simulate(s, load, duration=40 - middle, discard=middle)
+        assert kept.events["time"] == pytest.approx(second.events["time"], abs=tolerance)
+        t = np.linspace(middle, 40, 50)
+        assert kept.sample(t)[0] == pytest.approx(whole.sample(t)[0], abs=tolerance)

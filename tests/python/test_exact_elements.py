@@ -5,16 +5,13 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
+from shared_structures import one_stop
 
 TURN = 2 * math.pi
 
 
 def settled(structure, load, cycles=150):
     return vi.exact(structure, load, vi.simulate(structure, load, cycles=cycles))
-
-
-def one_stop(opening, **stop):
-    return vi.Structure([1.0], [0.1], [1.0], [vi.Stop([1.0], opening, **stop)])
 
 
 @pytest.mark.parametrize(("k", "c", "phase", "duration", "multiplier"), [

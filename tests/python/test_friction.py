@@ -6,17 +6,10 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from reference_regimes import ReferenceRegimes
-from shared_structures import energy, random_structure
+from reference_regimes import check_reference
+from shared_structures import check_parts, cycle_map, energy, random_structure
 
 TURN = 2 * math.pi
-
-
-def written(folder, text):
-    """The cases of a namelist."""
-    path = folder / "case.nml"
-    path.write_text(text, encoding="utf-8")
-    return vi.read_namelist(path)
 
 
 def den_hartog(b, zeta, f, h_stick=None):
@@ -70,15 +63,7 @@ def test_den_hartog_without_damping(b, f, x, modulus):
     t = TURN / b
     q, rate = vi.simulate(s, load, duration=0.1 * t, discard=200 * t).final_state
     first = np.concatenate([q, rate])
-
-    def after_a_cycle(state):
-        run = vi.simulate(s, load, cycles=1, start=0.1 * t, state=(state[:1], state[1:]))
-        return np.concatenate(run.final_state)
-
-    step = 1e-5
-    p = np.array(
-        [after_a_cycle(first + e) - after_a_cycle(first - e) for e in step * np.eye(2)]
-    ).T / (2 * step)
+    _, p = cycle_map(s, load, 0.1 * t, first)
     assert np.abs(np.linalg.eigvals(p)) == pytest.approx([modulus] * 2, rel=1e-7)
 
 
@@ -243,19 +228,7 @@ def test_against_matrix_exponentials(tmp_path, seed, coupled, gaps, stops, many)
     rng = np.random.default_rng(100 * seed + coupled)
     s, load = with_friction(rng, coupled, gaps, stops, many)
     start = (np.zeros(s.coordinates), 0.5 * rng.normal(size=s.coordinates))
-    known = ReferenceRegimes(s, load, 5e-4).simulate(10.0, start)
-    run = vi.simulate(s, load, duration=10.0, state=start)
-    assert len(known) >= 6
-    assert [tuple(e) for e in run.events[["kind", "gap"]].tolist()] == [
-        (kind, j) for _, kind, j, _ in known
-    ]
-    assert run.events["time"] == pytest.approx([t for t, *_ in known], abs=1e-9)
-    found = run.states.reshape(len(known), -1)
-    assert np.abs(found - [y for *_, y in known]).max() < 1e-8
-    # a namelist gives the same digits
-    (case,) = written(tmp_path, run.to_namelist())
-    (again,) = case.run()
-    assert np.array_equal(again.events, run.events)
+    check_reference(tmp_path, s, load, 10.0, start, 6)
 
 
 def test_the_damper_of_1983():
@@ -423,70 +396,6 @@ def test_values():
     assert beam.friction[0].direction.tolist() == [2.0, -2.0]
 
 
-BEFORE = "&structure mass = 1, damping = .1, stiffness = 1 /\n&friction direction = 1, {} /\n" \
-    "&load frequency = 1, cosine = 1 /\n&{} /\n"  # fmt: skip
-
-
-@pytest.mark.parametrize(("keys", "message"), [
-    ("slip = -1", "slip = -1: must be a number with 0 <= slip <= 1e100"),
-    ("slip = 1, stick = .5", "stick = .5: must be a number from slip to 1e100"),
-    ("stick = 1", "slip"),
-    ("slip = 1, opening = .5", "opening = .5: is not a key of &friction"),
-])  # fmt: skip
-def test_bad_namelists(tmp_path, keys, message):
-    with pytest.raises(vi.ParameterError) as caught:
-        written(tmp_path, BEFORE.format(keys, "simulate cycles = 1"))
-    assert message in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    "study", ["find", "response frequencies = 1, 2", "lyapunov cycles = 10", "basins"]
-)
-def test_studies_that_refuse(tmp_path, study):
-    """The element is named, and the studies that take it."""
-    with pytest.raises(vi.ParameterError) as caught:
-        written(tmp_path, BEFORE.format("slip = 1", study))
-    wanted = "does not take the &friction of this &structure; must be &motion, &simulate or &branch"
-    assert wanted in str(caught.value)
-
-
-def test_verbs_that_refuse():
-    s, load = den_hartog(0.8, 0.05, 0.3)
-    run = vi.simulate(s, load, cycles=5)
-    wanted = (
-        r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; "
-        "only simulate, exact and branch take friction"
-    )
-    for call in (
-        lambda: vi.periodic(s, load, [0.1], [0]),
-        lambda: vi.find(s, load),
-        lambda: vi.lyapunov(s, load),
-        lambda: vi.response(s, load, [1.0, 2.0]),
-        lambda: vi.basins(s, load, states=[([0.0], [0.0])]),
-        lambda: run.quantities(),
-        lambda: run.gradient(),
-    ):
-        with pytest.raises(vi.ParameterError, match=wanted):
-            call()
-
-
-@pytest.mark.parametrize("ending", ["nc", "json", "mat"])
-def test_files(tmp_path, ending):
-    """Friction, its numbers and its events are kept by each format, beside gaps and stops."""
-    gaps = [vi.Gap([1.0], 3.0, 0.7), vi.Stop([1.0], 0.5, 20, 2, 0.1, "force")]
-    friction = [vi.Friction([1.0], 0.2, 0.3), vi.Friction([1.0], 0.05, speed=0.4)]
-    s = vi.Structure([1.0], [0.1], [1.0], gaps, friction[:1])
-    for each in (s, vi.Structure([1.0], [0.1], [1.0], (), friction)):
-        run = vi.simulate(each, vi.Load(0.5, cosine=[1.0]), cycles=3)
-        assert len(run.events) > 3
-        run.save(tmp_path / f"run.{ending}")
-        again = vi.load(tmp_path / f"run.{ending}")
-        assert again.structure == each
-        assert np.array_equal(again.events, run.events)
-        t = np.linspace(0, run.end, 40)
-        assert np.array_equal(again.sample(t)[0], run.sample(t)[0])
-
-
 def test_pictures():
     """A trajectory with friction is drawn."""
     pytest.importorskip("matplotlib")
@@ -503,12 +412,4 @@ def test_in_parts():
     s = vi.Structure([1.0, 0.5], [0.1, 0.0], [[2, -1], [-1, 1]],
                      friction=[vi.Friction([1, 0], 0.2, 0.3), vi.Friction([-1, 1], 0.1, 0.1, 0.05)])  # fmt: skip
     load = vi.Load(0.7, cosine=[0.8, 0.3])
-    whole = vi.simulate(s, load, duration=40)
-    for middle in np.linspace(5.03, 14, 7).tolist():
-        first = vi.simulate(s, load, duration=middle)
-        second = vi.simulate(s, load, duration=40 - middle, start=middle, state=first.final_state)
-        times = np.concatenate([first.events["time"], second.events["time"]])
-        assert times == pytest.approx(whole.events["time"], abs=1e-10)
-        kept = vi.simulate(s, load, duration=40 - middle, discard=middle)
-        t = np.linspace(middle, 40, 50)
-        assert kept.sample(t)[0] == pytest.approx(whole.sample(t)[0], abs=1e-10)
+    check_parts(s, load, lambda _: np.linspace(5.03, 14, 7).tolist(), 1e-10)

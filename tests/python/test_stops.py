@@ -6,22 +6,10 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from reference_regimes import ReferenceRegimes
-from shared_structures import energy, random_structure
+from reference_regimes import check_reference
+from shared_structures import check_parts, cycle_map, energy, one_stop, random_structure
 
 TURN = 2 * math.pi
-
-
-def one_stop(opening, load=None, **stop):
-    """x'' + .1 x' + x with a stop."""
-    return vi.Structure([1.0], [0.1], [1.0], [vi.Stop([1.0], opening, **stop)])
-
-
-def written(folder, text):
-    """The cases of a namelist."""
-    path = folder / "case.nml"
-    path.write_text(text, encoding="utf-8")
-    return vi.read_namelist(path)
 
 
 def settled(structure, load, cycles=600):
@@ -72,16 +60,8 @@ def test_settled_motion(k, c, phase, speed, duration, multiplier):
     structure, start = one_stop(1.0, stiffness=k, damping=c), TURN / 2
     q, rate = vi.simulate(structure, load, duration=start, discard=600 * TURN).final_state
     first = np.concatenate([q, rate])
-
-    def after_a_cycle(state):
-        run = vi.simulate(structure, load, cycles=1, start=start, state=(state[:1], state[1:]))
-        return np.concatenate(run.final_state)
-
-    step = 1e-5
-    assert after_a_cycle(first) == pytest.approx(first, abs=1e-10)
-    p = np.array(
-        [after_a_cycle(first + e) - after_a_cycle(first - e) for e in step * np.eye(2)]
-    ).T / (2 * step)
+    image, p = cycle_map(structure, load, start, first)
+    assert image == pytest.approx(first, abs=1e-10)
     assert np.linalg.det(p) == pytest.approx(math.exp(-0.1 * TURN - c * duration), rel=1e-6)
     found = max(np.linalg.eigvals(p), key=lambda value: value.imag)
     assert complex(found) == pytest.approx(multiplier, rel=1e-4 if k == 1e8 else 1e-7)
@@ -158,22 +138,8 @@ def test_against_matrix_exponentials(tmp_path, seed, coupled, gaps, stops):
     """All events of random structures, in order, as a simulation without modes and bounds finds them."""
     rng = np.random.default_rng(100 * seed + coupled)
     s, load = with_stops(rng, coupled, gaps, stops)
-    rate = 0.3 * rng.normal(size=s.coordinates)
-    start = (np.zeros(s.coordinates), rate)
-    duration = 8.0
-    known = ReferenceRegimes(s, load, 5e-4).simulate(duration, start)
-    run = vi.simulate(s, load, duration=duration, state=start)
-    assert len(known) >= 8
-    assert [tuple(e) for e in run.events[["kind", "gap"]].tolist()] == [
-        (kind, j) for _, kind, j, _ in known
-    ]
-    assert run.events["time"] == pytest.approx([t for t, *_ in known], abs=1e-9)
-    found = run.states.reshape(len(known), -1)
-    assert np.abs(found - [y for *_, y in known]).max() < 1e-8
-    # a namelist gives the same digits
-    (case,) = written(tmp_path, run.to_namelist())
-    (again,) = case.run()
-    assert np.array_equal(again.events, run.events)
+    start = (np.zeros(s.coordinates), 0.3 * rng.normal(size=s.coordinates))
+    check_reference(tmp_path, s, load, 8.0, start, 8)
 
 
 def force_of(stop, q, rate):
@@ -366,16 +332,7 @@ def test_in_parts():
     """A run that is continued from its final state, in contact or not, is the whole one."""
     s = one_stop(0.5, stiffness=20, damping=2, release="force")
     load = vi.Load(1.3, cosine=[1.0])
-    whole = vi.simulate(s, load, duration=40)
-    for middle in [10.0, *(whole.events["time"][10:14] + 0.05)]:
-        first = vi.simulate(s, load, duration=middle)
-        second = vi.simulate(s, load, duration=40 - middle, start=middle, state=first.final_state)
-        times = np.concatenate([first.events["time"], second.events["time"]])
-        assert times == pytest.approx(whole.events["time"], abs=1e-11)
-        kept = vi.simulate(s, load, duration=40 - middle, discard=middle)
-        assert kept.events["time"] == pytest.approx(second.events["time"], abs=1e-11)
-        t = np.linspace(middle, 40, 50)
-        assert kept.sample(t)[0] == pytest.approx(whole.sample(t)[0], abs=1e-11)
+    check_parts(s, load, lambda whole: [10.0, *(whole.events["time"][10:14] + 0.05)], 1e-11)
 
 
 def test_stops_that_never_touch():
@@ -428,89 +385,6 @@ def test_values():
     )
     assert beam.gaps[0].direction.tolist() == [2.0, -2.0]
     assert beam.gaps[0].damping == 1.0
-
-
-BEFORE = "&structure mass = 1, damping = .1, stiffness = 1 /\n&stop direction = 1, opening = .5, {} /\n" \
-    "&load frequency = 1, cosine = 1 /\n&{} /\n"  # fmt: skip
-
-
-@pytest.mark.parametrize(("keys", "message"), [
-    ("stiffness = -1", "stiffness = -1: must be a number with 0 <= stiffness <= 1e100"),
-    ("stiffness = 0", "stiffness"),
-    ("damping = 1", "stiffness"),
-    ("stiffness = 1, release = 'never'", "release"),
-    ("stiffness = 1, restitution = .5", "restitution = .5: is not a key of &stop"),
-    ("stiffness = 1, direction = 2", "was given before"),
-])  # fmt: skip
-def test_bad_namelists(tmp_path, keys, message):
-    with pytest.raises(vi.ParameterError) as caught:
-        written(tmp_path, BEFORE.format(keys, "simulate cycles = 1"))
-    assert message in str(caught.value)
-
-
-def test_a_second_direction(tmp_path):
-    text = BEFORE.format("stiffness = 1", "simulate cycles = 1").replace(
-        "direction = 1", "direction = 1, 2"
-    )
-    with pytest.raises(vi.ParameterError, match="direction"):
-        written(tmp_path, text)
-
-
-OTHER_STUDIES = {
-    "find": "", "response": "frequencies = 1, 2", "lyapunov": "cycles = 10",
-    "bifurcation": "parameter = 'frequency', low = 1, high = 2", "basins": "",
-    "decay": "",
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("study", OTHER_STUDIES)
-def test_studies_that_refuse(tmp_path, study):
-    """The element is named, and the studies that take it."""
-    with pytest.raises(vi.ParameterError) as caught:
-        written(tmp_path, BEFORE.format("stiffness = 1", f"{study} {OTHER_STUDIES[study]}"))
-    text = str(caught.value)
-    wanted = "does not take the &stop of this &structure; must be &motion, &simulate or &branch"
-    assert wanted in text or study == "decay"
-
-
-def test_verbs_that_refuse():
-    s, load = one_stop(0.5, stiffness=20), vi.Load(1.3, cosine=[1.0])
-    run = vi.simulate(s, load, cycles=5)
-    wanted = (
-        r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; "
-        "only simulate, exact and branch take stops"
-    )
-    for call in (
-        lambda: vi.periodic(s, load, [0.1], [0]),
-        lambda: vi.find(s, load),
-        lambda: vi.lyapunov(s, load),
-        lambda: vi.response(s, load, [1.0, 2.0]),
-        lambda: vi.bifurcation_diagram(s, load, "frequency", [1.0, 1.5]),
-        lambda: vi.basins(s, load, states=[([0.0], [0.0])]),
-        lambda: run.quantities(),
-        lambda: run.gradient(),
-    ):
-        with pytest.raises(vi.ParameterError, match=wanted):
-            call()
-
-
-@pytest.mark.parametrize("ending", ["nc", "json", "mat"])
-def test_files(tmp_path, ending):
-    """Stops, their numbers and their events are kept by each format."""
-    gaps = [
-        vi.Gap([1.0], 3.0, 0.7),
-        vi.Stop([1.0], 0.5, 20, 2, 0.1, "force"),
-        vi.Stop([-1.0], 0.6, 30),
-    ]
-    s = vi.Structure([1.0], [0.1], [1.0], gaps)
-    run = vi.simulate(s, vi.Load(1.3, cosine=[1.0]), cycles=5)
-    assert {"touch", "leave", "let_go"} <= set(run.events["kind"])
-    run.save(tmp_path / f"run.{ending}")
-    again = vi.load(tmp_path / f"run.{ending}")
-    assert again.structure == s
-    assert np.array_equal(again.events, run.events)
-    t = np.linspace(0, run.end, 40)
-    assert np.array_equal(again.sample(t)[0], run.sample(t)[0])
 
 
 def test_pictures(tmp_path):
