@@ -129,6 +129,12 @@ class Savable:
         if formerly:
             FORMER[formerly] = cls
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
+
     @property
     def of_structure(self) -> bool:
         """Whether its system is a `Structure` with its load, and not an `Oscillator`."""
@@ -267,12 +273,6 @@ class Solution(Savable):
             raise AttributeError(self._lack(name, self._instead[of_structure][name]))
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
-
     def __reduce__(self) -> Any:
         return solution, (type(self), self._values())
 
@@ -350,12 +350,6 @@ class Noun(Savable):
 
     def require(self) -> None:
         """An error if the result is not there, of a case that asks for one thing."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed")
 
     def __reduce__(self) -> Any:
         return type(self), (self._result,)

@@ -13,12 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..results import door, namelist
 from ..results.namelist import SYMMETRIC
-from ..results.noun import Noun
 from ..results.parameters import Parameter
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
-from .zone import NAMES, Zone, keys_of_plane, window
+from .zone import NAMES, OnPlane, Zone, keys_of_plane, window
 
 __all__ = ["Atlas", "Survey", "SurveyMotion", "SurveyPoint", "WithoutImpacts", "atlas"]
 
@@ -161,7 +160,7 @@ class WithoutImpacts:
         return "<WithoutImpacts: where d K/F0 > 2A>"
 
 
-class Atlas(Noun, study="atlas"):
+class Atlas(OnPlane, study="atlas"):
     """All zones found in a window.
 
     Attributes
@@ -193,36 +192,6 @@ class Atlas(Noun, study="atlas"):
     """
 
     __slots__ = ("__dict__",)
-
-    @property
-    def r(self) -> tuple[float, float]:
-        return self._window("r", "r_")
-
-    @property
-    def clearance(self) -> tuple[float, float]:
-        return self._window("clearance", "clearance_")
-
-    def _window(self, name: str, prefix: str) -> tuple[float, float]:
-        """The bounds of an axis of an atlas of an oscillator."""
-        if self.of_structure:
-            raise AttributeError(self._lack(name, "x and y"))
-        return self.keys[f"{prefix}min"], self.keys[f"{prefix}max"]
-
-    @property
-    def x(self) -> tuple[float, float]:
-        return (self.keys["x_low"], self.keys["x_high"]) if self.of_structure else self.r
-
-    @property
-    def y(self) -> tuple[float, float]:
-        return (self.keys["y_low"], self.keys["y_high"]) if self.of_structure else self.clearance
-
-    @property
-    def x_parameter(self) -> str:
-        return str(self.keys["x"]) if self.of_structure else "r"
-
-    @property
-    def y_parameter(self) -> str:
-        return str(self.keys["y"]) if self.of_structure else "clearance"
 
     @cached_property
     def zones(self) -> list[Zone]:

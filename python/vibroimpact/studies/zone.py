@@ -18,6 +18,7 @@ from ..motions.likeness import is_symmetric, standard_motion
 from ..motions.motion import Motion
 from ..results import door
 from ..results.namelist import symmetric_word
+from ..results.noun import Noun
 from ..results.parameters import Parameter, Path, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
@@ -153,7 +154,43 @@ class ZoneSearch:
     open_seeds: list[tuple[float, float]] = field(default_factory=list)
 
 
-class Zone(Followed, study="zone", formerly="StructureZone"):
+class OnPlane(Noun):
+    """What zones and atlases have in common: the window of a plane."""
+
+    __slots__ = ()
+
+    @property
+    def r(self) -> tuple[float, float]:
+        return self._window("r")
+
+    @property
+    def clearance(self) -> tuple[float, float]:
+        return self._window("clearance")
+
+    def _window(self, name: str) -> tuple[float, float]:
+        """The bounds of an axis of an oscillator."""
+        if self.of_structure:
+            raise AttributeError(self._lack(name, "x and y"))
+        return self.keys[f"{name}_min"], self.keys[f"{name}_max"]
+
+    @property
+    def x(self) -> tuple[float, float]:
+        return (self.keys["x_low"], self.keys["x_high"]) if self.of_structure else self.r
+
+    @property
+    def y(self) -> tuple[float, float]:
+        return (self.keys["y_low"], self.keys["y_high"]) if self.of_structure else self.clearance
+
+    @property
+    def x_parameter(self) -> str:
+        return str(self.keys["x"]) if self.of_structure else "r"
+
+    @property
+    def y_parameter(self) -> str:
+        return str(self.keys["y"]) if self.of_structure else "clearance"
+
+
+class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     """The region of a window of the plane of two parameters where motions are stable and admissible.
 
     Of an oscillator the plane is (r, d K/F0), and the motions are all those of a pattern; of a structure any two
@@ -198,30 +235,6 @@ class Zone(Followed, study="zone", formerly="StructureZone"):
     _of_start = "motion"
 
     @property
-    def x_parameter(self) -> str:
-        return str(self.keys["x"]) if self.of_structure else "r"
-
-    @property
-    def y_parameter(self) -> str:
-        return str(self.keys["y"]) if self.of_structure else "clearance"
-
-    @property
-    def x(self) -> tuple[float, float]:
-        return (self.keys["x_low"], self.keys["x_high"]) if self.of_structure else self.r
-
-    @property
-    def y(self) -> tuple[float, float]:
-        return (self.keys["y_low"], self.keys["y_high"]) if self.of_structure else self.clearance
-
-    @property
-    def r(self) -> tuple[float, float]:
-        return self._key("r", "r_min"), self._key("r", "r_max")
-
-    @property
-    def clearance(self) -> tuple[float, float]:
-        return self._key("clearance", "clearance_min"), self._key("clearance", "clearance_max")
-
-    @property
     def pattern(self) -> Pattern:
         return Pattern(self._key("pattern", "sides"), self.keys["cycles"])
 
@@ -232,7 +245,7 @@ class Zone(Followed, study="zone", formerly="StructureZone"):
     def _key(self, attribute: str, name: str) -> Any:
         """The value of a key of a zone of an oscillator."""
         if self.of_structure:
-            raise AttributeError(self._lack(attribute, "x, y, gaps and cycles"))
+            raise AttributeError(self._lack(attribute, "gaps and cycles"))
         return self.keys[name]
 
     @cached_property
