@@ -1,7 +1,7 @@
 """Fixtures: the stand-alone program, the command, and a runner for each."""
 
 import pytest
-from programs import OTHER_BUILD, Runner, find_batch, find_launcher, find_twin
+from programs import OTHER_BUILD, Runner, find_batch, find_command, find_launcher, find_twin
 
 
 @pytest.fixture(scope="session")
@@ -30,6 +30,12 @@ def launcher():
 def batch(tmp_path, binary):
     """Runner of the stand-alone program in a separate folder."""
     return Runner([binary], tmp_path)
+
+
+@pytest.fixture
+def tool(tmp_path):
+    """Runner of `vibroimpact` in the same folder."""
+    return Runner([find_command()], tmp_path)
 
 
 @pytest.fixture

@@ -22,12 +22,8 @@ from attractors import (
     case_of,
     told,
 )
-from programs import IN_PYTHON, ROOT, assert_refused, column, contents, rows, write
+from programs import assert_refused, column, contents, rows, write
 from vibroimpact.cases.case import read_namelist
-from vibroimpact.commands import STUDIES
-
-#: Studies whose inputs are run by other tests.
-ELSEWHERE = ("simulate", "find", "chart", "branch", "zone", "atlas", *IN_PYTHON)
 
 
 def assert_diagram(table, result):
@@ -361,17 +357,3 @@ def test_interrupt_leaves_whole_items(program, request):
     assert all(b"\n# ! cut short: " in table for table in kept.values())
     assert run("out/case_1.csv", "-o", "again").status == 0
     assert contents(run.cwd / "again") == {"case_1.csv": whole}
-
-
-@pytest.mark.parametrize("name", [name for name in STUDIES if name not in ELSEWHERE])
-def test_inputs(name, batch):
-    """The namelists of inputs/ give the same results again from the results.
-
-    By both programs they do in test_batch_command_line.py.
-    """
-    path = str(ROOT / "inputs" / f"{name}.nml")
-    done = batch(path, "-o", "out")
-    assert (done.status, done.err) == (0, b"")
-    found = contents(batch.cwd / "out")
-    assert batch(*[f"out/{item}" for item in found], "-o", "again").status == 0
-    assert contents(batch.cwd / "again") == found

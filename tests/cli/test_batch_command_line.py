@@ -9,8 +9,7 @@ import sys
 import time
 
 import pytest
-import vibroimpact as vi
-from programs import INPUTS, PAIR, ROOT, Runner, chain, contents, find_command, write
+from programs import PAIR, ROOT, Runner, chain, contents, find_command, write
 
 #: Settings of a sanitizer build, which an emptied environment keeps.
 SANITIZER = {key: value for key, value in os.environ.items() if key.endswith("SAN_OPTIONS")}
@@ -122,19 +121,6 @@ def test_command_refuses(arguments, tmp_path):
     assert (done.status, done.out) == (2, b"")
     assert done.faults
     assert list(contents(tmp_path)) == ["case.nml"]
-
-
-def test_inputs_of_the_project_run(batch, command):
-    """Every namelist that comes with the project runs, with the same bytes from both programs for all cases."""
-    files = [str(path) for path in INPUTS]
-    done = batch(*files, "-o", "out")
-    assert files
-    assert (done.status, done.err) == (0, b"")
-    assert command(*files, "-o", "again") == done
-    found = contents(batch.cwd / "out")
-    assert contents(batch.cwd / "again") == found
-    names = [case.name for path in files for case in vi.read_namelist(path) if not case.in_python]
-    assert sorted({name.rpartition(".")[0] for name in found}) == sorted(names)
 
 
 def test_launcher_is_the_program(launcher, good, same_build):

@@ -1,11 +1,12 @@
-"""Branches, zones and atlases in namelists: the program against the API and closed forms."""
+"""The namelists of the project, and branches, zones and atlases: the program against the API and closed forms."""
 
 import inspect
 
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import ROOT, SYSTEM, Runner, column, contents, find_command, rows, write
+from programs import IN_PYTHON, INPUTS, ROOT, SYSTEM, Runner, column, contents, rows, write
+from vibroimpact import commands
 from vibroimpact.cases.case import read_namelist
 
 from studies import ALONG, ATLAS, BRANCH, EXACT, WALLS, ZONE, assert_atlas, assert_result
@@ -14,29 +15,47 @@ STUDIES = sorted(
     path for path in (ROOT / "inputs").glob("*.nml")
     if any(group in path.read_text() for group in ("&branch", "&zone", "&atlas"))
 )  # fmt: skip
+#: Inputs whose results are cases again; the others take longer, or other tests run them.
+AGAIN = [name for name in commands.STUDIES
+         if name not in ("simulate", "find", "chart", "zone", "atlas", *IN_PYTHON)]  # fmt: skip
 
 
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
+@pytest.fixture(scope="module")
+def results(binary, tmp_path_factory):
+    """A folder with what the program writes of all namelists that come with the project, and what it tells."""
+    folder = tmp_path_factory.mktemp("inputs")
+    return folder / "results", Runner([binary], folder)(*map(str, INPUTS))
+
+
+def test_inputs_of_the_project_run(results, command):
+    """Every namelist that comes with the project runs, with the same bytes from both programs for all cases."""
+    folder, done = results
+    assert INPUTS
+    assert (done.status, done.err) == (0, b"")
+    assert command(*map(str, INPUTS)) == done
+    found = contents(folder)
+    assert contents(command.cwd / "results") == found
+    names = [case.name for path in INPUTS for case in read_namelist(path) if not case.in_python]
+    assert sorted({name.rpartition(".")[0] for name in found}) == sorted(names)
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
-def test_results_are_those_of_the_api(path, batch, same_build):
-    """The program gives the digits of the API, and again when run on the results; so does the command.
-
-    In test_batch_command_line.py the command writes the same bytes as the program for all these files.
-    """
-    done = batch(str(path), "-o", "out")
-    assert (done.status, done.err) == (0, b"")
-    found = contents(batch.cwd / "out")
-    assert batch(*[f"out/{name}" for name in found], "-o", "again").status == 0
-    assert contents(batch.cwd / "again") == found
+def test_results_are_those_of_the_api(path, results, same_build):
+    """The program gives the digits of the API."""
     for case in read_namelist(path):
-        result = batch.cwd / "out" / f"{case.name}.csv"
+        result = results[0] / f"{case.name}.csv"
         assert read_namelist(result) == [case]
         assert_result(result, case)
+
+
+@pytest.mark.parametrize("name", AGAIN)
+def test_results_are_cases(name, results, batch):
+    """The program writes the same results again when it is run on its results."""
+    cases = read_namelist(ROOT / "inputs" / f"{name}.nml")
+    files = [results[0] / f"{case.name}.csv" for case in cases]
+    assert batch(*map(str, files)).status == 0
+    for file in files:
+        assert (batch.cwd / "results" / file.name).read_bytes() == file.read_bytes()
 
 
 @pytest.mark.parametrize("text", [

@@ -28,12 +28,6 @@ MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
 
 @pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
-
-
-@pytest.fixture
 def no_matplotlib(tmp_path_factory):
     """An environment in which matplotlib cannot be imported."""
     folder = tmp_path_factory.mktemp("path")

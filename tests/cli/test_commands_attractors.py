@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from programs import (
-    Runner,
     bars,
     bound_by_permissions,
     column,
     contents,
-    find_command,
     kinds,
     on_terminal,
     rows,
@@ -62,12 +60,6 @@ CASES = {
     ],
 }  # fmt: skip
 EACH = [(name, *case) for name, cases in CASES.items() for case in cases]
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 @pytest.mark.parametrize(("name", "options", "keys"), EACH, ids=lambda word: word[:20])

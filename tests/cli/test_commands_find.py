@@ -11,10 +11,8 @@ from programs import (
     PAIR,
     POINT,
     SYSTEM,
-    Runner,
     assert_same,
     contents,
-    find_command,
     floats,
     motions,
     write,
@@ -22,12 +20,6 @@ from programs import (
 
 LIMITS = ["--max-impacts", "2", "--max-cycles", "1"]
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 @pytest.fixture(scope="module")

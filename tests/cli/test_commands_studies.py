@@ -9,11 +9,9 @@ import vibroimpact as vi
 from programs import (
     PAIR,
     POINT,
-    Runner,
     bars,
     column,
     contents,
-    find_command,
     on_terminal,
     rows,
     write,
@@ -27,12 +25,6 @@ WINDOW = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--sides", "R
           "--r", ".8", "1.2", "--clearance", "2", "200"]  # fmt: skip
 ATLAS_OPTIONS = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1", "1.1",
                  "--clearance", "20", "60", "--max-impacts", "2", "--survey", "12"]  # fmt: skip
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 @pytest.mark.parametrize(("name", "text", "options"), [

@@ -6,16 +6,9 @@ from importlib.metadata import metadata
 from types import SimpleNamespace
 
 import numpy
-import pytest
 import vibroimpact as vi
-from programs import Runner, find_command, write
+from programs import write
 from vibroimpact.commands import doctor
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 def test_doctor_tells_of_this_installation(tool):

@@ -27,12 +27,6 @@ sys.meta_path.insert(0, Stop())
 """
 
 
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
-
-
 @pytest.mark.parametrize("name", [
     "vibroimpact", "numpy", "numpy.linalg", "vibroimpact._core", "vibroimpact.results.tables",
     "vibroimpact.commands.command", "argparse", "vibroimpact.commands.lyapunov", "vibroimpact.commands.cases",

@@ -11,18 +11,12 @@ import sys
 import numpy as np
 import pytest
 import vibroimpact as vi
-from programs import IN_PYTHON, WRITTEN, Runner, contents, find_command, kinds, write
+from programs import IN_PYTHON, WRITTEN, contents, find_command, kinds, write
 from vibroimpact.commands import STUDIES
 from vibroimpact.commands.command import main
 
 SUFFIX = {"json": "json", "netcdf": "nc", "matlab": "mat"}
 SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 def heard(capture):

@@ -5,14 +5,8 @@ import re
 
 import pytest
 import vibroimpact as vi
-from programs import IN_PYTHON, Runner, contents, find_batch, find_command, kinds, write
+from programs import IN_PYTHON, Runner, contents, find_batch, kinds, write
 from vibroimpact.cases.case import read_namelist
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 @pytest.fixture

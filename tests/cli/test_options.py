@@ -7,16 +7,10 @@ import sys
 
 import pytest
 import vibroimpact as vi
-from programs import PAIR, SYSTEM, Runner, contents, find_command, write
+from programs import PAIR, SYSTEM, contents, find_command, write
 from vibroimpact.commands.command import main
 
 EQUAL = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75"]
-
-
-@pytest.fixture
-def tool(tmp_path):
-    """Runner of `vibroimpact` in a folder of its own."""
-    return Runner([find_command()], tmp_path)
 
 
 @pytest.mark.parametrize(

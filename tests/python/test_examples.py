@@ -40,7 +40,7 @@ def test_public_functions_have_examples():
 def test_ready_cases(path, tmp_path):
     """Every namelist of inputs/ is listed in its README, and what Python computes runs.
 
-    The others run in tests/cli/test_batch_command_line.py.
+    The others run in tests/cli/test_batch_studies.py.
     """
     cases = vibroimpact.read_namelist(path)
     if "&sweep\n" in path.read_text(encoding="utf-8"):
