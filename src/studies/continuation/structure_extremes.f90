@@ -17,7 +17,7 @@ contains
 
    !> The extremes of a motion without rest.
    pure subroutine coordinate_extremes(family, member, extremes)
-      !> The impacts.
+      !> The impacts of the family; with `mirror` those of half a period.
       type(family_type), intent(in) :: family
       !> The motion, with its flights.
       type(member_type), intent(in) :: member
@@ -42,7 +42,7 @@ contains
    !! velocity changes its sign between two of them, from the motion where a cubic through positions
    !! and velocities turns.
    pure subroutine extend_extremes(regime, x, v, time, duration, extremes)
-      !> The regime.
+      !> The regime of the flight or rest.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the beginning, the time there, and the duration.
       real(wp), intent(in) :: x(:), v(:), time, duration

@@ -21,7 +21,7 @@ contains
    !! With stops and friction, where accelerations jump, what has a limit is looked at just after
    !! the beginning, too.
    pure subroutine least_gap(regime, x, v, time, duration, begins, ends, units, touch, gap, last)
-      !> The regime.
+      !> The regime of the flight or rest.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the beginning, the time there, and the duration.
       real(wp), intent(in) :: x(:), v(:), time, duration
@@ -141,7 +141,7 @@ contains
 
    !> The gap at the stationary point near a given share of the flight; at its ends, the gap there.
    pure real(wp) function touch_value(regime, x, v, time, duration, units, touch) result(gap)
-      !> The regime.
+      !> The regime of the flight or rest.
       type(regime_type), intent(in) :: regime
       !> As of `least_gap`.
       real(wp), intent(in) :: x(:), v(:), time, duration, units(:)
@@ -175,7 +175,7 @@ contains
 
    !> The values and rates of rows at a time after the beginning of a flight.
    pure subroutine rows_at(regime, rows, x, v, time, t, y, rate)
-      !> The regime.
+      !> The regime of the flight or rest.
       type(regime_type), intent(in) :: regime
       !> Its rows: those of the channels, or of the coordinates.
       type(rows_type), intent(in) :: rows
