@@ -8,7 +8,7 @@ from shared_structures import one_stop, written
 STOP = ("stop", "stiffness = 1", "&stop direction = 1, opening = .5, {} /")
 FRICTION = ("friction", "slip = 1", "&friction direction = 1, {} /")
 OTHER_STUDIES = {
-    "find": "", "response": "frequencies = 1, 2", "lyapunov": "cycles = 10", "basins": "", "decay": "",
+    "response": "frequencies = 1, 2", "lyapunov": "cycles = 10", "basins": "", "decay": "",
     "bifurcation": "parameter = 'frequency', low = 1, high = 2",
 }  # fmt: skip
 
@@ -46,22 +46,21 @@ def test_studies_that_refuse(tmp_path, study, element):
     """The element is named, and the studies that take it."""
     with pytest.raises(vi.ParameterError) as caught:
         written(tmp_path, namelist(element, element[1], f"{study} {OTHER_STUDIES[study]}"))
-    wanted = f"does not take the &{element[0]} of this &structure; must be &motion, &simulate or &branch"
+    wanted = f"does not take the &{element[0]} of this &structure; must be &motion, &simulate, &find or &branch"
     assert wanted in str(caught.value) or study == "decay"
 
 
 @pytest.mark.parametrize(("s", "wanted"), [
     (one_stop(0.5, stiffness=20),
-     r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; only simulate, exact and branch take stops"),
+     r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; only simulate, exact, branch and find take stops"),
     (vi.Structure([1.0], [0.1], [1.0], friction=[vi.Friction([1.0], 0.3)]),
-     r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; only simulate, exact and branch take friction"),
+     r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; only simulate, exact, branch and find take friction"),
 ])  # fmt: skip
 def test_verbs_that_refuse(s, wanted):
     load = vi.Load(1.3, cosine=[1.0])
     run = vi.simulate(s, load, cycles=5)
     for call in (
         lambda: vi.periodic(s, load, [0.1], [0]),
-        lambda: vi.find(s, load),
         lambda: vi.lyapunov(s, load),
         lambda: vi.response(s, load, [1.0, 2.0]),
         lambda: vi.bifurcation_diagram(s, load, "frequency", [1.0, 1.5]),

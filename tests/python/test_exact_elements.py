@@ -87,6 +87,74 @@ def test_damper(xi, mu, r, d, f, moduli):
     assert again.speeds == pytest.approx(motion.speeds, rel=0.05)
 
 
+@pytest.mark.parametrize("b", [0.5, 1 / 4])
+def test_a_continuum_is_only_marginally_stable(b):
+    """Without damping, at b = 1/(2n): one multiplier is 1, or the motion sticks."""
+    s = vi.Structure([1.0], [0.0], [1.0], friction=[vi.Friction([1.0], 0.1)])
+    motion = settled(s, vi.Load(b, cosine=[1.0]), 400)
+    if abs(motion.multipliers[0] - 1) < 1e-6:
+        assert motion.stable is None
+    else:
+        assert abs(motion.multipliers[1]) < 1e-12
+
+
+def test_grazing_has_no_verdict():
+    """An impact without a speed beside friction: the period has no derivative there."""
+    s, load = of_chance(1)
+    w = load.frequency
+    branch = vi.branch(settled(s, load, 600), "frequency", bounds=(0.8 * w, 1.2 * w))
+    points = [p.index for p in branch.special_points if p.type == "zero_approach"]
+    assert points
+    assert np.isnan(branch.multipliers[:, points]).all()
+    assert (branch.stable[points] == -1).all()
+
+
+def test_friction_in_the_slot_of_an_oscillator():
+    """A point with friction is the structure that it stands for; it finds what simulations settle on."""
+    point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25, friction=0.05)
+    gaps = [vi.Gap([-1, 1], 12.5, 0.75), vi.Gap([1, -1], 12.5, 0.75)]
+    s = vi.Structure([1, 0.028], [0.0228, 0], [1, 0], gaps, [vi.Friction([-1, 1], 0.05)])
+    assert point.structure == s
+    assert "friction 0.05" in repr(point)
+    motion = vi.exact(point, vi.simulate(point, cycles=400))
+    assert np.sort(np.abs(motion.multipliers)) == pytest.approx(
+        [0.5690687818813] * 2 + [0.9226700793623] * 2, rel=1e-10
+    )
+    found = vi.find(point, states=6)
+    assert found.settled == (6,)
+    assert found.motions[0].multipliers == pytest.approx(motion.multipliers, abs=1e-9)
+    with pytest.raises(vi.ParameterError, match="must be left out here"):
+        vi.lyapunov(point, cycles=10)
+
+
+def test_walls_of_an_oscillator_that_give():
+    """Stiff walls whose dashpots have the losses of R move as the rigid ones."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    m, k, R = 0.028 / 1.028, 1e7, 0.75
+    c = 2 * -math.log(R) / math.hypot(math.pi, math.log(R)) * math.sqrt(k * m)
+    point = osc.at(1.04, 25, stops=((k, c), (k, c)))
+    assert [type(part) for part in point.structure.gaps] == [vi.Stop, vi.Stop]
+    motion = vi.exact(point, vi.simulate(point, cycles=400))
+    rigid = vi.equispaced(osc, 1.04, 25)[0]
+    assert np.sort(np.abs(motion.multipliers)) == pytest.approx(
+        np.sort(np.abs(rigid.multipliers)), rel=2e-3
+    )
+    for stops in ((1.0, 2.0), ((1.0, 0.0),), ((-1.0, 0.0), (1.0, 0.0))):
+        with pytest.raises(vi.ParameterError, match=r"stops|stiffness"):
+            osc.at(1.04, 25, stops=stops)
+
+
+def test_find_settles_on_several_motions():
+    """Two motions of a mass on a stop, each found by several states, equal to those of simulations."""
+    s, load = one_stop(1.0, stiffness=100, damping=1), vi.Load(1.5, cosine=[1.0])
+    found = vi.find(s, load, states=16)
+    assert sum(found.settled) == 16 - found.unsettled - found.without_impacts
+    for motion in found.motions:
+        assert motion.stable
+        again = vi.exact(s, load, motion)
+        assert again.speeds == pytest.approx(motion.speeds, rel=1e-9)
+
+
 def test_saved_and_loaded(tmp_path):
     s = one_stop(0.5, stiffness=4)
     motion = settled(s, vi.Load(0.7, cosine=[1.0]))

@@ -69,7 +69,7 @@ def run(
 def run_structure(
     noun: type[Found], structure: Structure, load: Load | None, keys: Mapping[str, Any],
     threads: int | None = None, progress: Progress | None = None,
-    parameters: Mapping[str, str] | None = None, needs_frequency: bool = True,
+    parameters: Mapping[str, str] | None = None, needs_frequency: bool = True, stops: bool = False,
 ) -> Found:  # fmt: skip
     """Runs a study of a structure in the core and returns its result object.
 
@@ -83,9 +83,11 @@ def run_structure(
         As of `run`.
     needs_frequency : bool
         Whether the load must have a frequency.
+    stops : bool
+        Whether the study takes stops and friction.
     """
     kinds = (Load,) if needs_frequency else (Load, type(None))
-    check_load(structure, load, frequency=needs_frequency, kinds=kinds)
+    check_load(structure, load, frequency=needs_frequency, kinds=kinds, stops=stops)
     groups = [*structure._groups(), *([] if load is None else load._groups())]
     given = {key: value for key, value in keys.items() if value is not None}
     return run_groups(noun, groups, given, True, threads, progress, parameters)

@@ -293,7 +293,7 @@ def find_structure(
         "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
         "settling": settling, "seed": seed, "max_events": max_events,
     }  # fmt: skip
-    found = door.run_structure(FoundMotions, structure, load, keys, threads, progress)
+    found = door.run_structure(FoundMotions, structure, load, keys, threads, progress, stops=True)
     found.require()
     return found
 
@@ -347,8 +347,8 @@ def find(
     Of a structure: for each order of up to max_impacts impacts on the gaps, in up to max_cycles load cycles,
     Newton's method starts from random impact times; it also finds unstable motions. Each motion without rest is
     followed along the lines of constant amplitude and of constant frequency of the load through the point, and
-    mirror images are added where the structure has them. Motions with accumulation and rest come from the
-    simulations.
+    mirror images are added where the structure has them. Motions with accumulation and rest, and all those of a
+    structure with stops or friction, come from the simulations.
 
     Parameters
     ----------

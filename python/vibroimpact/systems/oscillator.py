@@ -17,7 +17,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.jupyter import facts_html
 from .restitution import Restitution, checked
-from .structure import Gap, Load, Structure
+from .structure import Friction, Gap, Load, Stop, Structure
 from .units import POWERS, SI, Units, checked_names, dimensionless, plain_number, positive
 
 __all__ = ["Oscillator", "Pattern"]
@@ -381,7 +381,10 @@ class Oscillator:
             self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
         )
 
-    def at(self, r: float | str, clearance: float | str, load: float | str | Load = 1.0) -> Point:
+    def at(
+        self, r: float | str, clearance: float | str, load: float | str | Load = 1.0, friction: float | str = 0.0,
+        stops: tuple[tuple[float, float], tuple[float, float]] | None = None,
+    ) -> Point:  # fmt: skip
         """The oscillator at a point, which verbs take in place of the oscillator, r, clearance and load.
 
         Parameters
@@ -395,6 +398,12 @@ class Oscillator:
             Amplitude of the load over F0, or a force, as "6 N"; or a load of the frequency r on the primary mass
             and the free mass over F0, with further harmonics or a constant force. Verbs then treat the oscillator
             as a structure.
+        friction : float, str or pint.Quantity
+            Dry friction between the free mass and its slot, over F0, or a force. Verbs then treat the oscillator
+            as a structure; those that take friction there take it here.
+        stops : ((float, float), (float, float)), optional
+            Walls that give, in place of the coefficients of restitution: stiffness over K and damping over
+            sqrt(K M) of the right wall, and of the left one. Likewise a structure.
 
         Returns
         -------
@@ -422,19 +431,30 @@ class Oscillator:
         ... )
         >>> rig.at("19.5 Hz", "4 mm")
         <Oscillator(xi=0.011, mu=0.04074074074074074, restitution=(0.75, 0.75)) at r = 0.982362, d K/F0 = 28>
+
+        Friction in the slot:
+
+        >>> rough = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25, friction=0.05)
+        >>> vi.exact(rough, vi.simulate(rough, cycles=400))
+        <Motion of 4 events in 1 cycle: admissible, stable (max|lambda| = 0.9227)>
         """
         ratio, gap, force = (
             dimensionless(self, name, value)
             for name, value in (("r", r), ("clearance", clearance), ("load", load))
         )
         ratio, gap = checks.frequency_ratio(ratio, self.xi), positive(gap, "clearance")
+        wanted = "a force over F0 from 0 to 1e100"
+        rubs = checks.to_float(dimensionless(self, "load", friction), "friction", wanted)
+        if not 0 <= rubs <= 1e100:
+            raise ParameterError(f"friction = {rubs!r}: must be {wanted}")
+        walls = None if stops is None else _stiff_walls(stops)
         if not isinstance(force, Load):
-            return Point(self, ratio, gap, checks.number(force, "load"))
+            return Point(self, ratio, gap, checks.number(force, "load"), rubs, walls)
         if force.constant.size != 2 or not math.isclose(force.frequency, ratio, rel_tol=1e-12):
             raise ParameterError(
                 f"load = {force!r}: must have the frequency r = {ratio!r} and 2 coordinates"
             )
-        return Point(self, ratio, gap, force)
+        return Point(self, ratio, gap, force, rubs, walls)
 
     @property
     def _has_law(self) -> bool:
@@ -472,17 +492,36 @@ class Point:
         Frequency ratio, and d K/F0.
     amplitude : float or Load
         Amplitude of the load over F0, or the whole load.
+    friction : float
+        Friction in the slot over F0.
+    stops : tuple, or None
+        Stiffness over K and damping over sqrt(K M) of the right and the left wall, if they give.
     """
 
     osc: Oscillator
     r: float
     clearance: float
     amplitude: float | Load = 1.0
+    friction: float = 0.0
+    stops: tuple[tuple[float, float], tuple[float, float]] | None = None
 
     @property
     def structure(self) -> Structure:
         """The two masses and their walls, in the unit of length F0/K and the unit of time 1/omega."""
-        return self.osc.structure(self.clearance)
+        pair = self.osc.structure(self.clearance)
+        if not self._has_elements:
+            return pair
+        gaps = [
+            Stop(gap.direction, gap.opening, *numbers)
+            for gap, numbers in zip(pair.gaps, self.stops or (), strict=False)
+        ]
+        friction = [Friction([-1, 1], self.friction)] if self.friction else []
+        return Structure(pair.mass, pair.damping, pair.stiffness, gaps or pair.gaps, friction)
+
+    @property
+    def _has_elements(self) -> bool:
+        """Whether there is friction, or walls give."""
+        return self.friction > 0 or self.stops is not None
 
     @property
     def load(self) -> Load:
@@ -522,7 +561,21 @@ class Point:
             load = f", {self.amplitude!r}"
         elif self.amplitude != 1:
             load = f", load {self.amplitude:.6g}"
+        load += f", friction {self.friction:.6g}" if self.friction else ""
+        load += f", stops {self.stops}" if self.stops else ""
         return f"<{self.osc!r} at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}{load}>"
+
+
+def _stiff_walls(stops: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Stiffness and damping of both walls, checked."""
+    try:
+        (k1, c1), (k2, c2) = stops
+    except (TypeError, ValueError):
+        raise ParameterError(
+            f"stops = {stops!r}: must be (stiffness, damping) of the right wall, and of the left one"
+        ) from None
+    right, left = (Stop([-1, 1], 1, k, c) for k, c in ((k1, c1), (k2, c2)))
+    return (right.stiffness, right.damping), (left.stiffness, left.damping)
 
 
 @dataclass(frozen=True)

@@ -322,7 +322,7 @@ class Structure(ByValue):
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        `simulate`, `exact` and `branch` take stops and friction; the other verbs do not, yet.
+        `simulate`, `exact`, `branch` and `find` take stops and friction; the other verbs do not, yet.
     outputs : mapping of str to array_like (n,), optional
         Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
@@ -616,14 +616,14 @@ class Structure(ByValue):
         """Its gaps; ParameterError if one of them is a stop, or if it has friction."""
         if self.friction:
             raise ParameterError(
-                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate, exact "
-                "and branch take friction"
+                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate, exact, "
+                "branch and find take friction"
             )
         found = []
         for i, gap in enumerate(self.gaps):
             if isinstance(gap, Stop):
                 raise ParameterError(
-                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate, exact and branch take stops"
+                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate, exact, branch and find take stops"
                 )
             found.append(gap)
         return found

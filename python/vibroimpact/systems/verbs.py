@@ -79,6 +79,8 @@ def every_system(
             if isinstance(first, Point):
                 kwargs = spread_out(first, args[1:], kwargs)
                 args = ()
+            if isinstance(first, Point) and first._has_elements:
+                return handed_over(named(parameters, args, kwargs), first)
             if of_law and (
                 getattr(args[0] if args else kwargs.get("osc"), "_has_law", False)
                 or isinstance(kwargs.get("load"), Load)
@@ -131,15 +133,15 @@ def every_system(
                     )
             return of_point | found
 
-        def handed_over(given: dict[str, Any]) -> Any:
+        def handed_over(given: dict[str, Any], point: Point | None = None) -> Any:
             assert of_law
             of_law(given)
             missing = [key for key in ("r", "clearance") if key not in given]
             if missing:
                 raise TypeError(f"{name}(): missing a required argument: {missing[0]!r}")
-            point = given.pop("osc").at(**{
-                key: given.pop(key) for key in list(OF_POINT)[1:] if key in given
-            })  # fmt: skip
+            osc = given.pop("osc")
+            of_point = {key: given.pop(key) for key in list(OF_POINT)[1:] if key in given}
+            point = point or osc.at(**of_point)
             (_, _, *known) = inspect.signature(of_structure).parameters
             for key, value in list(given.items()):
                 if key in known:

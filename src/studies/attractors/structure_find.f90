@@ -8,6 +8,7 @@ module vi_structure_find
    use vi_motion, only: no
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
+   use vi_restitution, only: table_law
    use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
@@ -418,7 +419,8 @@ contains
 
       n = size(states, 1)/2
       states = 0
-      status = merge(stat%gap_closed, stat%ok, any(structure%openings < 0))
+      status = merge(stat%gap_closed, stat%ok, any(structure%openings < 0 .and. &
+         structure%laws%kind <= table_law))
       if (status /= stat%ok .or. size(states, 2) < 2) return
       call reached_sizes(structure, load, sizes)
       sizes(:n) = sizes(:n) + 1.0e-3_wp*maxval(sizes(:n))
@@ -448,6 +450,8 @@ contains
 
       share = 1
       do j = 1, size(structure%openings)
+         ! a stop may be closed
+         if (structure%laws(j)%kind > table_law) cycle
          associate (direction => structure%directions(:, j), opening => structure%openings(j))
             closing = dot_product(direction, q)
             if (closing - opening <= rounding*(opening + sum(abs(direction*q)))) cycle

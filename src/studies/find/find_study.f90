@@ -9,6 +9,7 @@ module vi_find_study
    use vi_motion, only: motion_type, yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
    use vi_progress, only: is_stopped
+   use vi_restitution, only: table_law
    use vi_settled_motion, only: longest, no_impacts, not_stable, settled, unconfirmed, unfinished, &
       wandering
    use vi_status, only: stat, status_text
@@ -138,6 +139,7 @@ contains
       study%name = 'find'
       study%meaning = 'search for all periodic motions at a point'
       study%row = 'impacts'
+      study%takes_elements = .true.
       study%check => check_find
       study%memory => find_memory
       study%run => run_find
@@ -350,7 +352,7 @@ contains
       type(found_list_type) :: list
       real(wp), allocatable :: states(:, :)
       integer, allocatable :: labels(:), others(:), status(:), settled(:), order(:), kinds(:)
-      integer :: failures(0:codes), first, i, reached, without
+      integer :: failures(0:codes), first, i, most_impacts, reached, without
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
@@ -372,12 +374,15 @@ contains
          do i = 1, size(status)
             failures(status(i)) = failures(status(i)) + 1
          end do
-         call search_orders(structure, load, orders_type(s%whole_number('max_impacts'), &
+         most_impacts = s%whole_number('max_impacts')
+         ! events of stops and friction are known from simulations alone
+         if (any(structure%laws%kind > table_law)) most_impacts = 0
+         call search_orders(structure, load, orders_type(most_impacts, &
             s%whole_number('max_cycles'), s%whole_number('guesses'), s%whole_number('seed'), &
             threads), list, failures, progress)
          ! otherwise only the motions on which states settle are wanted
-         if (s%whole_number('max_impacts') > 0) call follow_lines(structure, load, &
-            s%whole_number('guesses'), list, progress)
+         if (most_impacts > 0) call follow_lines(structure, load, s%whole_number('guesses'), &
+            list, progress)
       end associate
       settled = [settled, spread(0, 1, list%n - size(settled))]
       reached = count(status /= stat%not_computed)

@@ -633,7 +633,22 @@ contains
       ! an accumulation of many impacts costs digits: entries are accurate to about 1e-10
       call assess_multipliers(largest*merge(1.0e-12_wp, epsilon(1.0_wp), &
          any(events(:n)%kind == stick_event)), found%motion%verdicts)
+      if (has_elements(run%structure)) call doubt_marginal(found%motion)
    end subroutine by_return
+
+   !> Near a continuum of motions, or a fold, a state is known to the residual over 1 - lambda, and
+   !! lambda changes by as much: where that is all of 1 - lambda, nothing is known.
+   pure subroutine doubt_marginal(motion)
+      !> In and out: the motion.
+      type(structure_motion_type), intent(inout) :: motion
+      real(wp), parameter :: reserve = 100
+
+      associate (verdicts => motion%verdicts)
+         if (verdicts%stable /= yes) return
+         if (minval(abs(verdicts%multipliers - 1))**2 <= reserve*max(motion%residual, &
+            epsilon(1.0_wp))) verdicts%stable = unknown
+      end associate
+   end subroutine doubt_marginal
 
    !> Whether a structure has stops or friction.
    pure logical function has_elements(structure)
