@@ -189,6 +189,8 @@ class ReferenceRegimes:
                     events.append((t, states[i], i, y[: 2 * n].copy()))
                     if kind != "impact" and states[i] != STICK:
                         fresh.add((i, STICK))
+        # the last step may have gone beyond the end
+        self.final = (exponential(self.regime(states)[0] * (duration - t)) @ y)[: 2 * n]
         return events
 
 

@@ -52,9 +52,11 @@ def test_studies_that_refuse(tmp_path, study, element):
 
 @pytest.mark.parametrize(("s", "wanted"), [
     (one_stop(0.5, stiffness=20),
-     r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; only simulate, exact, branch and find take stops"),
+     r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; "
+     "only simulate, exact, branch and find take stops"),
     (vi.Structure([1.0], [0.1], [1.0], friction=[vi.Friction([1.0], 0.3)]),
-     r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; only simulate, exact, branch and find take friction"),
+     r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; "
+     "only simulate, exact, branch and find take friction"),
 ])  # fmt: skip
 def test_verbs_that_refuse(s, wanted):
     load = vi.Load(1.3, cosine=[1.0])

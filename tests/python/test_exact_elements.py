@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
+from reference_regimes import ReferenceRegimes
 from shared_structures import one_stop
 
 TURN = 2 * math.pi
@@ -248,3 +249,39 @@ def test_multipliers_are_those_of_differences():
         assert motion.determinant == pytest.approx(motion.law, abs=1e-9)
         judged += 1
     assert judged >= 8
+
+
+@pytest.mark.parametrize("seeds", [
+    range(1, 4), pytest.param(range(4, 80), marks=pytest.mark.slow),
+])  # fmt: skip
+def test_multipliers_are_those_of_an_independent_program(seeds):
+    """Traces of [P] and of its square are those of differences of matrix exponentials over a period."""
+    judged = 0
+    for seed in seeds:
+        s, load = of_chance(seed)
+        try:
+            motion = vi.exact(s, load, vi.simulate(s, load, cycles=600, discard=500))
+        except (vi.ParameterError, vi.SingularError):
+            continue  # it has no impacts, rests for ever or is not periodic
+        if len(motion.rests):
+            continue
+        # the reference begins at t = 0, so the load is turned to the middle of a flight
+        start, parts = motion._run()._between_events()
+        state, angle = np.concatenate(parts), load.frequency * start
+        force = load.cosine[0]
+        turned = vi.Load(load.frequency, cosine=force * np.cos(angle), sine=-force * np.sin(angle))
+        if any(abs(part.direction @ parts[1]) < 1e-3 for part in s.friction):
+            continue  # changes of what sticks are no motions of it
+        reference = ReferenceRegimes(s, turned, 2e-3)
+
+        def after(state, reference=reference, motion=motion):
+            reference.simulate(motion.period, np.split(state, 2))
+            return reference.final.copy()
+
+        assert after(state) == pytest.approx(state, abs=1e-8)
+        steps = 1e-6 * np.eye(len(state))
+        P = np.transpose([(after(state + step) - after(state - step)) / 2e-6 for step in steps])
+        found = [np.sum(motion.multipliers**k).real for k in (1, 2)]
+        assert found == pytest.approx([np.trace(P), np.trace(P @ P)], abs=1e-6, rel=1e-6)
+        judged += 1
+    assert judged >= len(seeds) / 3
