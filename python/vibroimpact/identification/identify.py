@@ -471,7 +471,9 @@ def identify(
         Sampling rate, Hz.
     load, acceleration, velocity, displacement : array_like (n,)
         The load, and one quantity of the motion of the primary mass.
-    units, bandwidth, delay, range, noise
+    units : mapping, optional
+        Unit by channel, as of `SensorRecord`.
+    bandwidth, delay, range, noise : float or mapping, optional
         As of `SensorRecord`: a number for the channels of the motion, or one by channel.
     impact_times : array_like (impacts,)
         Times of impacts (s), instead of records of the motion; with `frequency`, `load_phase` if it is known, and

@@ -316,10 +316,10 @@ class VirtualRig:
         velocity at the sensor over that of the primary mass. A share of 0 is none.
     drift : float
         Share by which the coefficients of restitution fall from the start to the end of a record.
-    calibration : float
-        Relative standard deviation of the gains of both sensors, drawn once for each record.
     amplitude : float
         The load amplitude of a record differs from F0 by up to this share; drawn once for each record.
+    calibration : float
+        Relative standard deviation of the gains of both sensors, drawn once for each record.
 
     Raises
     ------
@@ -649,7 +649,9 @@ def virtual_record(
 
     Parameters
     ----------
-    duration, seed, quantity
+    duration : float
+    seed : int
+    quantity : str
         As of `VirtualRig.record`.
     **rig
         The parameters of the `VirtualRig`.

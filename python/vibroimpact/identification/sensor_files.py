@@ -106,11 +106,13 @@ def read_record(
         What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
         Their units, in their order; by default those of the file, else SI.
-    bandwidth, delay, range, noise : float, mapping or sequence of float, optional
+    bandwidth : float, mapping or sequence of float, optional
         As of `SensorRecord`: a number for the channels of the motion, one by channel, or one for each channel of
         the file, in their order (0: not known).
     scale : sequence of float, optional
         What 1 in each channel stands for, in its unit, such as the full scale of a .wav file.
+    delay, range, noise : float, mapping or sequence of float, optional
+        As of `SensorRecord`, given as the bandwidth is.
 
     Returns
     -------

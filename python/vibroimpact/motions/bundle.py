@@ -74,12 +74,14 @@ def simulate_bundle(
     Parameters
     ----------
     osc : Oscillator
-    r, clearance, load : float or array_like (M,)
+    r, clearance : float or array_like (M,)
         As in `simulate`.
     cycles : float
         Load cycles to simulate.
     states : array_like (5,) or (5, M), optional
         t, x, x_dot, z, z_dot at the start; default: all 0.
+    load : float or array_like (M,)
+        As in `simulate`.
     max_events : int
         Events after which a simulation ends early, with a `status` other than 0.
     threads : int, optional

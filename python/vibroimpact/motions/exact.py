@@ -160,7 +160,8 @@ def exact(
 
     Parameters
     ----------
-    osc, r, clearance, load
+    osc : Oscillator
+    r, clearance : float
         As in `simulate`.
     guess : Motion, Trajectory or (phases, pattern)
         A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
@@ -168,6 +169,8 @@ def exact(
         cycles with which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used,
         because just past a period doubling the shorter period repeats approximately, too. A structure with stops
         or friction needs a motion or a trajectory.
+    load : float
+        As in `simulate`.
 
     Returns
     -------

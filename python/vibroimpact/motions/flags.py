@@ -72,16 +72,19 @@ def stability_flags(
 
     Parameters
     ----------
+    osc : Oscillator
     r : array_like, scalar or (M,)
     phases : array_like (N, M)
         One set of impact phases a column.
+    pattern : Pattern or str
+    restitution : array_like, optional
+    acceptance : float
+        As in `periodic`.
     spectral_radius : bool
         Whether to compute the largest modulus of a multiplier too. It agrees with LAPACK's to a
         relative 1e-11, or within the effect of the last bits of r and the phases.
     threads : int, optional
         By default as many as there are processors.
-    osc, pattern, restitution, acceptance
-        As in `periodic`.
 
     Returns
     -------

@@ -420,7 +420,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
         Parameters
         ----------
-        ax, kind
+        ax : matplotlib Axes, optional
+        kind : str, optional
             As of `Trajectory.plot`.
         cycles : float, optional
             Load cycles shown: of an oscillator from the first impact on, by default one period, at least two
@@ -450,10 +451,12 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         ----------
         path : str or path, optional
             The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg, or the extra `film`).
-        cycles, window
+        cycles : float, optional
             As of `plot`; by default one period, so that the animation can loop.
         seconds : float, optional
             Duration on the screen, as of `Trajectory.animate`.
+        window : (float, float), optional
+            As of `plot`.
 
         Returns
         -------

@@ -229,14 +229,18 @@ def periodic_batch(
 
     Parameters
     ----------
+    osc : Oscillator
     r : array_like, scalar or (M,)
     phases : array_like (N, M)
         One set of impact phases a column.
+    pattern : Pattern or str
+    restitution : array_like, optional
+    precision : str
+    acceptance : float
+        As in `periodic`.
     flights : bool
         Whether to examine every flight too: `admissible`, `x_min`, `x_max`. Without it they are
         -1 and NaN, and the call is faster.
-    osc, pattern, restitution, precision, acceptance
-        As in `periodic`.
 
     Returns
     -------
@@ -350,8 +354,10 @@ def equispaced_batch(
 
     Parameters
     ----------
+    osc : Oscillator
     r, clearance : array_like, scalar or (M,)
-    osc, cycles, precision
+    cycles : int
+    precision : str
         As in `equispaced`.
 
     Returns

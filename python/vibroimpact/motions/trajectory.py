@@ -283,7 +283,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
         Returns
         -------
-        q_ddot : ndarray (n, m)
+        ndarray (n, m)
             Of an oscillator those of its two masses; (m,) of an output.
 
         Raises
@@ -654,11 +654,13 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         ----------
         path : str or path, optional
             As in `Motion.animate`.
-        cycles, window
+        cycles : float, optional
             As in `plot`.
         seconds : float, optional
             Of an oscillator: duration of a load cycle on the screen, 3 by default. Of a structure: of all that is
             shown, 10 by default.
+        window : (float, float), optional
+            As in `plot`.
 
         Returns
         -------

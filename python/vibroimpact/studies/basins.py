@@ -348,8 +348,9 @@ def basins(
 
     Parameters
     ----------
-    osc, r, clearance, load
-        As in `simulate`.
+    osc : Oscillator
+    r, clearance : float
+        As in `simulate`, and so is the number `load`.
     structure, load : Structure, Load
         In place of them; the load has a frequency.
     plane : ((name, low, high, n), (name, low, high, n)), optional

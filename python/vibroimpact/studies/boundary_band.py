@@ -139,7 +139,9 @@ def boundary_bands(
         Largest number of vertices of a piece that are examined, 2 to 10000.
     quantiles : (float, float)
         Of the displacement, the ends of the bands.
-    seed, threads, progress
+    seed : int
+    threads : int, optional
+    progress : callable, optional
         As of `uncertainty`.
 
     Returns

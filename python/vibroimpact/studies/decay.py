@@ -106,10 +106,14 @@ def decay(
     Parameters
     ----------
     osc : Oscillator
-    clearance, inverse_clearance : float or array_like (runs,)
-        d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
-    amplitude, x_dot : float
-        Displacement and velocity of the primary mass at the start.
+    clearance : float or array_like (runs,)
+        d K/F0; d is the whole travel between the walls.
+    amplitude : float
+        Displacement of the primary mass at the start.
+    inverse_clearance : float or array_like (runs,)
+        F0/(d K), in place of the clearance.
+    x_dot : float
+        Velocity of the primary mass at the start.
     y, z_dot : float
         Position z - x of the free mass between the walls, 0 in the middle, and its velocity at the start.
     cycles : int

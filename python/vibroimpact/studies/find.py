@@ -352,7 +352,8 @@ def find(
 
     Parameters
     ----------
-    osc, r, clearance
+    osc : Oscillator
+    r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load
         In place of them; the load has a frequency.

@@ -211,7 +211,8 @@ def uncertainty(
         1 to 100000. Each takes as long as a chart.
     bands : bool
         Whether to trace the nominal zone and to find the bands, as `boundary_bands` does.
-    vertices, quantiles
+    vertices : int
+    quantiles : (float, float)
         As of `boundary_bands`.
     seed : int
         Of the random numbers; the same seed gives the same result, for any number of threads.
@@ -402,7 +403,9 @@ def limit_probability(
         Load cycles after which a simulation without a period counts as settled, 8 to 1000000.
     max_events : int
         Events after which a simulation fails, 1000 to 1000000000.
-    seed, threads, progress
+    seed : int
+    threads : int, optional
+    progress : callable, optional
         As of `uncertainty`.
 
     Raises

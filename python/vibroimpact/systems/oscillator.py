@@ -582,6 +582,8 @@ def _stiff_walls(stops: Any) -> tuple[tuple[float, float], tuple[float, float]]:
 class Pattern:
     """The walls that are hit, in their order, and the number of load cycles.
 
+    Wherever a pattern is taken, a text such as "RRL" or "RL/2" (sides/cycles) stands for it, too.
+
     Parameters
     ----------
     sides : str
@@ -590,8 +592,6 @@ class Pattern:
         symbol stands for impacts that accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
-
-    Wherever a pattern is taken, a text such as "RRL" or "RL/2" (sides/cycles) stands for it, too.
 
     Raises
     ------

@@ -176,7 +176,7 @@ class Units:
         Parameters
         ----------
         unit : str
-            As columns of results declare it: "F0/K", "omega F0/K", "1/omega", …
+            As columns of results declare it: "F0/K", "omega F0/K", "1/omega" and the like.
 
         Raises
         ------
