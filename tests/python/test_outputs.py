@@ -168,11 +168,11 @@ def test_a_base_that_moves():
     )
     relative = vi.Structure(mass, damping, stiffness, base=[1, 1])
     omega, a = 1.3, 0.7
-    load = relative.base_load(omega, a)
+    base, speed = -a / omega**2, -a / omega
+    load = vi.base_motion(relative, omega, sine=base, relative=True)
     assert np.array_equal(relative.participation, mass)
     q = vi.simulate(relative, load, cycles=3, state=([0.2, -0.1], [0.3, 0.4]))
     # a sin(omega t) is the acceleration of a base at -a/omega^2 sin(omega t): x = q + y
-    base, speed = -a / omega**2, -a / omega
     sine, cosine = np.array([4.0, 0.0]) * base, np.array([0.06, 0.0]) * base * omega
     absolute = vi.Load(omega, sine=sine, cosine=cosine)
     x = vi.simulate(
@@ -197,8 +197,13 @@ def test_participation_of_modes():
     # of all modes: the squares are the effective masses, whose sum is the mass of all bodies
     assert np.allclose(modal.participation, shapes.T @ whole.participation)
     assert (modal.participation**2).sum() == pytest.approx(2.5)
-    for structure in (vi.Structure([1], [0], [1]), body()):
-        with pytest.raises(ParameterError, match="base = None"):
-            structure.base_load(1.0, 1.0)
-        with pytest.raises(AttributeError, match="participation"):
-            _ = structure.participation
+    load = vi.base_motion(modal, 1.3, sine=0.1, relative=True)
+    assert np.allclose(load.sine, vi.base_motion(whole, 1.3, sine=0.1, relative=True).sine @ shapes)
+    shock = vi.base_record(modal, 0.1, acceleration=[0.0, 1.0, 0.0])
+    assert np.allclose(
+        shock.force, vi.base_record(whole, 0.1, acceleration=[0.0, 1.0, 0.0]).force @ shapes
+    )
+    with pytest.raises(AttributeError, match="participation"):
+        _ = body().participation
+    with pytest.raises(ParameterError, match="direction = None: must be the participation"):
+        vi.base_motion(vi.Structure.from_modes([1.0], [0.0], [[1.0]]), 1.3, sine=0.1)

@@ -142,6 +142,13 @@ def _influence(structure: Structure, direction: Any) -> _Array:
     """The displacements of all coordinates when the base moves by 1 and nothing deforms."""
     checks.instance(structure, "structure", Structure)
     n = structure.coordinates
+    if direction is None and structure._base is not None:
+        return structure._base
+    if direction is None and structure._is_modal:
+        raise ParameterError(
+            "direction = None: must be the participation factors of a structure by its modes, or `base` of "
+            "Structure.from_modes must give them"
+        )
     if direction is None:
         return np.ones(n)
     return _numbers(direction, "direction", f"{n} numbers, one a coordinate", (n,))
@@ -174,7 +181,8 @@ def base_motion(
     sine, cosine : float or array_like (H,), optional
         Amplitudes of the harmonics 1 to H of y.
     direction : array_like (n,), optional
-        Displacements of the coordinates when the base moves by 1 and nothing deforms; all 1 by default.
+        Displacements of the coordinates when the base moves by 1 and nothing deforms; by default the `base` of
+        the structure, or all 1. Of a structure by its modes they are the participation factors.
     relative : bool
 
     Returns

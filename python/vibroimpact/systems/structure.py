@@ -327,7 +327,8 @@ class Structure(ByValue):
         Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
     base : array_like (n,), optional
-        Displacement of each coordinate when the base moves by 1 and nothing is deformed, for `base_load`.
+        Displacement of each coordinate when the base moves by 1 and nothing is deformed: the direction of
+        `base_motion` and `base_record`.
 
     Attributes
     ----------
@@ -364,7 +365,8 @@ class Structure(ByValue):
     gaps: tuple[Gap | Stop, ...] = field(default=())
     friction: tuple[Friction, ...] = field(default=())
     outputs: Mapping[str, _Array] = field(default_factory=dict)
-    _participation: _Array | None = field(default=None, compare=False)
+    _base: _Array | None = field(default=None, compare=False)
+    _is_modal: bool = field(default=False, compare=False)
 
     def __init__(
         self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike,
@@ -400,12 +402,9 @@ class Structure(ByValue):
                     )
             object.__setattr__(self, name, parts)
         object.__setattr__(self, "outputs", Outputs({} if outputs is None else outputs, n))
-        factors = None
         if base is not None:
-            wanted = f"{n} finite numbers, one a coordinate"
-            factors = self.mass @ _numbers(base, "base", wanted, (n,))
-            factors.flags.writeable = False
-        object.__setattr__(self, "_participation", factors)
+            base = _numbers(base, "base", f"{n} finite numbers, one a coordinate", (n,))
+        object.__setattr__(self, "_base", base)
 
     @classmethod
     def from_modes(
@@ -448,12 +447,12 @@ class Structure(ByValue):
         >>> beam.gaps[0].direction.tolist()
         [2.0, -2.0]
 
-        A mass of 4 on a spring, whose shape is 1/2, on a base that moves: the load is that of the mass, 4, times
-        the shape.
+        A mass of 4 on a spring, whose shape is 1/2, on a base that moves by 0.1 sin(2 t): the load is its
+        inertia force, 4 times 2^2 times 0.1, times the shape.
 
         >>> rig = vi.Structure.from_modes([3.0], [0.01], [[0.5]], outputs={"mass": [0.5]}, base=[4.0])
-        >>> rig.participation.tolist(), rig.base_load(2.0, 10.0).sine.tolist()
-        ([2.0], [[-20.0]])
+        >>> rig.participation.tolist(), vi.base_motion(rig, 2.0, sine=0.1, relative=True).sine.tolist()
+        ([2.0], [[0.8]])
         """
         wanted = "numbers from 0 to 1e40, one a mode"
         omega = _numbers(frequencies, "frequencies", wanted, (-1,))
@@ -495,43 +494,19 @@ class Structure(ByValue):
         if base is not None:
             wanted = f"{len(points)} finite numbers, one a point"
             factors = _numbers(base, "base", wanted, (len(points),)) @ points
-        return cls(
+        found = cls(
             np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing, outputs, factors
         )  # fmt: skip
+        object.__setattr__(found, "_is_modal", True)
+        return found
 
     @property
     def participation(self) -> _Array:
         """Participation factors of a motion of the base (n)."""
-        if self._participation is None:
+        if self._base is None:
             raise AttributeError("participation: a Structure without base does not have it")
-        return self._participation
-
-    def base_load(self, frequency: float, acceleration: float) -> Load:
-        """The load of a base that moves harmonically; the coordinates are then relative to the base.
-
-        Parameters
-        ----------
-        frequency : float
-            Omega, > 0.
-        acceleration : float
-            Amplitude a of the acceleration a sin(Omega t) of the base.
-
-        Returns
-        -------
-        Load
-            Its amplitudes are the participation factors times -a.
-
-        Raises
-        ------
-        ParameterError, ParameterTypeError
-            If an argument is not allowed, or no `base` was given.
-        """
-        if self._participation is None:
-            raise ParameterError(
-                "base = None: must be given to the Structure for loads of its base"
-            )
-        a = checks.to_float(acceleration, "acceleration", "a finite number")
-        return Load(frequency, sine=-a * self._participation)
+        factors: _Array = self.mass @ self._base
+        return factors
 
     def _row(self, output: Any) -> _Array:
         """The row of an output."""
