@@ -132,7 +132,7 @@ contains
       case (stat%no_motion)
          text = 'there is no such motion for these parameters'
       case (stat%more_events)
-         text = 'the list of events is full before the end of time'
+         text = 'the list of events is full before the end of the simulation'
       case (stat%budget)
          text = 'the step budget ran out in a flight of millions of oscillations'
       case (stat%lost_digits)
@@ -167,8 +167,8 @@ contains
          text = 'frequencies are above 1e12, or masses, openings, forced motions and states &
             &beyond 1e-40 to 1e40: choose other units'
       case (stat%no_period)
-         text = 'the simulation does not repeat within the most load cycles of a period; simulate &
-            &longer first, or allow more'
+         text = 'the simulation does not repeat within the longest period that is considered: it &
+            &may be chaotic; otherwise simulate longer first, or allow more load cycles'
       case (stat%not_stable)
          text = 'the simulation passes by a periodic motion that is not stable; simulate longer &
             &first'

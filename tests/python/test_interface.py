@@ -156,9 +156,15 @@ def test_jupyter_shows_a_point():
 def test_what_find_gives_is_a_line():
     """The representation gives the number of motions; the motions are its items."""
     found = vi.find(TABLE, 0.94, 37.0, 2, 1)
-    assert repr(found) == "<FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>"
+    assert repr(found) == (
+        "<FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable; "
+        "and the motion without impacts, since D > 2A>"
+    )
+    # below twice the amplitude without impacts the free mass is always reached
+    assert repr(vi.find(TABLE, 0.94, 10.0, 2, 1)).endswith("of them stable>")
     assert repr(vi.find(TABLE, 0.94, 1e6, 2, 1)) == (
-        "<FoundMotions at r = 0.94, d K/F0 = 1e+06: 0 motions, 0 of them stable>"
+        "<FoundMotions at r = 0.94, d K/F0 = 1e+06: 0 motions, 0 of them stable; "
+        "and the motion without impacts, since D > 2A>"
     )
 
 

@@ -1165,13 +1165,17 @@ def letters_of(symbols: NDArray[np.int32]) -> str:
     return "".join(f"{'RL'[one < 0]}{'*' * (abs(one) - 1)}" for one in symbols.tolist())
 
 
+def steady_amplitude(osc: Oscillator, r: float, load: float) -> float:
+    """The steady amplitude of the primary mass alone; infinite at resonance without damping."""
+    squared = (1 - r * r) ** 2 + (2 * osc.xi * r) ** 2
+    return load / math.sqrt(squared) if squared > 0 else math.inf
+
+
 def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
     """The error for a trajectory that has no impacts from some time on."""
     osc, r, half = trajectory.osc, trajectory.r, 0.5 * trajectory.clearance
     when = f"since t = {begin:.6g}" if len(trajectory.events) else "in it"
-    # the steady amplitude of the primary mass alone; at resonance without damping it is unbounded
-    squared = (1 - r * r) ** 2 + (2 * osc.xi * r) ** 2
-    amplitude = trajectory.load / math.sqrt(squared) if squared > 0 else math.inf
+    amplitude = steady_amplitude(osc, r, trajectory.load)
     if amplitude < half:
         reason = (
             f"Without impacts |X| settles to A = {amplitude:.6g}, below D/2 = {half:.6g}, and a free mass at rest "

@@ -15,6 +15,7 @@ from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.jupyter import rows_html
 from ..base.status import sentence
 from ..motions.motion import Motion, motions_of, of_tables
+from ..motions.trajectory import steady_amplitude
 from ..results import door
 from ..results.noun import FORMER, Noun, key
 from ..results.states import state_by_coordinates
@@ -131,7 +132,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
     >>> path = pathlib.Path(tempfile.mkdtemp()) / "motions.json"
     >>> motions.save(path)
     >>> vi.load(path)
-    <FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable>
+    <FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable; and the motion without impacts, ...>
     """
 
     __slots__ = ("__dict__",)
@@ -217,7 +218,10 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         cut = "" if self.complete else f"; cut short, {self.cut}"
         if not self.of_structure:
             point = f"r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}"
-            return f"<FoundMotions at {point}: {there}{cut}>"
+            # it has no phases, and is not among the items
+            reached = 2 * steady_amplitude(self.osc, self.r, self.load) >= self.clearance
+            others = "" if reached else "; and the motion without impacts, since D > 2A"
+            return f"<FoundMotions at {point}: {there}{others}{cut}>"
         counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without impacts")]
         counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]
         # all of which are 0 where every state settles
