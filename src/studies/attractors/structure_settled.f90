@@ -190,6 +190,7 @@ contains
       !> In and out: the sums.
       type(size_type), intent(inout) :: sizes
       real(wp), dimension(size(sizes%low)) :: q, rate, last, last_rate, there, rate_there
+      real(wp) :: pairs(size(x), 2)
       real(wp) :: h, share, turned
       integer :: i, j, k, panels
 
@@ -198,7 +199,8 @@ contains
          panels = max(1, ceiling(min(real(most_panels, wp), density*duration/regime%unit)))
          h = duration/panels
          do i = 0, panels
-            call values_after(run, number, sizes%outputs, phase, i*h, x, v, q, rate)
+            call values_after(run, number, sizes%outputs, phase, i*h, x, v, pairs, q, &
+               rate)
             sizes%low = min(sizes%low, q)
             sizes%high = max(sizes%high, q)
             if (i > 0) then
@@ -206,7 +208,7 @@ contains
                   if (.not. last_rate(j)*rate(j) < 0) cycle
                   call turning_share(last(j), q(j), h*last_rate(j), h*rate(j), share)
                   call values_after(run, number, sizes%outputs, phase, (i - 1 + share)*h, x, v, &
-                     there, rate_there)
+                     pairs, there, rate_there)
                   ! the velocity that is left there changes the extreme by its square
                   turned = there(j) - 0.5_wp*rate_there(j)**2*h/(rate(j) - last_rate(j))
                   sizes%low(j) = min(sizes%low(j), turned)
@@ -217,7 +219,8 @@ contains
             last_rate = rate
             if (i == panels) exit
             do k = 1, size(nodes)
-               call values_after(run, number, sizes%outputs, phase, (i + nodes(k))*h, x, v, q, rate)
+               call values_after(run, number, sizes%outputs, phase, (i + nodes(k))*h, x, v, &
+                  pairs, q, rate)
                sizes%squares = sizes%squares + weights(k)*h*q**2
             end do
          end do
@@ -226,7 +229,8 @@ contains
    end subroutine measure
 
    !> Coordinates and outputs, and their velocities, in a flight or rest.
-   pure subroutine values_after(run, number, outputs, phase, time, x, v, q, rate)
+   pure subroutine values_after(run, number, outputs, phase, time, x, v, pairs, q, &
+      rate)
       !> The run, and the number of its regime.
       type(run_type), intent(in) :: run
       integer, intent(in) :: number
@@ -236,14 +240,16 @@ contains
       real(wp), intent(in) :: phase, time
       !> (m) The pairs at its beginning.
       real(wp), intent(in) :: x(:), v(:)
+      !> (m, 2) Room for the pairs then.
+      real(wp), contiguous, intent(inout) :: pairs(:, :)
       !> (n + outputs)
-      real(wp), intent(out) :: q(:), rate(:)
-      real(wp), dimension(size(x)) :: x_now, v_now
+      real(wp), contiguous, intent(out) :: q(:), rate(:)
       integer :: i
 
       associate (regime => run%regimes(number), n => size(outputs, 2))
-         call advance(regime%modes, time, x, v, x_now, v_now)
-         call state_of(regime, phase + run%load%frequency*time, x_now, v_now, q(:n), rate(:n))
+         call advance(regime%modes, time, x, v, pairs(:, 1), pairs(:, 2))
+         call state_of(regime, phase + run%load%frequency*time, pairs(:, 1), pairs(:, 2), q(:n), &
+            rate(:n))
          do i = 1, size(outputs, 1)
             q(n + i) = dot_product(outputs(i, :), q(:n))
             rate(n + i) = dot_product(outputs(i, :), rate(:n))
