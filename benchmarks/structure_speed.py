@@ -19,6 +19,8 @@ ROUNDS = 7
 #: Targets (ms) on an idle processor: 86 impacts of 20 and of 100 cells; 100 cells to t = 200.
 TARGETS = {20: 0.3, 100: 2.0}
 LONG_TARGET = 150.0
+#: Times to which chains are simulated to compare the cost of an impact, which should grow less than the cells.
+GROWTH = {20: 200, 100: 200, 200: 150}
 #: Target (ms) of 10^5 samples of a record.
 RECORD_TARGET = 30.0
 
@@ -143,6 +145,18 @@ def rows():
         work = f"chain of {cells} cells: {impacts} impacts"
         same = len(times) == impacts
         table.append(row(work, "ms", time_spent, None, there, taylor_peer.NAME, same))
+    costs = {}
+    for cells, duration in GROWTH.items():
+        time_spent, impacts = of_chain(cells, duration, 3)
+        costs[cells] = time_spent / impacts
+    smallest = min(costs)
+    table += [
+        row(
+            f"chain: an impact of {cells} cells over one of {smallest}", "-",
+            costs[cells] / costs[smallest], cells / smallest,
+        )
+        for cells in costs if cells > smallest
+    ]  # fmt: skip
     time_spent, impacts = of_chain(100, 200, 2)
     table.append(row(f"chain of 100 cells: {impacts} impacts", "ms", time_spent, LONG_TARGET))
     time_spent, impacts = of_record(100_000)

@@ -6,35 +6,32 @@
 !! f'''', prove that most rows stay within their limits. A row in doubt is searched by steps that
 !! cannot jump over a zero, up to the first event found so far in the cell.
 !!
+!! Groups of rows that a certificate keeps away from their limits for the time of the cell need no
+!! look, with the same result (vi_watch).
+!!
 !! A row in doubt is evaluated by its Taylor series about the beginning of the cell, as far as the
 !! omitted terms are below rounding (vi_series).
 module vi_channels
    use vi_kinds, only: wp
-   use vi_lane_rows, only: add_derivatives, bound_pairs, mark_doubts, side_by_side, &
-      sizes_of_pairs, step_pairs
+   use vi_lane_groups, only: bound_pairs, sizes_of_pairs
+   use vi_lane_groups_wide, only: bound_pairs_wide => bound_pairs, &
+      sizes_of_pairs_wide => sizes_of_pairs
+   use vi_lane_rows, only: add_derivatives, mark_doubts, side_by_side, start_series, step_pairs
    use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
-      bound_pairs_wide => bound_pairs, mark_doubts_wide => mark_doubts, &
-      sizes_of_pairs_wide => sizes_of_pairs, step_pairs_wide => step_pairs
+      mark_doubts_wide => mark_doubts, start_series_wide => start_series, &
+      step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_pair, bound_on, levels
-   use vi_rows, only: bound_values, row_values, rows_type
+   use vi_rows, only: add_ripple, bound_values, row_values, rows_type
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
       tolerated
    use vi_structure, only: regime_type
+   use vi_watch, only: begin_watch, leave_group, leaving_type, list_doubts, look_at_groups, never, &
+      rounding, rounding_share, set_at_limit, watch_type
    implicit none (type, external)
    private
 
-   public :: bound_fourth, bound_second, first_event, leading_term, row_derivatives, &
-      size_of_rate
-
-   !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
-   !! wall (row 0).
-   type, public :: leaving_type
-      integer :: row = 0, wall = 0
-      real(wp) :: speed = 0
-      !> The order of the first derivative of the distance to the limit that is not 0: 1 with a
-      !! speed; `never` for a row that stays on its limit, which is not watched.
-      integer :: order = 1
-   end type leaving_type
+   public :: bound_fourth, bound_second, first_event, leading_term, leaving_type, never, &
+      row_derivatives, size_of_rate
 
    !> The lengths of cells, kept by the caller from one flight to the next, and where a search that
    !! was interrupted goes on.
@@ -62,8 +59,6 @@ module vi_channels
       integer :: steps = 0
    end type reached_type
 
-   !> The order of a function of which no derivative differs from 0.
-   integer, parameter, public :: never = order + 1
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
    !> 1/i, and 1/i!. An index of implied loops would be a variable that all threads share.
@@ -76,6 +71,7 @@ module vi_channels
       real(wp), allocatable :: pairs(:, :), work(:, :), values(:, :)
       complex(wp), allocatable :: turns(:, :)
       integer, allocatable :: doubtful(:, :)
+      type(watch_type) :: watch
    end type space_type
 
 contains
@@ -112,11 +108,11 @@ contains
       if (present(partings)) then
          call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
             phase, 1 + size(partings), [leaving, partings], limit, most, pace, space%pairs, &
-            space%work, space%values, space%turns, space%doubtful, reached)
+            space%work, space%values, space%turns, space%doubtful, space%watch, reached)
       else
          call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
             phase, 1, [leaving], limit, most, pace, space%pairs, space%work, space%values, &
-            space%turns, space%doubtful, reached)
+            space%turns, space%doubtful, space%watch, reached)
       end if
    end subroutine first_event
 
@@ -135,7 +131,7 @@ contains
          if (fits) return
          if (allocated(space%pairs)) deallocate (space%pairs, space%work, space%values, &
             space%turns, space%doubtful)
-         allocate (space%pairs(pairs, 6), space%work(pairs + side_by_side, 4), &
+         allocate (space%pairs(pairs, 6), space%work(pairs + side_by_side, 8), &
             space%values(rows, 8), space%turns(harmonics, 2), &
             space%doubtful(2, rows))
       end associate
@@ -143,7 +139,7 @@ contains
 
    !> The first event of a flight, cell by cell.
    pure subroutine search_cells(regime, m, rows, harmonics, x0, v0, phase, starts, leaving, &
-      limit, most, pace, pairs, work, values, turns, doubtful, reached)
+      limit, most, pace, pairs, work, values, turns, doubtful, watch, reached)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> Number of pairs, of rows, and of harmonics of the load.
@@ -165,7 +161,7 @@ contains
       !! bounds.
       real(wp), intent(inout) :: pairs(m, 6)
       !> Room for pairs.
-      real(wp), intent(inout) :: work(m + side_by_side, 4)
+      real(wp), intent(inout) :: work(m + side_by_side, 8)
       !> Rows and rates at the beginning and at the end of a cell (rows, 1 to 4, in turns), the
       !! bounds on their fourth derivatives (rows, 5) and on rounding errors (rows, 6), and room.
       real(wp), intent(inout) :: values(rows, 8)
@@ -173,32 +169,35 @@ contains
       complex(wp), intent(inout) :: turns(harmonics, 2)
       !> The rows in doubt, as in `find_doubts`.
       integer, intent(inout) :: doubtful(2, rows)
+      !> The certificates of groups of rows that need no look.
+      type(watch_type), intent(inout) :: watch
       !> The event.
       type(reached_type), intent(out) :: reached
       real(wp) :: h, time, found, speed, t, horizon, brief
       integer :: clear, hold, j, level, longest, n, next, now, row, steps, taken, wall
-      logical :: fresh, small
+      logical :: fresh, grouped, small
 
       ! where a cell costs less than a search, long cells in doubt are divided, not searched
       small = m*rows <= 64
-      brief = 1/max(maxval(regime%rows%fastest), tiny(1.0_wp))
-      call bound_fourth(regime, m, x0, v0, pairs(:, 5), pairs(:, 6), values(:, 5))
+      brief = 1/max(regime%rows%most_fastest, tiny(1.0_wp))
+      grouped = regime%rows%groups > 0 .and. .not. regime%rows%grows
+      call bound_fourth_of_pairs(regime, m, x0, v0, pairs(:, 5), pairs(:, 6))
+      if (grouped) then
+         call begin_watch(regime, x0, v0, pairs(:, 5), watch)
+         do j = 1, starts
+            call leave_group(leaving(j)%row, watch)
+         end do
+      else
+         call bound_rows(regime, pairs(:, 5), pairs(:, 6), values(:, 5))
+      end if
       level = pace%level
       hold = pace%hold
       t = pace%from
       horizon = t + cells*regime%steps%length(level)
       now = 1
-      call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, &
-         cells*regime%steps%length(level), pairs(:, 1), pairs(:, 2), turns(:, 1), values(:, 1), &
-         values(:, 2), values(:, 6))
+      call start_afresh(regime, m, rows, harmonics, starts, leaving, x0, v0, phase, t, &
+         cells*regime%steps%length(level), grouped, 1, pairs, turns, values, watch)
       fresh = .true.
-      do j = 1, starts
-         if (.not. (leaving(j)%row > 0 .and. t <= 0)) cycle
-         associate (row => leaving(j)%row, wall => leaving(j)%wall)
-            values(row, 1) = merge(regime%upper(row), regime%lower(row), wall > 0)
-            values(row, 2) = -wall*leaving(j)%speed
-         end associate
-      end do
       steps = pace%cells
       clear = pace%clear
       longest = pace%longest
@@ -217,9 +216,8 @@ contains
          reached%steps = reached%steps + 1
          if (t + h > horizon) then
             horizon = t + cells*h
-            call start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, cells*h, &
-               pairs(:, 2*now - 1), pairs(:, 2*now), turns(:, now), values(:, 2*now - 1), &
-               values(:, 2*now), values(:, 6))
+            call start_afresh(regime, m, rows, harmonics, starts, leaving, x0, v0, phase, t, &
+               cells*h, grouped, now, pairs, turns, values, watch)
             fresh = .true.
          end if
          if (regime%modes%wide) then
@@ -234,11 +232,25 @@ contains
          do j = 1, harmonics
             turns(j, next) = turns(j, now)*regime%turns(j, level)
          end do
-         call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), pairs(:, 2*next), &
-            turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
-         call find_doubts(regime, rows, starts, leaving, t, h, values(:, 2*now - 1), &
-            values(:, 2*now), values(:, 2*next - 1), values(:, 2*next), values(:, 5), &
-            values(:, 6), values(:, 7), values(:, 8), doubtful, n)
+         n = 0
+         if (grouped) then
+            call look_at_groups(regime, m, rows, harmonics, starts, leaving, t, h, now, pairs, &
+               turns, values, watch, doubtful, n)
+         else
+            call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), &
+               pairs(:, 2*next), turns(:, next), values(:, 2*next - 1), values(:, 2*next), t + h)
+            if (regime%rows%wide) then
+               call mark_doubts_wide(rows, h, values(:, 2*now - 1), values(:, 2*now), &
+                  values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), &
+                  regime%upper, regime%lower, values(:, 7), values(:, 8))
+            else
+               call mark_doubts(rows, h, values(:, 2*now - 1), values(:, 2*now), &
+                  values(:, 2*next - 1), values(:, 2*next), values(:, 5), values(:, 6), &
+                  regime%upper, regime%lower, values(:, 7), values(:, 8))
+            end if
+            if (any(values(:, 7) + values(:, 8) > 0)) call list_doubts(regime, rows, 0, rows, &
+               starts, leaving, t, h, now, values, doubtful, n)
+         end if
          if (n > merge(0, 2, small .and. h > brief) .and. level < levels) then
             level = level + 1
             hold = 2
@@ -274,6 +286,51 @@ contains
          if (n == 0 .and. hold < 0) level = max(1, level - 1)
       end do
    end subroutine search_cells
+
+   !> Computes the pairs, and rows that are all looked at, at a time directly, so that rounding
+   !! errors of the products do not add up, and bounds the rounding errors of the rows for some time
+   !! after it.
+   pure subroutine start_afresh(regime, m, rows, harmonics, starts, leaving, x0, v0, phase, t, &
+      duration, grouped, at, pairs, turns, values, watch)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Number of pairs, of rows, and of harmonics of the load.
+      integer, intent(in) :: m, rows, harmonics
+      !> The rows that leave a limit, and their number.
+      integer, intent(in) :: starts
+      type(leaving_type), intent(in) :: leaving(starts)
+      !> The pairs at the start of the flight.
+      real(wp), intent(in) :: x0(m), v0(m)
+      !> Load phase there (rad), the time after it, and how long the bound has to hold.
+      real(wp), intent(in) :: phase, t, duration
+      !> Whether groups of rows are looked at, not all.
+      logical, intent(in) :: grouped
+      !> Which of the columns.
+      integer, intent(in) :: at
+      !> As in `search_cells`.
+      real(wp), intent(inout) :: pairs(m, 6), values(rows, 8)
+      complex(wp), intent(inout) :: turns(harmonics, 2)
+      type(watch_type), intent(inout) :: watch
+
+      associate (x => pairs(:, 2*at - 1), v => pairs(:, 2*at))
+         call pairs_at(regime, m, harmonics, x0, v0, phase, t, x, v, turns(:, at))
+         if (.not. grouped) then
+            call row_values(regime%rows, regime%frequency, x, v, turns(:, at), &
+               values(:, 2*at - 1), values(:, 2*at), t)
+            if (t <= 0) call set_at_limit(starts, leaving, regime, 1, rows, values(:, 2*at - 1), &
+               values(:, 2*at))
+         end if
+         call find_roots(regime, m, x, v, t + duration, watch%root_x, watch%root_v)
+      end associate
+      if (grouped) then
+         watch%valued(:, at) = .false.
+         watch%weighed = .false.
+         watch%reserve = rounding_share*(regime%rows%most_constant + regime%rows%most_norm &
+            *watch%root_x)
+      else
+         call rounding(regime%rows, 1, rows, watch%root_x, watch%root_v, values(:, 6))
+      end if
+   end subroutine start_afresh
 
    !> How a row begins.
    pure function departure_of(row, starts, leaving) result(departure)
@@ -315,86 +372,6 @@ contains
       end associate
    end subroutine add_growth
 
-   !> The rows that are not proved to stay within their limits over a cell.
-   pure subroutine find_doubts(regime, rows, starts, leaving, t, h, y, rate, y_next, rate_next, &
-      bound, reserve, above, below, doubtful, n)
-      !> The regime, and its number of rows.
-      type(regime_type), intent(in) :: regime
-      integer, intent(in) :: rows
-      !> How the flight begins: rows that leave a limit, and their number.
-      integer, intent(in) :: starts
-      type(leaving_type), intent(in) :: leaving(starts)
-      !> Beginning and length of the cell.
-      real(wp), intent(in) :: t, h
-      !> Values and rates at its ends.
-      real(wp), dimension(rows), intent(in) :: y, rate, y_next, rate_next
-      !> Bounds on the fourth derivatives and on the rounding errors.
-      real(wp), dimension(rows), intent(in) :: bound, reserve
-      !> Room.
-      real(wp), dimension(rows), intent(inout) :: above, below
-      !> The rows, and which limits they may reach: 1 the upper one, 2 the lower one, 3 both. Their
-      !! number.
-      integer, intent(inout) :: doubtful(2, rows)
-      integer, intent(out) :: n
-      real(wp) :: limit, next(4)
-      integer :: i, j, side
-
-      if (regime%rows%wide) then
-         call mark_doubts_wide(rows, h, y, rate, y_next, rate_next, bound, reserve, regime%upper, &
-            regime%lower, above, below)
-      else
-         call mark_doubts(rows, h, y, rate, y_next, rate_next, bound, reserve, regime%upper, &
-            regime%lower, above, below)
-      end if
-      do j = 1, starts
-         if (.not. (leaving(j)%row > 0 .and. t <= 0)) cycle
-         ! where a row starts on its limit and leaves it, the first coefficient does not count
-         i = leaving(j)%row
-         side = leaving(j)%wall
-         limit = merge(regime%upper(i), -regime%lower(i), side > 0) - reserve(i)
-         next = [side*(y(i) + 0.25_wp*h*rate(i)), side*(0.5_wp*(y(i) + y_next(i)) &
-            + h/6*(rate(i) - rate_next(i))) + (h*h)**2/144*bound(i), &
-            side*(y_next(i) - 0.25_wp*h*rate_next(i)), side*y_next(i)]
-         if (side > 0) above(i) = merge(0.0_wp, 1.0_wp, all(next < limit))
-         if (side < 0) below(i) = merge(0.0_wp, 1.0_wp, all(next < limit))
-      end do
-      do j = 1, starts
-         if (leaving(j)%order < never) cycle
-         above(leaving(j)%row) = 0
-         below(leaving(j)%row) = 0
-      end do
-      n = 0
-      do i = 1, rows
-         if (above(i) + below(i) <= 0) cycle
-         n = n + 1
-         doubtful(:, n) = [i, nint(above(i)) + 2*nint(below(i))]
-      end do
-   end subroutine find_doubts
-
-   !> Computes the pairs and rows at a time directly, so that rounding errors of the products do not
-   !! add up, and bounds the rounding errors of the rows for some time after it.
-   pure subroutine start_afresh(regime, m, rows, harmonics, x0, v0, phase, t, duration, x, v, &
-      turn, y, rate, reserve)
-      !> The regime.
-      type(regime_type), intent(in) :: regime
-      !> Number of pairs, of rows, and of harmonics of the load.
-      integer, intent(in) :: m, rows, harmonics
-      !> The pairs at the start of the flight.
-      real(wp), intent(in) :: x0(m), v0(m)
-      !> Load phase there (rad), the time after it, and how long the bound has to hold.
-      real(wp), intent(in) :: phase, t, duration
-      !> The pairs at that time.
-      real(wp), intent(out) :: x(m), v(m)
-      !> e^(i h Omega t) then.
-      complex(wp), intent(out) :: turn(harmonics)
-      !> Values, rates, and the bound.
-      real(wp), intent(out) :: y(rows), rate(rows), reserve(rows)
-
-      call pairs_at(regime, m, harmonics, x0, v0, phase, t, x, v, turn)
-      call row_values(regime%rows, regime%frequency, x, v, turn, y, rate, t)
-      call rounding(regime, m, rows, x, v, t + duration, reserve)
-   end subroutine start_afresh
-
    !> The pairs and the harmonics at a time, computed directly.
    pure subroutine pairs_at(regime, m, harmonics, x0, v0, phase, t, x, v, turn)
       !> The regime.
@@ -430,21 +407,19 @@ contains
       turned = cmplx(cos(angle), sin(angle), wp)
    end function turned
 
-   !> A bound on the rounding errors of the rows over some time.
-   pure subroutine rounding(regime, m, rows, x, v, duration, reserve)
+   !> Roots of sums of squares of bounds on |x| and |v| over some time.
+   pure subroutine find_roots(regime, m, x, v, duration, root_x, root_v)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> Number of pairs, and of rows.
-      integer, intent(in) :: m, rows
+      !> Number of pairs.
+      integer, intent(in) :: m
       !> The pairs at the beginning.
       real(wp), intent(in) :: x(m), v(m)
       !> How long.
       real(wp), intent(in) :: duration
-      !> The bound.
-      real(wp), intent(out) :: reserve(rows)
-      real(wp), parameter :: share = 16*epsilon(1.0_wp)
-      real(wp) :: sum_x, sum_v, root_x, root_v
-      integer :: i
+      !> The roots.
+      real(wp), intent(out) :: root_x, root_v
+      real(wp) :: sum_x, sum_v
 
       associate (modes => regime%modes)
          if (modes%wide) then
@@ -457,12 +432,7 @@ contains
       end associate
       root_x = sqrt(sum_x)
       root_v = sqrt(sum_v)
-      ! by the inequality of Cauchy and Schwarz
-      do i = 1, rows
-         reserve(i) = share*(regime%rows%constant_size(i) &
-            + regime%rows%position_norm(i)*root_x + regime%rows%velocity_norm(i)*root_v)
-      end do
-   end subroutine rounding
+   end subroutine find_roots
 
    !> Bounds on the absolute fourth derivatives of all rows, from now on.
    pure subroutine bound_fourth(regime, m, x0, v0, of_x, of_v, bound)
@@ -476,22 +446,47 @@ contains
       real(wp), intent(out) :: of_x(m), of_v(m)
       !> (rows)
       real(wp), contiguous, intent(out) :: bound(:)
-      integer :: h
+
+      call bound_fourth_of_pairs(regime, m, x0, v0, of_x, of_v)
+      call bound_rows(regime, of_x, of_v, bound)
+   end subroutine bound_fourth
+
+   !> Bounds on the absolute fourth derivatives of the pairs, from now on.
+   pure subroutine bound_fourth_of_pairs(regime, m, x0, v0, of_x, of_v)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Number of pairs.
+      integer, intent(in) :: m
+      !> (m) The pairs at the start.
+      real(wp), intent(in) :: x0(m), v0(m)
+      !> (m) The bounds.
+      real(wp), intent(out) :: of_x(m), of_v(m)
 
       associate (modes => regime%modes)
          if (modes%wide) then
-            call bound_pairs_wide(m, modes%stiffness, modes%damping, modes%inverse, modes%drift, &
-               modes%drift_rate, modes%force, modes%force_rate, x0, v0, of_x, of_v)
+            call bound_pairs_wide(modes%bent, modes%stiffness, modes%damping, modes%inverse, &
+               modes%drift, modes%drift_rate, modes%force, modes%force_rate, x0, v0, of_x, of_v)
          else
-            call bound_pairs(m, modes%stiffness, modes%damping, modes%inverse, modes%drift, &
-               modes%drift_rate, modes%force, modes%force_rate, x0, v0, of_x, of_v)
+            call bound_pairs(modes%bent, modes%stiffness, modes%damping, modes%inverse, &
+               modes%drift, modes%drift_rate, modes%force, modes%force_rate, x0, v0, of_x, of_v)
          end if
+         of_x(modes%bent + 1:) = 0
+         of_v(modes%bent + 1:) = 0
       end associate
+   end subroutine bound_fourth_of_pairs
+
+   !> Bounds on the absolute fourth derivatives of all rows from those of the pairs.
+   pure subroutine bound_rows(regime, of_x, of_v, bound)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> (m) Bounds on the derivatives of the pairs.
+      real(wp), contiguous, intent(in) :: of_x(:), of_v(:)
+      !> (rows)
+      real(wp), contiguous, intent(out) :: bound(:)
+
       call bound_values(regime%rows, of_x, of_v, bound)
-      do h = 1, size(regime%ripple, 2)
-         bound = bound + regime%rows%ripple_size(:, h)*(h*regime%frequency)**4
-      end do
-   end subroutine bound_fourth
+      call add_ripple(regime%rows, regime%frequency, 0, size(bound), bound)
+   end subroutine bound_rows
 
    !> A row and its first three derivatives at the start of a flight.
    pure subroutine row_derivatives(regime, x0, v0, phase, row, d)
@@ -717,11 +712,11 @@ contains
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start of the flight.
-      real(wp), intent(in) :: x0(:), v0(:)
+      real(wp), contiguous, intent(in) :: x0(:), v0(:)
       !> Load phase there (rad).
       real(wp), intent(in) :: phase
       !> (m) The pairs at the beginning of the cell.
-      real(wp), intent(in) :: x(:), v(:)
+      real(wp), contiguous, intent(in) :: x(:), v(:)
       !> (harmonics) e^(i h Omega t) there.
       complex(wp), intent(in) :: turn(:)
       !> The row, and which limits it may reach, as in `find_doubts`.
@@ -735,7 +730,7 @@ contains
       !> Longest step: the length of the cell, so that a short remainder of the cell is not mistaken
       !! for a contact.
       real(wp), intent(in) :: longest
-      !> (m + side_by_side, 4) Room for pairs.
+      !> (m + side_by_side, 8) Room for pairs.
       real(wp), contiguous, intent(inout) :: work(:, :)
       !> Limit that is reached: +1 upper, -1 lower; 0 if none is.
       integer, intent(out) :: wall
@@ -778,7 +773,7 @@ contains
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start of the flight.
-      real(wp), intent(in) :: x0(:), v0(:)
+      real(wp), contiguous, intent(in) :: x0(:), v0(:)
       !> Load phase there (rad).
       real(wp), intent(in) :: phase
       !> The row, and the bound on its absolute fourth derivative.
@@ -786,7 +781,7 @@ contains
       real(wp), intent(in) :: bound
       !> The time, and how far the series is wanted.
       real(wp), intent(in) :: t, wanted
-      !> (m + side_by_side, 4) Room for pairs.
+      !> (m + side_by_side, 8) Room for pairs.
       real(wp), contiguous, intent(inout) :: work(:, :)
       !> The series.
       type(series_type), intent(out) :: series
@@ -813,7 +808,7 @@ contains
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at that time; only those of the row are used.
-      real(wp), intent(in) :: x0(:), v0(:)
+      real(wp), contiguous, intent(in) :: x0(:), v0(:)
       !> (harmonics) e^(i h Omega t) then.
       complex(wp), intent(in) :: turn(:)
       !> The row, and the bound on its absolute fourth derivative.
@@ -821,7 +816,7 @@ contains
       real(wp), intent(in) :: bound
       !> The time, and how far the series is wanted; below 0 with as many terms as possible.
       real(wp), intent(in) :: t, wanted
-      !> (m + side_by_side, 4) Room for pairs.
+      !> (m + side_by_side, 8) Room for pairs.
       real(wp), contiguous, intent(inout) :: work(:, :)
       !> The series.
       type(series_type), intent(out) :: series
@@ -836,17 +831,15 @@ contains
       total(1) = regime%rows%offset_rate(row)
       size_now = abs(total(0))
       associate (rows => regime%rows, modes => regime%modes, x => work(:, 1), v => work(:, 2))
-         do j = 1, n
-            k = rows%touched(begin + j - 1)
-            associate (of_x => rows%of_x(begin + j - 1), of_v => rows%of_v(begin + j - 1))
-               total(0) = total(0) + (of_x*x0(k) + of_v*v0(k))
-               size_now = size_now + abs(of_x*x0(k)) + abs(of_v*v0(k))
-               x(j) = v0(k) + modes%drift(k) + t*modes%drift_rate(k)
-               v(j) = -modes%stiffness(k)*x0(k) - 2*modes%damping(k)*v0(k) + modes%force(k) &
-                  + t*modes%force_rate(k)
-               total(1) = total(1) + (of_x*x(j) + of_v*v(j))
-            end associate
-         end do
+         if (rows%wide) then
+            call start_series_wide(n, size(x0), t, rows%touched(begin), modes%stiffness, &
+               modes%damping, modes%drift, modes%drift_rate, modes%force, modes%force_rate, &
+               rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), total, size_now)
+         else
+            call start_series(n, size(x0), t, rows%touched(begin), modes%stiffness, &
+               modes%damping, modes%drift, modes%drift_rate, modes%force, modes%force_rate, &
+               rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), total, size_now)
+         end if
          begun = 2
          if (rows%grows) then
             call add_terms(rows, row, 2, 2, x, v, total)

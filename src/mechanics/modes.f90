@@ -39,6 +39,9 @@ module vi_modes
       integer, allocatable :: others(:)
       real(wp) :: fastest = 0
       logical :: abreast = .false., wide = .false.
+      !> Numbers of pairs up to the last one with a frequency, and up to the last one that is no
+      !! free mass without a force.
+      integer :: turning = 0, bent = 0
    end type modes_type
 
    !> Formulas: a free mass; an oscillation without damping, and with damping; any other pair.
@@ -227,6 +230,9 @@ contains
       modes%others = pack([(k, k=1, n)], modes%kind == other)
       modes%abreast = n - size(modes%others) >= many
       modes%fastest = maxval([modes%turn, 0.0_wp])
+      modes%turning = findloc(modes%turn > 0, .true., dim=1, back=.true.)
+      modes%bent = findloc(driven .or. modes%stiffness + modes%damping + abs(modes%force) &
+         + abs(modes%drift) > 0, .true., dim=1, back=.true.)
       modes%wide = runs_wide() /= 0
    end subroutine prepare
 
@@ -249,11 +255,11 @@ contains
          return
       end if
       if (modes%wide) then
-         call advance_pairs_wide(size(x), t, modes%turn, modes%damping, modes%stiffness, x, v, &
-            x_new, v_new)
+         call advance_pairs_wide(size(x), modes%turning, t, modes%turn, modes%damping, &
+            modes%stiffness, x, v, x_new, v_new)
       else
-         call advance_pairs(size(x), t, modes%turn, modes%damping, modes%stiffness, x, v, x_new, &
-            v_new)
+         call advance_pairs(size(x), modes%turning, t, modes%turn, modes%damping, modes%stiffness, &
+            x, v, x_new, v_new)
       end if
       do i = 1, size(modes%others)
          k = modes%others(i)

@@ -5,6 +5,8 @@
 !! Pairs that occur in most rows of a range form dense blocks; the others are listed one by one.
 module vi_rows
    use vi_kinds, only: wp
+   use vi_lane_groups, only: add_group, bound_group, group
+   use vi_lane_groups_wide, only: add_group_wide => add_group, bound_group_wide => bound_group
    use vi_lane_rows, only: add_product, add_products, side_by_side
    use vi_lane_rows_wide, only: add_product_wide => add_product, add_products_wide => add_products
    use vi_modes, only: modes_type
@@ -12,7 +14,8 @@ module vi_rows
    implicit none (type, external)
    private
 
-   public :: add_harmonic, bound_values, free_values, new_rows, row_values
+   public :: add_harmonic, add_ripple, bound_of_group, bound_values, free_sums, free_values, &
+      group_values, new_rows, row_values
 
    !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
    type, public :: block_type
@@ -21,6 +24,10 @@ module vi_rows
       real(wp), allocatable, dimension(:, :) :: position, velocity, rate_position, rate_velocity
       !> Absolute values of the first two.
       real(wp), allocatable, dimension(:, :) :: position_size, velocity_size
+      !> (group, pairs, groups) The coefficients of x by groups of rows of which some are in the
+      !! block, 0 in the others, and the first of these groups.
+      real(wp), allocatable :: grouped(:, :, :)
+      integer :: first_group = 1
    end type block_type
 
    !> The rows.
@@ -31,6 +38,13 @@ module vi_rows
       !> Row and pair of each coefficient that is in no block, and the coefficients.
       integer, allocatable, dimension(:) :: row, pair
       real(wp), allocatable, dimension(:) :: position, velocity, rate_position, rate_velocity
+      !> Groups of `group` rows that can be evaluated alone, 0 if none can; the coefficients that
+      !! are in no block by groups: listed(listed_begins(i):listed_begins(i + 1) - 1) of group i.
+      integer :: groups = 0
+      !> The largest norm of positions and size of constants, and (harmonics) the largest ripples.
+      real(wp) :: most_norm = 0, most_constant = 0
+      real(wp), allocatable :: most_ripple(:)
+      integer, allocatable, dimension(:) :: listed, listed_begins
       !> (rows) Constants of each row and of its rate.
       real(wp), allocatable, dimension(:) :: offset, rate_offset
       !> (rows) The rates at which these constants grow, and whether any does.
@@ -49,11 +63,15 @@ module vi_rows
       integer, allocatable, dimension(:) :: touched, begins
       !> (as touched) omega^2, 2 sigma, and the coefficients of x and of v.
       real(wp), allocatable, dimension(:) :: stiffness, drag, of_x, of_v
-      !> (rows) No derivative grows faster than by this factor an order.
+      !> (rows) No derivative grows faster than by this factor an order; the largest of them.
       real(wp), allocatable :: fastest(:)
+      real(wp) :: most_fastest = 0
       !> Whether the processor runs the procedures for wide registers, which give the same bits.
       logical :: wide = .false.
    end type rows_type
+
+   !> Rows from which on groups of them are evaluated alone: with less there is little to leave out.
+   integer, parameter :: many = 4*group
 
 contains
 
@@ -144,8 +162,37 @@ contains
          rows%rate_position(i) = rate_position(rows%row(i), rows%pair(i))
          rows%rate_velocity(i) = rate_velocity(rows%row(i), rows%pair(i))
       end do
+      if (rows%by_position .and. n >= many .and. .not. present(of_x)) call set_groups(rows)
       call set_touched(modes, position, velocity, occurs, frequency, rows)
    end subroutine new_rows
+
+   !> The groups of rows.
+   pure subroutine set_groups(rows)
+      !> In and out: filled in.
+      type(rows_type), intent(inout) :: rows
+      integer :: i, j, k, n
+
+      n = size(rows%offset)
+      rows%groups = (n + group - 1)/group
+      rows%most_norm = maxval(rows%position_norm)
+      rows%most_constant = maxval(rows%constant_size)
+      rows%most_ripple = maxval(rows%ripple_size, 1)
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            b%first_group = (b%first_row - 1)/group + 1
+            allocate (b%grouped(group, b%last_pair - b%first_pair + 1, &
+               (b%last_row - 1)/group + 2 - b%first_group), source=0.0_wp)
+            do i = b%first_row, b%last_row
+               k = (i - 1)/group
+               b%grouped(i - k*group, :, k + 2 - b%first_group) = b%position(i - b%first_row + 1, :)
+            end do
+         end associate
+      end do
+      associate (of => (rows%row - 1)/group + 1)
+         rows%listed_begins = [1, (1 + count(of <= i), i=1, rows%groups)]
+         rows%listed = [(pack([(k, k=1, size(of))], of == i), i=1, rows%groups)]
+      end associate
+   end subroutine set_groups
 
    !> The pairs of each row.
    pure subroutine set_touched(modes, position, velocity, occurs, frequency, rows)
@@ -183,6 +230,7 @@ contains
          i = rows%begins(j) + filled(i - rows%begins(j))
       end do
       rows%begins(size(occurs, 1) + 1) = i
+      rows%most_fastest = maxval(rows%fastest)
    end subroutine set_touched
 
    !> A number of pairs, filled up.
@@ -268,6 +316,151 @@ contains
          end do
       end if
    end subroutine free_values
+
+   !> As `row_values`, of a group of rows, with the same bits. The constants must not grow.
+   pure subroutine group_values(rows, frequency, g, n, x, v, turn, y, rate)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> Number of the group, and of its rows.
+      integer, intent(in) :: g, n
+      !> The pairs.
+      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
+      !> (harmonics) e^(i h Omega t).
+      complex(wp), intent(in) :: turn(size(rows%ripple, 2))
+      !> Values and rates.
+      real(wp), intent(out) :: y(n), rate(n)
+      real(wp) :: all_y(group), all_rate(group)
+      integer :: h
+
+      associate (before => (g - 1)*group)
+         if (n == group) then
+            y = rows%offset(before + 1:before + group)
+            rate = rows%rate_offset(before + 1:before + group)
+            call add_sums(rows, g, x, v, y, rate)
+         else
+            all_y = 0
+            all_rate = 0
+            all_y(:n) = rows%offset(before + 1:before + n)
+            all_rate(:n) = rows%rate_offset(before + 1:before + n)
+            call add_sums(rows, g, x, v, all_y, all_rate)
+            y = all_y(:n)
+            rate = all_rate(:n)
+         end if
+         do h = 1, size(turn)
+            call add_harmonic(n, rows%ripple(before + 1:before + n, h), h*frequency, turn(h), y, &
+               rate)
+         end do
+      end associate
+   end subroutine group_values
+
+   !> Adds the sums over the pairs to a group of rows and to their rates.
+   pure subroutine add_sums(rows, g, x, v, y, rate)
+      !> The rows, and the number of the group.
+      type(rows_type), intent(in) :: rows
+      integer, intent(in) :: g
+      !> The pairs.
+      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
+      !> In and out: values and rates.
+      real(wp), intent(inout) :: y(group), rate(group)
+      integer :: at, i, j
+
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            i = g + 1 - b%first_group
+            if (i < 1 .or. i > size(b%grouped, 3)) cycle
+            if (rows%wide) then
+               call add_group_wide(size(b%grouped, 2), b%grouped(:, :, i), x(b%first_pair), &
+                  v(b%first_pair), y, rate)
+            else
+               call add_group(size(b%grouped, 2), b%grouped(:, :, i), x(b%first_pair), &
+                  v(b%first_pair), y, rate)
+            end if
+         end associate
+      end do
+      do j = rows%listed_begins(g), rows%listed_begins(g + 1) - 1
+         i = rows%listed(j)
+         at = rows%row(i) - (g - 1)*group
+         y(at) = y(at) + rows%position(i)*x(rows%pair(i))
+         rate(at) = rate(at) + rows%position(i)*v(rows%pair(i))
+      end do
+   end subroutine add_sums
+
+   !> As `bound_values`, of a group of rows.
+   pure subroutine bound_of_group(rows, g, n, of_x, bound)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> Number of the group, and of its rows.
+      integer, intent(in) :: g, n
+      !> (m) Bounds on |x|.
+      real(wp), intent(in) :: of_x(rows%pairs)
+      !> The bounds.
+      real(wp), intent(out) :: bound(n)
+      real(wp) :: all(group)
+      integer :: at, i, j
+
+      all = 0
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            i = g + 1 - b%first_group
+            if (i < 1 .or. i > size(b%grouped, 3)) cycle
+            if (rows%wide) then
+               call bound_group_wide(size(b%grouped, 2), b%grouped(:, :, i), of_x(b%first_pair), &
+                  all)
+            else
+               call bound_group(size(b%grouped, 2), b%grouped(:, :, i), of_x(b%first_pair), all)
+            end if
+         end associate
+      end do
+      do j = rows%listed_begins(g), rows%listed_begins(g + 1) - 1
+         i = rows%listed(j)
+         at = rows%row(i) - (g - 1)*group
+         all(at) = all(at) + abs(rows%position(i))*of_x(rows%pair(i))
+      end do
+      do i = 1, n
+         bound(i) = all(i)
+      end do
+   end subroutine bound_of_group
+
+   !> Adds the fourth derivatives of the harmonics of the load to the bounds of a range of rows.
+   pure subroutine add_ripple(rows, frequency, before, here, bound)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> Number of rows before the range, and of rows in it.
+      integer, intent(in) :: before, here
+      !> In and out: the bounds.
+      real(wp), intent(inout) :: bound(here)
+      integer :: h
+
+      do h = 1, size(rows%ripple, 2)
+         bound = bound + rows%ripple_size(before + 1:before + here, h)*(h*frequency)**4
+      end do
+   end subroutine add_ripple
+
+   !> The sums of the terms of x of all rows, where no row depends on v.
+   pure subroutine free_sums(rows, x, y)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> The pairs.
+      real(wp), contiguous, intent(in) :: x(:)
+      !> (rows)
+      real(wp), contiguous, intent(out) :: y(:)
+      integer :: j
+
+      y = 0
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            call add_one(rows%wide, b%last_row - b%first_row + 1, b%last_pair - b%first_pair + 1, &
+               b%position, x(b%first_pair:b%last_pair), y(b%first_row:b%last_row))
+         end associate
+      end do
+      do j = 1, size(rows%row)
+         y(rows%row(j)) = y(rows%row(j)) + rows%position(j)*x(rows%pair(j))
+      end do
+   end subroutine free_sums
 
    !> y = y + a x.
    pure subroutine add_one(wide, n, m, a, x, y)

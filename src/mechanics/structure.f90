@@ -124,6 +124,10 @@ module vi_structure
       type(rows_type) :: rows, coordinates
       !> (m, gaps) Change of x and v due to an impulse of -1 on each gap.
       real(wp), allocatable, dimension(:, :) :: kick_x, kick_v
+      !> (groups of rows, rows) Bounds on the change of the rates of the rows of each group for some
+      !! time after an impulse of 1 on a gap of each row, filled in by vi_watch at the first impact
+      !! there; below 0 before it.
+      real(wp), allocatable :: reach(:, :)
       !> The shortest time scale: 1 over the largest of omega, 2 sigma and Omega; if all are 0, the
       !! time between the samples of a record, or 1.
       real(wp) :: unit = 1

@@ -10,8 +10,8 @@ module vi_lane_rows
    implicit none (type, external)
    private
 
-   public :: add_product, add_products, add_derivatives, advance_pairs, bound_pairs, mark_doubts, &
-      sizes_of_pairs, step_pairs
+   public :: add_product, add_products, add_derivatives, advance_pairs, mark_doubts, start_series, &
+      step_pairs, subtract
 
    !> Pairs that are summed side by side; lists of pairs are filled up to a multiple of it.
    integer, parameter, public :: side_by_side = 4
@@ -98,9 +98,9 @@ contains
 
    !> Pairs without constant terms after a given time: free masses, and oscillations with damping
    !! below the critical one.
-   pure subroutine advance_pairs(n, t, turn, damping, stiffness, x, v, x_new, v_new)
-      !> Number of pairs.
-      integer, intent(in) :: n
+   pure subroutine advance_pairs(n, turning, t, turn, damping, stiffness, x, v, x_new, v_new)
+      !> Number of pairs, and of those up to the last one that is no free mass.
+      integer, intent(in) :: n, turning
       !> The time, at most `largest_angle` over the largest frequency.
       real(wp), intent(in) :: t
       !> (n) sqrt(omega^2 - sigma^2), sigma and omega^2; all 0 for a free mass.
@@ -115,8 +115,8 @@ contains
 
       angle = 0
       exponent = 0
-      do k = 0, n - 1, lanes
-         m = min(lanes, n - k)
+      do k = 0, turning - 1, lanes
+         m = min(lanes, turning - k)
          do j = 1, m
             angle(j) = turn(k + j)*t
             exponent(j) = min(damping(k + j)*t, largest_exponent)
@@ -134,7 +134,66 @@ contains
             v_new(k + j) = (u - 2*damping(k + j)*w)*v(k + j) - stiffness(k + j)*w*x(k + j)
          end do
       end do
+      do k = turning + 1, n
+         x_new(k) = x(k) + t*v(k)
+         v_new(k) = v(k) - stiffness(k)*t*x(k)
+      end do
    end subroutine advance_pairs
+
+   !> x = x - factor a.
+   pure subroutine subtract(n, factor, a, x)
+      !> Number of entries.
+      integer, intent(in) :: n
+      !> The factor, and a.
+      real(wp), intent(in) :: factor, a(n)
+      !> In and out: x.
+      real(wp), intent(inout) :: x(n)
+      integer :: i
+
+      do i = 1, n
+         x(i) = x(i) - factor*a(i)
+      end do
+   end subroutine subtract
+
+   !> A sum over pairs, its derivative without constants, and the sum of the moduli of the terms of
+   !! the former, in the order of the pairs; the first derivatives of the pairs.
+   pure subroutine start_series(n, m, t, touched, stiffness, damping, drift, drift_rate, force, &
+      force_rate, of_x, of_v, x0, v0, x, v, terms, total, sizes)
+      !> Number of pairs that occur, and of all pairs.
+      integer, intent(in) :: n, m
+      !> The time since the constant terms had their values.
+      real(wp), intent(in) :: t
+      !> (n) The numbers of the pairs.
+      integer, intent(in) :: touched(n)
+      !> (m) As in `modes_type` of vi_modes.
+      real(wp), dimension(m), intent(in) :: stiffness, damping, drift, drift_rate, force, force_rate
+      !> (n) Factors of x and v.
+      real(wp), intent(in) :: of_x(n), of_v(n)
+      !> (m) The pairs.
+      real(wp), intent(in) :: x0(m), v0(m)
+      !> (n) The first derivatives.
+      real(wp), intent(out) :: x(n), v(n)
+      !> Room.
+      real(wp), intent(out) :: terms(n, 4)
+      !> In and out: the sums are added to these.
+      real(wp), intent(inout) :: total(2), sizes
+      integer :: j, k
+
+      do j = 1, n
+         k = touched(j)
+         terms(j, 3) = of_x(j)*x0(k)
+         terms(j, 4) = of_v(j)*v0(k)
+         x(j) = v0(k) + drift(k) + t*drift_rate(k)
+         v(j) = -stiffness(k)*x0(k) - 2*damping(k)*v0(k) + force(k) + t*force_rate(k)
+         terms(j, 1) = terms(j, 3) + terms(j, 4)
+         terms(j, 2) = of_x(j)*x(j) + of_v(j)*v(j)
+      end do
+      do j = 1, n
+         total(1) = total(1) + terms(j, 1)
+         total(2) = total(2) + terms(j, 2)
+         sizes = sizes + abs(terms(j, 3)) + abs(terms(j, 4))
+      end do
+   end subroutine start_series
 
    !> The pairs after a step.
    pure subroutine step_pairs(n, map, x, v, x_new, v_new)
@@ -153,89 +212,6 @@ contains
          v_new(k) = map(k, 4)*x(k) + map(k, 5)*v(k) + map(k, 6)
       end do
    end subroutine step_pairs
-
-   !> Bounds on the absolute fourth derivatives of pairs, from now on: v^2 + omega^2 x^2 never
-   !! grows, and above critical damping neither does x exceed the other bound of `bound_on` in
-   !! vi_modes.
-   pure subroutine bound_pairs(n, stiffness, damping, inverse, drift, drift_rate, force, &
-      force_rate, x0, v0, of_x, of_v)
-      !> Number of pairs.
-      integer, intent(in) :: n
-      !> (n) omega^2, sigma, and 1/omega; as in `modes_type` of vi_modes.
-      real(wp), dimension(n), intent(in) :: stiffness, damping, inverse
-      !> (n) The constant terms, and the rates at which they grow.
-      real(wp), dimension(n), intent(in) :: drift, drift_rate, force, force_rate
-      !> (n) The pairs now.
-      real(wp), intent(in) :: x0(n), v0(n)
-      !> (n) The bounds.
-      real(wp), intent(out) :: of_x(n), of_v(n)
-      real(wp) :: drag, x1, v1, x2, v2, x3, v3, x4, v4, slow
-      integer :: k
-
-      do k = 1, n
-         drag = 2*damping(k)
-         x1 = v0(k) + drift(k)
-         v1 = -stiffness(k)*x0(k) - drag*v0(k) + force(k)
-         x2 = v1 + drift_rate(k)
-         v2 = -stiffness(k)*x1 - drag*v1 + force_rate(k)
-         x3 = v2
-         v3 = -stiffness(k)*x2 - drag*v2
-         x4 = v3
-         v4 = -stiffness(k)*x3 - drag*v3
-         of_v(k) = sqrt(v4*v4 + stiffness(k)*x4*x4)
-         of_x(k) = merge(of_v(k)*inverse(k), abs(x4), stiffness(k) > 0)
-         ! v4 + drag x4 = -omega^2 x3
-         slow = abs(x4) + stiffness(k)*abs(x3)/merge(drag, 1.0_wp, drag*drag > 4*stiffness(k))
-         of_x(k) = merge(slow, of_x(k), drag*drag > 4*stiffness(k) .and. slow < of_x(k))
-      end do
-   end subroutine bound_pairs
-
-   !> Sums over pairs of the squares of bounds on |x| and |v| over some time.
-   pure subroutine sizes_of_pairs(n, duration, stiffness, damping, inverse, drift, drift_rate, &
-      force, force_rate, x, v, sum_x, sum_v)
-      !> Number of pairs.
-      integer, intent(in) :: n
-      !> How long.
-      real(wp), intent(in) :: duration
-      !> (n) As in `bound_pairs`.
-      real(wp), dimension(n), intent(in) :: stiffness, damping, inverse
-      !> (n) As in `bound_pairs`.
-      real(wp), dimension(n), intent(in) :: drift, drift_rate, force, force_rate
-      !> (n) The pairs at the beginning.
-      real(wp), intent(in) :: x(n), v(n)
-      !> The sums.
-      real(wp), intent(out) :: sum_x, sum_v
-      real(wp) :: f, p, of_x, of_v, squares(lanes, 2), part(0:side_by_side - 1, 2)
-      integer :: j, k, l, m
-
-      part = 0
-      do k = 0, n - 1, lanes
-         m = min(lanes, n - k)
-         do j = 1, m
-            f = abs(force(k + j)) + duration*abs(force_rate(k + j))
-            p = abs(drift(k + j)) + duration*abs(drift_rate(k + j))
-            ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
-            of_x = abs(x(k + j)) + (f + 2*damping(k + j)*p)*inverse(k + j)**2
-            of_v = (abs(v(k + j)) + p)**2 + stiffness(k + j)*of_x**2
-            ! within the time, |x| from v = 1 is at most the time, and from x = 1 at most 1; at
-            ! frequency 0 that is all, and at a tiny frequency it is far less
-            f = abs(v(k + j)) + f*duration
-            p = abs(x(k + j)) + (f + p)*duration
-            f = f + stiffness(k + j)*p*duration
-            squares(j, 1) = merge(of_v*inverse(k + j)**2, p**2, stiffness(k + j) > 0 .and. &
-               of_v*inverse(k + j)**2 < p**2)
-            squares(j, 2) = merge(of_v, f**2, stiffness(k + j) > 0 .and. of_v < f**2)
-         end do
-         l = side_by_side*((m + side_by_side - 1)/side_by_side)
-         squares(m + 1:l, :) = 0
-         do j = 1, l, side_by_side
-            part(:, 1) = part(:, 1) + squares(j:j + side_by_side - 1, 1)
-            part(:, 2) = part(:, 2) + squares(j:j + side_by_side - 1, 2)
-         end do
-      end do
-      sum_x = (part(0, 1) + part(1, 1)) + (part(2, 1) + part(3, 1))
-      sum_v = (part(0, 2) + part(1, 2)) + (part(2, 2) + part(3, 2))
-   end subroutine sizes_of_pairs
 
    !> Which rows are not proved to stay within their limits over a cell, by the Bernstein
    !! coefficients of their cubic Hermite interpolations and a bound on their fourth derivatives.

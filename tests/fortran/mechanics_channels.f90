@@ -6,11 +6,12 @@ module mechanics_channels
    use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
       reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_lane_rows, only: add_derivatives, advance_pairs, bound_pairs, side_by_side, &
-      sizes_of_pairs, step_pairs
+   use vi_lane_groups, only: bound_pairs, sizes_of_pairs
+   use vi_lane_groups_wide, only: bound_pairs_wide => bound_pairs, &
+      sizes_of_pairs_wide => sizes_of_pairs
+   use vi_lane_rows, only: add_derivatives, advance_pairs, side_by_side, step_pairs
    use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
-      advance_pairs_wide => advance_pairs, bound_pairs_wide => bound_pairs, &
-      sizes_of_pairs_wide => sizes_of_pairs, step_pairs_wide => step_pairs
+      advance_pairs_wide => advance_pairs, step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare, &
       step_functions
    use vi_processor, only: runs_wide
@@ -223,9 +224,10 @@ contains
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: in place')
       if (runs_wide() == 0) return
       t = min(t, 1.0e3_wp)
-      call advance_pairs(n, t, modes%turn, modes%damping, modes%stiffness, x, v, x_now, v_now)
-      call advance_pairs_wide(n, t, modes%turn, modes%damping, modes%stiffness, x, v, x_wide, &
-         v_wide)
+      call advance_pairs(n, modes%turning, t, modes%turn, modes%damping, modes%stiffness, x, v, &
+         x_now, v_now)
+      call advance_pairs_wide(n, modes%turning, t, modes%turn, modes%damping, modes%stiffness, &
+         x, v, x_wide, v_wide)
       call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: the same bits')
    end subroutine check_advance

@@ -8,7 +8,7 @@ module numerics_signs
    use vi_columns, only: solve_columns
    use vi_kinds, only: wp
    use vi_lane_peak, only: raise
-   use vi_lane_rows, only: bound_pairs, sizes_of_pairs
+   use vi_lane_groups, only: bound_pairs, sizes_of_pairs
    use vi_lane_spectrum, only: lane_circle, lane_polynomial, lane_radius
    use vi_lapack, only: eigenvalues, least_squares, least_squares_work, solve
    use vi_lapack_routines, only: geev, gels

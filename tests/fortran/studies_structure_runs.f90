@@ -32,8 +32,89 @@ contains
       call test_mirrored_accumulations()
       call test_gaps_that_close_together()
       call test_spread_of_speeds()
+      call test_lattices()
       call test_released_by_an_impact()
    end subroutine test_structure_runs
+
+   !> Chains of many gaps: the same events, bit for bit, whether all rows are looked at after each
+   !! event or only those without a certificate, and the latter grow less than the chain.
+   subroutine test_lattices()
+      integer, parameter :: cells(4) = [21, 30, 60, 120]
+      real(wp) :: looks(size(cells))
+      integer :: i, kind
+
+      do kind = 1, 4
+         do i = 1, merge(size(cells), 2, kind == 1)
+            looks(i) = looks_of_lattice(cells(i), kind)
+         end do
+         if (kind > 1) cycle
+         call check(looks(4) < 60, 'lattices: few looks an event')
+         call check(looks(4) < 1.6_wp*looks(2), 'lattices: and hardly more in long chains')
+      end do
+   end subroutine test_lattices
+
+   !> Looks at rows for an event of a chain of hosts, each with a free mass in a slot.
+   real(wp) function looks_of_lattice(cells, kind) result(looks)
+      !> Number of hosts, and kind: undamped; with a load and losses, with free masses that fall to
+      !! rest, and with walls on one side of some.
+      integer, intent(in) :: cells, kind
+      type(run_type) :: run, plain
+      type(run_state_type) :: state, other
+      type(run_event_type), allocatable :: events(:), again(:)
+      type(load_type) :: load
+      real(wp) :: matrices(2*cells, 2*cells, 3), directions(2*cells, 2*cells), gaps(2, 2*cells), &
+         sines(2*cells, 2, 1), constant(2*cells), q(2*cells), rate(2*cells)
+      integer :: i, m, most, n, status
+      logical :: same
+
+      matrices = 0
+      directions = 0
+      sines = 0
+      constant = 0
+      do i = 1, cells
+         matrices(i, i, 1) = 1
+         matrices(cells + i, cells + i, 1) = 0.3_wp
+         if (i < cells) matrices([i, i + 1], [i, i + 1], 3) = matrices([i, i + 1], [i, i + 1], 3) &
+            + reshape([1, -1, -1, 1], [2, 2])
+         directions([i, cells + i], 2*i - 1) = [-1, 1]
+         directions(:, 2*i) = -directions(:, 2*i - 1)
+      end do
+      gaps(1, :) = 1
+      gaps(2, :) = merge(1.0_wp, 0.8_wp, kind == 1)
+      if (kind > 1) then
+         do i = 1, cells
+            matrices(i, i, 3) = matrices(i, i, 3) + 0.5_wp
+         end do
+         matrices(:cells, :cells, 2) = 0.02_wp*matrices(:cells, :cells, 3)
+         sines(1, 2, 1) = 9
+         sines(cells/2, 1, 1) = 5
+      end if
+      if (kind == 3) constant(cells + 1:) = -0.1_wp
+      if (kind == 4) gaps(1, 2::6) = 1.0e9_wp
+      q = 0
+      rate = 0
+      rate(1) = -10
+      load = new_load(merge(0.0_wp, 1.3_wp, kind == 1), sines(:, :, :merge(0, 1, kind == 1)), &
+         constant)
+      call new_run(new_structure(matrices, directions, gaps), load, run, status)
+      call start_at(run, 0.0_wp, q, rate, state, status)
+      call check(status == stat%ok .and. run%regimes(1)%rows%groups > 0, 'lattices: a chain')
+      plain = run
+      plain%regimes(1)%rows%groups = 0
+      other = state
+      most = merge(12, 4, kind == 1)*cells
+      allocate (events(most), again(most))
+      call simulate_structure(run, state, 10000_int64, 0.0_wp, events, n, status)
+      call simulate_structure(plain, other, 10000_int64, 0.0_wp, again, m, status)
+      same = n == m .and. n > 2*cells
+      do i = 1, min(n, m)
+         same = same .and. events(i)%kind == again(i)%kind .and. events(i)%gap == again(i)%gap &
+            .and. events(i)%cycle == again(i)%cycle .and. .not. abs(events(i)%elapsed &
+            - again(i)%elapsed) > 0 .and. .not. any(abs(events(i)%rate - again(i)%rate) > 0)
+      end do
+      call check(same, 'lattices: the same events without certificates')
+      looks = real(state%space%watch%looks, wp)/n
+   end function looks_of_lattice
 
    !> A simulation that reaches its end ends there to the last bit.
    subroutine test_ends()

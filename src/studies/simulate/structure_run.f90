@@ -5,11 +5,14 @@ module vi_structure_run
       reached_type, row_derivatives, size_of_rate, space_type
    use vi_forced_system, only: state_type
    use vi_kinds, only: two_pi, wp
+   use vi_lane_rows, only: subtract
+   use vi_lane_rows_wide, only: subtract_wide => subtract
    use vi_modes, only: advance_in_place
    use vi_restitution, only: constant_law, greatest_below
    use vi_status, only: stat
    use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
    use vi_structure_record, only: pass_intervals, set_forces
+   use vi_watch, only: keep_watch
    use vi_structure, only: check_structure, factor_along, is_absorbed, is_extreme, load_type, &
       new_regime, regime_type, restitution_of, state_of, structure_type, to_pairs
    implicit none (type, external)
@@ -384,6 +387,7 @@ contains
       call find_regime(run, closed, number, status)
       if (status /= stat%ok) return
       state%regime = number
+      state%space%watch%kept = .false.
       if (run%load%step > 0) call set_forces(run%regimes(number), run%load, state%cycle, &
          state%elapsed)
       associate (regime => run%regimes(number))
@@ -1038,6 +1042,8 @@ contains
       n = 0
       status = stat%ok
       in_parts = .false.
+      ! the state may not be that of the last impact
+      state%space%watch%kept = .false.
       if (present(interruptible)) in_parts = interruptible
       do
          goes_on = state%pace%from > 0
@@ -1264,11 +1270,10 @@ contains
          end if
          call restitution_of(structure, gap, reached%speed, restitution, slope)
          impulse = (1 + restitution)*structure%effective(gap)*reached%speed
-         do j = 1, size(state%x)
-            state%x(j) = state%x(j) - impulse*regime%kick_x(j, gap)
-            state%v(j) = state%v(j) - impulse*regime%kick_v(j, gap)
-         end do
-         rate = rate - impulse*structure%mobility(:, gap)
+         call kick(regime%modes%wide, impulse, regime%kick_x(:, gap), state%x)
+         call kick(regime%modes%wide, impulse, regime%kick_v(:, gap), state%v)
+         call keep_watch(regime, gap, reached%row, impulse, reached%time, state%space%watch)
+         call kick(regime%modes%wide, impulse, structure%mobility(:, gap), rate)
          state%leaving = leaving_type(reached%row, reached%wall, restitution*reached%speed)
          state%released = 0
          if (.not. state%leaving%speed > 0) then
@@ -1286,6 +1291,23 @@ contains
       if (status /= stat%ok) return
       call note(state, impact_event, gap, reached%speed, impulse, state%q, state%rate, event)
    end subroutine collide
+
+   !> Subtracts what an impulse changes.
+   pure subroutine kick(wide, impulse, by, x)
+      !> Whether the processor has wide registers.
+      logical, intent(in) :: wide
+      !> The impulse, and the change by an impulse of -1.
+      real(wp), intent(in) :: impulse
+      real(wp), contiguous, intent(in) :: by(:)
+      !> In and out: what is changed.
+      real(wp), contiguous, intent(inout) :: x(:)
+
+      if (wide) then
+         call subtract_wide(size(x), impulse, by, x)
+      else
+         call subtract(size(x), impulse, by, x)
+      end if
+   end subroutine kick
 
    !> Advances to the limit of a stop, and into the regime beyond it.
    !!
