@@ -379,3 +379,31 @@ def test_faults_of_sensors_are_named(options, message):
     """The quantity and the channel that are wrong."""
     with pytest.raises(vi.ParameterError, match=message):
         vi.read_record([signal("load", SLOW), signal("acc_g", SLOW)], **options)
+
+
+@pytest.mark.parametrize("header", ["time_ms,shaker_N,acc_g", "time (ms),shaker (N),top (g)"])
+def test_a_unit_tells_a_channel_whose_name_does_not(header, tmp_path):
+    """A force has newtons, and an acceleration g, whatever the channel is called."""
+    path = tmp_path / "bench.csv"
+    rows = zip(RECORD.times * 1e3, RECORD.load, RECORD.acceleration / 9.80665, strict=True)
+    path.write_text("\n".join([header, *(f"{t:.9g},{x:.17g},{a:.17g}" for t, x, a in rows)]))
+    assert same(vi.read_record(path))
+
+
+def test_what_is_not_read_is_named(tmp_path):
+    """A channel of no known quantity is left out with a warning, and without one where it is given as none."""
+    path = tmp_path / "bench.csv"
+    path.write_text("load,acc,tacho\n" + "1,2,3\n" * 20)
+    with pytest.warns(UserWarning, match=r"bench\.csv: not read: 'tacho'; neither name nor unit"):
+        assert list(vi.read_record(path, rate=100).channels) == ["load", "acceleration"]
+    found = vi.read_record(path, rate=100, channels=["load", "acceleration", "none"])
+    assert list(found.channels) == ["load", "acceleration"]
+
+
+def test_a_matrix_of_a_matlab_file_is_named(tmp_path):
+    """Which is no channel."""
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", {"load": np.arange(20.0), "fs": 100.0, "modes": np.ones((5, 4))})
+    with pytest.warns(UserWarning, match="not read: 'modes'"):
+        vi.read_record(tmp_path / "a.mat")

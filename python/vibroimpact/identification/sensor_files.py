@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -62,11 +63,12 @@ class Channel(NamedTuple):
 
 
 class Content(NamedTuple):
-    """What a file has: channels, and the rate of all if it has one."""
+    """What a file has: channels, the rate of all if it has one, and names of data that are no channels."""
 
     channels: list[Channel]
     rate: float | None = None
     bandwidth: float | None = None
+    left: Sequence[str] = ()
 
 
 class Clock(NamedTuple):
@@ -91,7 +93,8 @@ def read_record(
     """Read a record of the load and the motion of a rig.
 
     Channels are known by their names (load or force, acceleration, velocity, displacement and common short
-    forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``.
+    forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``, ``shaker_N``. A
+    warning names what is not read.
 
     Parameters
     ----------
@@ -177,6 +180,7 @@ def assembled(
     arrays: dict[str, Channel] = {}
     places: dict[str, int] = {}
     of_units: dict[str, str] = {}
+    left = [*content.left]
     for i, channel in enumerate(found):
         unit = given_units[i] if given_units else channel.unit
         if labels is None:
@@ -191,6 +195,8 @@ def assembled(
                     f"channel {channel.name!r}: is a second time; must be one, or channels given"
                 )
             times = own
+        if label is None:
+            left.append(channel.name)
         if label in (None, "none", "time"):
             continue
         if label in arrays:
@@ -207,6 +213,12 @@ def assembled(
         names = ", ".join(repr(channel.name) for channel in found) or "none"
         raise ParameterError(
             f"channels {names}: must be named as one of {', '.join(SI)}, or channels given"
+        )
+    if left:
+        warnings.warn(
+            f"{name and name + ': '}not read: {', '.join(map(repr, left))}; neither name nor unit is that of "
+            "a load or a motion: channels tells what they are, or 'none'",
+            stacklevel=3,
         )
     clocks = [clock_of(channel, times, content.rate) for channel in arrays.values()]
     samples, start, own_rate = joined([*arrays.values()], clocks)
@@ -336,7 +348,10 @@ def label_of(name: str, unit: str) -> str | None:
     for label, names in NAMES.items():
         if plain in names:
             return label
-    stripped = unit.strip().strip("[]()")
+    # "in" is a word, too
+    last = re.split(r"[\s_]+", name.strip())
+    ends = last[-1] if len(last) > 1 and last[-1] != "in" else ""
+    stripped = unit.strip().strip("[]()") or ends
     fitting = [label for label, known in UNITS.items() if stripped and stripped in known]
     return fitting[0] if len(fitting) == 1 else None
 
@@ -473,7 +488,7 @@ def read_mat(path: Path) -> Content:
 def of_variables(found: Mapping[str, Any]) -> Content:
     """Channels among variables by their names; `units` may be a struct of texts, `rate` a number."""
     rate, bandwidth = None, None
-    channels = []
+    channels, left = [], []
     for name, array in found.items():
         if not isinstance(array, np.ndarray):  # a text, or a struct
             continue
@@ -486,7 +501,9 @@ def of_variables(found: Mapping[str, Any]) -> Content:
         elif array.dtype.kind in "iuf" and array.squeeze().ndim == 1 and array.size > 1:
             unit = str(found.get(f"{name}_unit", ""))
             channels.append(Channel(name, unit, array.squeeze().astype(np.float64)))
-    return Content(channels, rate=rate, bandwidth=bandwidth)
+        elif array.dtype.kind in "iufc" and array.size > 1:
+            left.append(name)
+    return Content(channels, rate, bandwidth, left)
 
 
 def read_netcdf(path: Path) -> Content:
@@ -503,8 +520,11 @@ def read_netcdf(path: Path) -> Content:
         channels: list[tuple[Any, Channel]] = []
         times: dict[Any, _Array] = {}
         since = {}
+        left = []
         for name, variable in data.variables.items():
             if variable.ndim != 1 or variable.dtype.kind not in "iuf":
+                if variable.dtype.kind in "iufc" and variable.size > 1:
+                    left.append(str(name))
                 continue
             (dim,) = variable.dims
             values = np.asarray(variable.values, dtype=np.float64)
@@ -522,6 +542,7 @@ def read_netcdf(path: Path) -> Content:
         return Content(
             [channel._replace(times=times.get(dim)) for dim, channel in channels],
             positive(rates[0], "rate") if rates else None,
+            left=left,
         )
 
 
@@ -600,11 +621,12 @@ def read_uff(path: Path) -> Content:
         ) from None
     file = pyuff.UFF(str(path))
     sets = file.read_sets(np.flatnonzero(np.asarray(file.get_set_types()) == 58).tolist())
-    channels = []
+    channels, left = [], []
     for item in [sets] if isinstance(sets, dict) else sets:
-        if item.get("func_type", 1) not in (0, 1):
-            continue
         name = str(item.get("id1") or "").strip()
+        if item.get("func_type", 1) not in (0, 1):
+            left.append(name)
+            continue
         label = UFF_CODES.get(int(item.get("ordinate_spec_data_type", 0)))
         unit = str(item.get("ordinate_axis_units_lab") or "").strip()
         unit = "" if unit.upper() == "NONE" else unit
@@ -614,7 +636,7 @@ def read_uff(path: Path) -> Content:
                 np.asarray(item["x"], dtype=np.float64),
             )
         )  # fmt: skip
-    return Content(channels)
+    return Content(channels, left=left)
 
 
 READERS: dict[str, Callable[[Path], Content]] = {

@@ -95,6 +95,9 @@ def of_record(
             f"{where}channels {', '.join(record.channels)}: must have one of {', '.join(MOTIONS)}"
         )
     step = Step(record, quantity)
+    others = [name for name in MOTIONS if name in record.channels and name != quantity]
+    if others:
+        step.notes.append(f"{', '.join(others)}: not used; {quantity} tells the motion")
     values: _Array = getattr(record, quantity)
     for name in ("load", quantity):
         channel = getattr(record, name)
