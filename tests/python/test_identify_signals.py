@@ -226,3 +226,12 @@ def test_faults_of_calls_are_named(call, message):
     """Each argument that is not allowed has one message."""
     with pytest.raises(vi.ParameterError, match=message):
         vi.identify(vi.VirtualRig(**BENCH).record(0.9, seed=1), **call)
+
+
+def test_load_phases_of_picked_impacts_are_those_of_the_motion():
+    """Also where a lag is known, which the times of the impacts are without."""
+    found = vi.identify(vi.VirtualRig(**BENCH, bandwidth=500.0).record(seed=1), known=KNOWN)
+    cycles = found.frequency * found.impact_times + found._one("load_phase") / (2 * np.pi)
+    fitted = found._of(0, "impacts", "fitted") / (2 * np.pi)
+    off = (cycles[:, None] - fitted + 0.5) % 1 - 0.5
+    assert np.median(abs(off).min(axis=1)) < 0.002

@@ -76,11 +76,15 @@ def tables_of(
         phase = found.phases[i] if found is not None else math.nan
         if found is None and step.load is not None:
             phase = float(np.angle(1j * step.load.values[1]))
+        # the phase is that which a channel shows, as late as it is; times of impacts are without this lag
+        late = 0.0
+        if record is not None:
+            late = record.lag(step.quantity if found is not None else "load")
         fit_of: dict[str, Any] = {
             "status": step.rhythm.status, "quantity": step.quantity,
             "sides": pattern.sides if pattern else "", "cycles": pattern.cycles if pattern else 0,
             "frequency": step.Omega / (2 * math.pi), "load": load,
-            "load_phase": (phase - step.Omega * middle) % (2 * math.pi),
+            "load_phase": (phase + step.Omega * (late - middle)) % (2 * math.pi),
             "r": math.nan, "clearance": math.nan,
             "static": found.lengths[i] if found is not None else math.nan,
             "misfit": found.misfits[i] if found is not None else math.nan,
