@@ -42,6 +42,8 @@ _ACTIONS.update(
     structure_trajectory_gradient=_later(".derivatives.carried:trajectory_gradient"),
     prove_motion=_later(".proofs.prove:prove_motion"),
     prove_branch=_later(".proofs.prove:prove_branch"),
+    prove_zone=_later(".proofs.zones:prove_zone"),
+    plane_of=_later(".proofs.zones:Plane"),
     draw=_later(".plot.pictures:draw_result"),
     animate=_later(".plot.animation:animate"),
     thumbnail=_later(".plot.thumbnail:thumbnail"),

@@ -21,12 +21,14 @@ from pathlib import Path
 from flint import arb, arb_mat, ctx
 
 sys.path.insert(0, str(Path(__file__).parent))
-from series import (  # noqa: I001
-    DEGREES, UNIT, RejectedError, Series, ball, cover, exact, flat, monomials, need, number, product, solve,
+from flight import Flight  # noqa: I001
+from series import (
+    DEGREES, UNIT, RejectedError, Series, ball, cover, exact, flat, hurwitz, monomials, need, number, product,
+    solve,
 )  # fmt: skip
 
-#: Bits of the numbers in boxes and at points, and halvings of a piece of time.
-BITS, MOST_BITS, MOST_HALVINGS = 128, 960, 22
+#: Bits of the numbers in boxes and at points, and how often a box of a zone is halved.
+BITS, MOST_BITS, HALVINGS = 128, 960, 4
 
 
 class Pair:
@@ -35,7 +37,10 @@ class Pair:
     def __init__(self, data, box):
         names, system = ("xi", "mu", "r", "clearance", "load"), data["system"]
         spans = {name: [exact(one) for one in ends] for name, ends in box["parameters"].items()}
-        need(set(spans) <= {*names, "R1", "R2", "restitution"}, "parameters of the oscillator")
+        allowed = (
+            {"r", "tangent"} if data["kind"] == "zone" else {*names, "R1", "R2", "restitution"}
+        )
+        need(set(spans) <= allowed, "parameters of the oscillator")
         self.powers, values = monomials(len(spans), 1), {}
         for k, (name, (low, high)) in enumerate(spans.items(), 1):
             need(low < high, f"{name}: low < high")
@@ -43,8 +48,9 @@ class Pair:
             values[name] = Series(
                 dict(zip([(self.powers[0], 0), (self.powers[k], 0)], ends, strict=True))
             )
+        known = {**system, "r": "1", "clearance": "1"} if data["kind"] == "zone" else system
         self.xi, self.mu, self.r, self.d, self.f = (
-            values[name] if name in values else number(system[name]) for name in names
+            values[name] if name in values else number(known[name]) for name in names
         )
         self.data, sides, texts = data, data["sides"], system["restitution"]
         cycles, symmetric, half = data["cycles"], data["symmetric"], len(sides) // 2
@@ -76,7 +82,15 @@ class Pair:
         real, imaginary = 1 - self.r * self.r, 2 * self.xi * self.r
         square = real * real + imaginary * imaginary
         self.a, self.b = self.f * real / square, self.f * imaginary / square * -1
-        self.A, self.nu = self.f / square.sqrt(), (1 - self.xi * self.xi).sqrt()
+        self.nu = (1 - self.xi * self.xi).sqrt()
+        if data["kind"] == "zone":
+            # lengths in units of A |cos theta|, phases from the impact
+            facing = 1 - 2 * box["sheet"]
+            self.a, self.b = arb(facing), values["tangent"] * facing
+            tangent = ball(values["tangent"])
+            self.A = 1 / (ball(square) * (1 + tangent * tangent)).sqrt()
+        else:
+            self.A = self.f / square.sqrt()
 
     def steady(self, phase):
         """Position and velocity of the steady motion."""
@@ -187,6 +201,21 @@ class Pair:
             need(ball(end[0] - start[0]) > 0, "the impacts follow one another in time")
         return states
 
+    def explicit(self):
+        """The states of a motion of a zone, and its clearance, from equations that are linear in them."""
+        need(len(self.sides) == 1, "one flight in half a period")
+        unknowns = [Series({(self.powers[0], k): arb(1)}) for k in range(1, 5)]
+        self.d, start = unknowns[0], [arb(0), *unknowns[1:]]
+        laws = [law for flight in self.flights([start]) for law in self.laws(*flight)]
+        found = flat(
+            solve(
+                [[law.part(k) for k in range(1, 5)] for law in laws],
+                [[law.part(0) * -1] for law in laws],
+            )
+        )
+        self.d = found[0]
+        return [[Series({(self.powers[0], 0): arb(0)}), *found[1:]]]
+
     def approach(self, states):
         """The approach speed at the end of each flight, on the side that it is met from."""
         return [
@@ -195,63 +224,10 @@ class Pair:
         ]
 
 
-class Flight:
-    """Y and x in a flight, at thin or wide times."""
-
-    def __init__(self, pair, i, start, end):
-        self.pair, self.start, self.tau = pair, start, ball((end[0] - start[0]) / pair.r)
-        self.free, (self.x, self.v) = pair.free(start), pair.steady(start[0])
-        self.first, self.last = pair.sides[i], pair.side(i)
-
-    def at(self, t):
-        """The distance to the nearer wall, Y', Y'', x, x', x''."""
-        pair, (x, v) = self.pair, self.pair.damped(*self.free, t)
-        sine, cosine = (pair.r * t).sin(), (pair.r * t).cos()
-        steady, rate = (
-            self.x * cosine + self.v * sine / pair.r,
-            self.v * cosine - self.x * sine * pair.r,
-        )
-        bend = ball(-2 * pair.xi * v - x - pair.r * pair.r * steady)
-        y = self.start[1] + self.start[3] * t - x - steady
-        walls = [ball(pair.d * ((1 - side * self.first) // 2) - y * side) for side in (1, -1)]
-        speeds = ball(self.start[3] - v - rate), -bend, ball(x + steady), ball(v + rate), bend
-        return walls[0].min(walls[1]), *speeds
-
-    def ranges(self, low, high):
-        """Distance, Y' and x from `low` to `high`, by the theorem of the mean."""
-        middle, spread = (low + high) / 2, UNIT * ((high - low) / 2)
-        _, _, bend, _, _, x_bend = self.at(middle + spread)
-        near, rate, _, x, x_rate, _ = self.at(middle)
-        rate, x_rate = rate + bend * spread, x_rate + x_bend * spread
-        return near - abs(rate * spread), rate, x + x_rate * spread
-
-    def check(self, bound):
-        """Check that both gaps stay open, and |x| <= bound."""
-        ends = [self.tau.upper() * k / 32 for k in range(33)]
-        pieces = [(ends[k], ends[k + 1], 0) for k in range(32)][::-1]
-        # the sign of Y' on the piece before; None where the gaps are open on all of it
-        before = None
-        while pieces:
-            low, high, depth = pieces.pop()
-            near, rate, x = self.ranges(low, high)
-            sign = 1 if rate > 0 else -1 if rate < 0 else 0
-            good = near > 0 or sign != 0
-            if not near > 0 and sign and before not in (None, sign):
-                good = self.at(low)[0] > 0
-            if not high < self.tau:
-                good = good and sign == self.last
-            if not (good and (bound is None or abs(x) <= bound)):
-                need(depth < MOST_HALVINGS, "a flight is not proven to stay between the walls")
-                middle = ((low + high) / 2).mid()
-                pieces += [(middle, high, depth + 1), (low, middle, depth + 1)]
-                continue
-            before = None if near > 0 else sign
-
-
 def check_walls(pair, states, box):
     """Check the verdict on the gaps, and the bound of |x|."""
     flights = [Flight(pair, *one) for one in pair.flights(states)]
-    bound, speeds = box["attenuation_below"], pair.approach(states)
+    bound, speeds = box.get("attenuation_below"), pair.approach(states)
     need(bound is None or box["admissible"], "a bound of max|x| for an admissible motion")
     if box["admissible"]:
         need(all(speed > 0 for speed in speeds), "an impact has no approach speed")
@@ -266,15 +242,6 @@ def check_walls(pair, states, box):
             (one, (one.tau.lower() * k / 4096).mid()) for one in flights for k in range(1, 4096)
         ]
         need(any(one.at(t)[0] < 0 for one, t in times), "no gap is proven to close")
-
-
-def hurwitz(polynomial):
-    """The conditions of Routh and Hurwitz: positive where all zeros of a polynomial lie inside the unit circle."""
-    one, a, b, c, d = polynomial
-    first = [one + a + b + c + d, 4 * one + 2 * a - 2 * c - 4 * d, 6 * one - 2 * b + 6 * d]
-    first += [4 * one - 2 * a + 2 * c - 4 * d, one - a + b - c + d]
-    p, q, r, s, t = first
-    return [ball(value) for value in (*first, q * r * s - t * q * q - s * s * p)]
 
 
 def check_stability(pair, states, box):
@@ -318,21 +285,20 @@ def check(data):
 def check_statements(data):
     """The same with the digits that are set."""
     need(data.get("type") == "Certificate" and data.get("format") == 1, "a certificate, format 1")
-    need(
-        data.get("kind") in ("motion", "branch", "box"),
-        "a certificate of a motion, a branch or a box",
-    )
-    need(data["kind"] != "motion" or data["sheets"] == [{}], "a motion at one point")
+    kind, sheets = data.get("kind"), data["sheets"]
+    need(kind in ("motion", "branch", "box", "zone"), "a certificate of a kind")
+    need(kind != "motion" or sheets == [{}], "a motion at one point")
+    if kind == "zone":
+        # cos(theta) of both signs, and all tangents up to the largest
+        whole = {"r": data["system"]["r"], "tangent": ["-4096", "4096"]}
+        need(sheets == [whole, whole] and data["symmetric"] is True, "both halves of the plane")
     spans = lambda one: {name: [exact(end) for end in ends] for name, ends in one.items()}  # noqa: E731
-    for k, sheet in enumerate(data["sheets"]):
+    for k, sheet in enumerate(sheets):
         cover(
             spans(sheet), [spans(box["parameters"]) for box in data["boxes"] if box["sheet"] == k]
         )
-    need(
-        data["sheets"]
-        and {box["sheet"] for box in data["boxes"]} == set(range(len(data["sheets"]))),
-        "sheets",
-    )
+    numbers = {box["sheet"] for box in data["boxes"]}
+    need(numbers == set(range(len(sheets))), "boxes of all sheets")
     verdicts = [box[name] for box in data["boxes"] for name in ("exists", "admissible", "stable")]
     need(all(one in (True, False, None) for one in verdicts), "verdicts are true, false or null")
     reasons = [item["reason"] for item in data["undecided"]]
@@ -352,8 +318,34 @@ def check_link(before, box):
         need(abs(end - middle) < number(radius), "neighbours may hold different motions")
 
 
+def check_zone(data, box, depth=0):
+    """Check the statements of a box of a zone, of parts of it where that fails: verdicts on each motion in the
+    window."""
+    try:
+        pair = Pair(data, box)
+        states = pair.explicit()
+        if box["exists"] is False:
+            low, high = map(number, data["system"]["clearance"])
+            clearance = ball(pair.d) * pair.A
+            need(clearance < low or clearance > high, "a clearance may lie in the window")
+            return
+        check_walls(pair, states, box)
+        check_stability(pair, states, box)
+    except (RejectedError, ZeroDivisionError) as error:
+        if depth == HALVINGS:
+            raise RejectedError(str(error)) from None
+        name = ("tangent", "r")[depth % 2]
+        low, high = map(exact, box["parameters"][name])
+        for ends in ((low, (low + high) / 2), ((low + high) / 2, high)):
+            part = box["parameters"] | {name: [str(end) for end in ends]}
+            check_zone(data, {**box, "parameters": part}, depth + 1)
+
+
 def check_box(data, box):
     """Check the statements of a box; the states of its motions."""
+    if data["kind"] == "zone" and box["exists"] is not None:
+        check_zone(data, box)
+        return None
     if box["exists"] is None:
         need(box["admissible"] is box["stable"] is None, "verdicts on what is not proven to exist")
         return None

@@ -10,7 +10,7 @@ from operator import add
 from flint import arb, fmpq
 
 #: The degree of polynomials by the number of parameters.
-DEGREES = (0, 5, 4, 3, 2, 2, 1, 1, 1)
+DEGREES = (0, 5, 5, 3, 2, 2, 1, 1, 1)
 HEXADECIMAL = re.compile(r"(-?0x[0-9a-f]+)p(-?[0-9]+)")
 DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?|-?[0-9]+/[0-9]+")
 UNIT = arb(0, 1)
@@ -152,7 +152,10 @@ def solve(matrix, right):
     rows = [[*a, *b] for a, b in zip(matrix, right, strict=True)]
     n = len(rows)
     for k in range(n):
-        best = max(range(k, n), key=lambda i: float(abs(ball(rows[i][k]).mid())))
+        # the largest one, of those that vary little
+        sizes = [abs(ball(row[k])) for row in rows]
+        keys = [(bool(one.lower() * 1.5 > one.upper()), float(one.lower())) for one in sizes]
+        best = max(range(k, n), key=keys.__getitem__)
         rows[k], rows[best] = rows[best], rows[k]
         need(abs(ball(rows[k][k])) > 0, "a derivative may be singular")
         inverse = 1 / rows[k][k]
@@ -191,3 +194,12 @@ def cover(region, boxes):
                 cover(region | {name: [cut, high]}, parts[1])
                 return
     raise RejectedError("the boxes do not fill a region")
+
+
+def hurwitz(polynomial):
+    """The conditions of Routh and Hurwitz: positive where all zeros of a polynomial lie inside the unit circle."""
+    one, a, b, c, d = polynomial
+    first = [one + a + b + c + d, 4 * one + 2 * a - 2 * c - 4 * d, 6 * one - 2 * b + 6 * d]
+    first += [4 * one - 2 * a + 2 * c - 4 * d, one - a + b - c + d]
+    p, q, r, s, t = first
+    return [ball(value) for value in (*first, q * r * s - t * q * q - s * s * p)]

@@ -15,6 +15,7 @@ from .attractor import (
     draw_structure_response,
 )
 from .branch import draw_branch
+from .certificate import draw_certificate
 from .chart import draw_chart
 from .decay import draw_decay
 from .design import draw_design
@@ -27,8 +28,8 @@ from .zone import draw_atlas, draw_zone
 #: The function that draws a result, by class, and of a structure; its options are those of `plot`, in order.
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
-    "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design, "FoundMotions": draw_found,
-    "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
+    "Certificate": draw_certificate, "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design,
+    "FoundMotions": draw_found, "Identification": draw_identification, "Lyapunov": draw_lyapunov, "Motion": draw,
     "Response": draw_response, "BifurcationDiagram of structures": draw_structure_bifurcation,
     "Lyapunov of structures": draw_exponents, "Response of structures": draw_structure_response,
     "Trajectory": draw, "Uncertainty": draw_uncertainty, "Zone": draw_zone,

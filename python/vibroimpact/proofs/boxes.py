@@ -30,6 +30,8 @@ _Array = NDArray[np.float64]
 PARAMETERS = ("xi", "mu", "r", "clearance", "load")
 #: The degree of the polynomials by the number of parameters that vary, 1 where it is not here.
 DEGREES = {1: 5, 2: 3, 3: 2, 4: 2}
+#: The same of r and `tangent`.
+EXPLICIT_DEGREE = 5
 #: The radius of the box of uniqueness at first, relative to the unknowns.
 UNIQUE = (2.0**-7, 2.0**-11, 2.0**-16)
 #: Steps of Newton's method, and the relative step after which it has converged.
@@ -198,13 +200,15 @@ class Problem:
 
     def __init__(self, family: Family, box: Box, facing: int = 1) -> None:
         names = list(box.span)
-        self.space: Space = space(len(names), DEGREES.get(len(names), 1))
+        degree = EXPLICIT_DEGREE if "tangent" in names else DEGREES.get(len(names), 1)
+        self.space: Space = space(len(names), degree)
         middles = {name: ball((low + high) / 2) for name, (low, high) in box.span.items()}
         models = {
             name: self.space.parameter(k, middles[name], ball((high - low) / 2))
             for k, (name, (low, high)) in enumerate(box.span.items())
         }
         self.explicit = "tangent" in models
+        self.box_values = {name: model.range() for name, model in models.items()}
         self.system, self.middle = (
             self._system(family, values, facing) for values in (models, middles)
         )

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.files import place_for, write_text
 from ..base.jupyter import facts_html
@@ -29,14 +31,14 @@ ITEMS = {
 class Certificate:
     """What is proven about motions: one, or those for all parameters of some boxes.
 
-    Certificates come from `Motion.prove`, `Branch.prove` and `prove_box`. They hold for the decimal texts of the
-    parameters: 0.028 is the rational number 28/1000 and not the nearest double. All numbers in the JSON are exact,
-    decimal or hexadecimal, and every rounding of the computation is in the bounds (ball arithmetic of FLINT).
+    Certificates come from `Motion.prove`, `Branch.prove`, `Zone.prove` and `prove_box`. They hold for the decimal
+    texts of the parameters: 0.028 is the rational number 28/1000 and not the nearest double. All numbers in the
+    JSON are exact, and every rounding of the computation is in the bounds (ball arithmetic of FLINT).
 
     Attributes
     ----------
     kind : str
-        "motion", "branch" or "box".
+        "motion", "branch", "box" or "zone".
     sides : str
     cycles : int
         The word of the motion and the load cycles in its period.
@@ -46,7 +48,8 @@ class Certificate:
         The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact.
     sheets : list of dict
         The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. Of a motion
-        one that is empty; of a branch one for each part between folds.
+        one that is empty; of a branch one for each part between folds. Of a zone r and
+        tan(theta), for cos(theta) > 0 and < 0, where A sin(theta) is the steady motion at an impact on the right.
     boxes : list of dict
         ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
         after each impact, as coefficients of polynomials of the parameters on [-1, 1], and ``radius``, around
@@ -113,6 +116,28 @@ class Certificate:
         texts: list[Any] = [box.get(name) for box in self.boxes]
         return max(map(float, texts)) if texts and None not in texts else None
 
+    @cached_property
+    def _plane(self) -> Any:
+        """The plane of a certificate of a zone."""
+        if self.kind != "zone":
+            raise AttributeError(f"kind = {self.kind!r}: only certificates of zones have it")
+        return ACTIONS["plane_of"](self)
+
+    def decide(self, r: float, clearance: float) -> bool | None:
+        """Of a zone: True if a stable, admissible motion is proven to exist at a point, False if none does; None
+        if neither is proven, and outside the window."""
+        found: bool | None = self._plane.decide(r, clearance)
+        return found
+
+    def shares(self) -> dict[str, float]:
+        """Of a zone: the parts of the window (r, log D) "inside", "outside" and "undecided", added up on lines."""
+        found: dict[str, float] = self._plane.shares()
+        return found
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw a certificate of a zone: proven inside, proven outside, and what is not decided."""
+        return ACTIONS["draw"](self, ax)
+
     @property
     def multiplier_bound(self) -> float | None:
         """A number that max|lambda| does not reach, of a stable motion."""
@@ -134,6 +159,13 @@ class Certificate:
         if self.stable and bound is not None:
             words[-1] += f" (max|lambda| < {bound:.10g})"
         place = f"at r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
+        if self.kind == "zone":
+            shares = ", ".join(
+                f"{name} {100 * share:.2f} %" for name, share in self.shares().items()
+            )
+            (low, high), (small, large) = self.system["r"], self.system["clearance"]
+            place = f"r {low} to {high}, d K/F0 {small} to {large}"
+            return f"<Certificate of the zone of {self.sides}/{self.cycles}, {place}: {shares}>"
         if self.kind != "motion":
             places = dict.fromkeys(
                 f"{name} {float(exact(low)):.10g} to {float(exact(high)):.10g}"

@@ -83,6 +83,17 @@ class Model:
             size += abs(one)
         return found + arb(0, size.upper())
 
+    def at(self, places: Sequence[Any]) -> Any:
+        """The same function of other models, of as many parameters, in place of its own."""
+        found: Any = self.c[0]
+        powers: dict[tuple[int, ...], Any] = {}
+        for power, one in zip(self.space.monomials[1:], self.c[1:], strict=True):
+            place = next(k for k, count in enumerate(power) if count)
+            rest = tuple(count - (k == place) for k, count in enumerate(power))
+            powers[power] = powers[rest] * places[place] if any(rest) else places[place]
+            found = found + powers[power] * one
+        return found
+
     def widened(self, radius: Any) -> Model:
         """The functions within a distance."""
         return Model(self.space, [self.c[0] + flint().arb(0, radius), *self.c[1:]])

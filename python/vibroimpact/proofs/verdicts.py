@@ -89,14 +89,19 @@ def inside_all(coefficients: Sequence[Any]) -> bool | None:
     1 - x_i x_j over all pairs of zeros vanishes, so one place decides where
     these do not. If one of them is negative, not all zeros are inside.
     """
+    conditions = [span(value) for value in conditions_of(coefficients)]
+    if all(value > 0 for value in conditions):
+        return inside([at_middle(value) for value in coefficients])
+    return False if any(value < 0 for value in conditions) else None
+
+
+def conditions_of(coefficients: Sequence[Any]) -> list[Any]:
+    """p(1), p(-1) and the product of 1 - x_i x_j over all pairs of zeros of a polynomial of degree 4."""
     last, three, two, one, _ = coefficients
     even, odd = 1 + two + last, one + three
     pairs = (1 - two) * (1 - last) + three * (one - three)
     pairs = pairs - last * (one * (one - three) - (two - last) * (1 - last))
-    conditions = [span(value) for value in (even + odd, even - odd, pairs)]
-    if all(value > 0 for value in conditions):
-        return inside([at_middle(value) for value in coefficients])
-    return False if any(value < 0 for value in conditions) else None
+    return [even + odd, even - odd, pairs]
 
 
 def multiplier_bound(coefficients: Sequence[Any], stable: bool, power: int = 1) -> Fraction | None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
+from ..base.actions import ACTIONS
 from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
 from ..motions.exact import exact_structure, newton
 from ..motions.likeness import is_symmetric, standard_motion
@@ -541,6 +542,42 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     def drawable(self) -> bool:  # type: ignore[override]
         """Whether it has a loop."""
         return bool(self)
+
+    def prove(self, tolerance: float = 0.004) -> Any:
+        """Prove in ball arithmetic where in the window stable, admissible motions exist, and where none does.
+
+        It needs the extra `proof`, and a zone of symmetric motions RL/k of an oscillator (symmetric=True, R1 = R2,
+        k odd). The boundary of the zone is not used: boxes fill the plane of r and the phase of the load at the
+        impact, in which d K/F0 is explicit, so that no motion is left out.
+
+        Parameters
+        ----------
+        tolerance : float, optional
+            The size of the smallest box, relative to the window (log D). Ten times less takes up to a hundred
+            times longer.
+
+        Returns
+        -------
+        Certificate
+            With `decide`, `shares` and `plot` for the plane of r and d K/F0.
+
+        Raises
+        ------
+        ParameterError
+            If it is another zone.
+        MissingExtraError
+            If python-flint is not installed.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+        >>> zone = vi.zone(osc, "RL", r=(1.04, 1.041), clearance=(20, 80), symmetric=True, lines=5)
+        >>> proof = zone.prove(tolerance=0.05)
+        >>> proof.decide(1.0405, 40.0), proof.decide(1.0405, 79.0)
+        (True, False)
+        """
+        return ACTIONS["prove_zone"](self, tolerance)
 
     def plot(self, ax: Any = None, inverse: bool = False, label: str | None = None) -> Any:
         """Draw the zone with its boundary pieces distinguished by line style and colour.
