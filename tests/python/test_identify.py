@@ -1,5 +1,6 @@
 """Identification of rigs from records: all parameters within their errors, from each kind of record."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -124,7 +125,8 @@ def test_impact_times_alone_tell_the_clearance():
 
 def test_drifting_restitution_is_an_average():
     """Coefficients that fall by 9 % in a record are found as their means, with errors that grow."""
-    found = vi.identify(vi.VirtualRig(**BENCH, drift=0.09).record(seed=1), known=KNOWN)
+    with pytest.warns(vi.PoorFitWarning, match="the rig changed during the record"):
+        found = vi.identify(vi.VirtualRig(**BENCH, drift=0.09).record(seed=1), known=KNOWN)
     assert found.values["R1"] == pytest.approx(0.75 * 0.955, rel=0.03)
     assert found.values["R2"] == pytest.approx(0.65 * 0.955, rel=0.03)
     assert found.errors["R1"] > 1e-3
@@ -163,10 +165,12 @@ def test_another_motion_with_a_weak_impact_is_doubted():
     """The fit of this record has a weak impact 0.04 load cycles off, R2 11 errors off, and a misfit of 1.2."""
     rig, motion = random_rig(135)
     record = rig.record(2.0, seed=135, motion=motion, settle=60)
-    found = vi.identify(record, known={"M": rig.M, "K": rig.K, "m": rig.m})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        found = vi.identify(record, known={"M": rig.M, "K": rig.K, "m": rig.m})
     off = abs(found.values["R2"] - rig.restitution[1]) / found.errors["R2"]
-    assert off < 4 or "standard errors from where the flights alone have it" in found.doubts[0]
-    assert off < 4 or "doubtful, see doubts" in repr(found)
+    assert off < 4 or any("from where the flights alone have it" in doubt for doubt in found.doubts)
+    assert off < 4 or "errors not valid, see doubts" in repr(found)
 
 
 @pytest.mark.slow
@@ -181,11 +185,13 @@ def test_three_hundred_rigs(share):
         rig = replace(rig, calibration=seed % 2 * 0.01)
         record = rig.record(2.0, seed=seed, motion=motion, settle=60)
         try:
-            found = vi.identify(
-                record,
-                known={"M": rig.M, "K": rig.K, "m": rig.m},
-                calibration=seed % 2 * rig.calibration,
-            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", vi.PoorFitWarning)
+                found = vi.identify(
+                    record,
+                    known={"M": rig.M, "K": rig.K, "m": rig.m},
+                    calibration=seed % 2 * rig.calibration,
+                )
         except vi.SingularError:  # weak impacts beside pulses
             refused += 1
             continue

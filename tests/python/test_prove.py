@@ -299,12 +299,12 @@ def test_zone(tmp_path):
 
 
 @pytest.mark.slow
-def test_false_zones_are_rejected():
+def test_false_zones_are_rejected(share):
     """The independent program accepts a zone, and rejects it if a box was dropped, shifted or flipped."""
     data = json.loads(proof_of_zone(0.1, 60.0)[1].to_json())
     checker.check(data)
     random = np.random.default_rng(5)
-    for j in random.choice(len(data["boxes"]), 6, replace=False).tolist():
+    for j in random.choice(len(data["boxes"]), max(1, share(6)), replace=False).tolist():
         dropped = copy.deepcopy(data)
         del dropped["boxes"][j]
         with pytest.raises(checker.RejectedError):
@@ -450,11 +450,12 @@ def test_refused():
 
 
 @pytest.mark.slow
-def test_motions_of_find():
+def test_motions_of_find(share):
     """Motions of random oscillators have proven verdicts, none of which contradicts; few are not decided."""
     random = np.random.default_rng(47)
     number = open_ = 0
-    for _ in range(25):
+    systems = share(25)
+    for _ in range(systems):
         xi, mu = (
             random.uniform(0.002, 0.05),
             math.exp(random.uniform(math.log(0.01), math.log(0.3))),
@@ -477,5 +478,5 @@ def test_motions_of_find():
                 assert proof.undecided[0]["reason"]
             elif number % 5 == 0:
                 checker.check(json.loads(proof.to_json()))
-    assert number > 100
-    assert open_ <= 0.03 * number
+    assert number > 4 * systems
+    assert open_ <= 0.03 * number + 1

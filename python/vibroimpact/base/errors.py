@@ -11,6 +11,7 @@ __all__ = [
     "OutOfMemoryError",
     "ParameterError",
     "ParameterTypeError",
+    "PoorFitWarning",
     "SingularError",
     "StudyInterrupted",
     "VibroimpactError",
@@ -43,6 +44,11 @@ class SingularError(VibroimpactError, ArithmeticError):
 
 class OpenBoundaryWarning(UserWarning):
     """`Zone.contains` or `Zone.count` was asked about points that an open boundary leaves undecided."""
+
+
+class PoorFitWarning(UserWarning):
+    """A fit does not describe the records to their noise, or these contradict what is known: its errors are not
+    valid. `Identification.doubts` says what tells against it."""
 
 
 class MissingExtraError(VibroimpactError, ImportError):

@@ -38,6 +38,7 @@ PURPOSES = {
     "jax": "derivatives in JAX (`vibroimpact.jax`)",
     "matlab": "MATLAB files",
     "plot": "pictures",
+    "proof": "proofs with certificates (`Motion.prove`)",
     "reproduce": "`vibroimpact reproduce`",
     "uff": "records in universal files (UFF)",
 }

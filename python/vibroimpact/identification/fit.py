@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from .motions import PARAMETERS, Impacting, System
 _Array = NDArray[np.float64]
 #: Largest difference of an impact time, in load cycles, from that where it was picked.
 NEAR = 0.05
+#: Change of the residuals over a step of a typical size, in standard errors, along directions that are fitted.
+WEAK = 1 / 3
 #: Largest relative standard error of a combination of parameters that a record determines.
 VAGUE = 0.5
 #: Share of what impacts do to the record that a fit leaves unexplained, above which it is none.
@@ -42,8 +44,24 @@ class Fit:
     covariance: _Array
     undetermined: list[str]
     misfits: list[float]
+    #: Variance of a weighted residual, with that of slow changes.
+    spread: float = 1.0
     #: What the sensor of the motion shows of 1, within its calibration.
     gain: float = 1.0
+    #: By what was known and not fitted, and by load phases and amplitudes (as "phase 0" and "F0 0" of the first
+    #: record): how many standard errors the records are from it, and how much it would change if it were fitted.
+    strains: dict[str, Strain] = field(default_factory=dict)
+    #: By the same names, how much each fitted parameter changes with the value that was not fitted: derivatives.
+    leans: dict[str, dict[str, float]] = field(default_factory=dict)
+    #: Sums of squares of the weighted residuals of each record.
+    squares: list[float] = field(default_factory=list)
+
+
+class Strain(NamedTuple):
+    """A difference between what is known and what the records say of it, in standard errors and as it is."""
+
+    size: float
+    change: float
 
 
 def fit(
@@ -83,13 +101,18 @@ def fit(
     low, high = np.array([bounds.get(name, (-math.inf, math.inf)) for name in names]).T
     systems = [System(data, law) for data in records]
     walls = law.of_wall(0) + law.of_wall(1)
+    # derivatives by what is known, too, which tell whether the records agree with it
+    held = [name for name in law.shared if name in known]
+    column = place | {name: len(names) + i for i, name in enumerate(held)}
     columns = [
-        [place.get(name) for name in (*PARAMETERS[:-2], f"F0/K {i}", f"phase {i}", *walls)]
+        [column[name] for name in (*PARAMETERS[:-2], f"F0/K {i}", f"phase {i}", *walls)]
         for i in range(count)
     ]
     of_static, of_phase = PARAMETERS.index("F0/K"), PARAMETERS.index("phase")
     guesses: list[Impacting] = []
     latest: list[Impacting] = []
+    beyond: list[_Array] = []
+    measured: dict[str, tuple[int, float]] = {}
     sizes: list[int] = []
 
     def shared(x: _Array) -> dict[str, float]:
@@ -114,10 +137,12 @@ def fit(
         both = [residuals_of(i, p, x) for i, p in enumerate(here)]
         sizes[:] = [f.size for f, _ in both]
         if ones:
-            by = np.zeros((1, x.size))
-            by[0, -1] = 1 / calibration
+            by = np.zeros((1, len(column)))
+            by[0, x.size - 1] = 1 / calibration
             both.append((np.array([(x[-1] - 1) / calibration]), by))
-        return np.concatenate([f for f, _ in both]), np.vstack([J for _, J in both])
+        f, J = np.concatenate([f for f, _ in both]), np.vstack([J for _, J in both])
+        beyond[:] = J[:, x.size :].T
+        return f, J[:, : x.size]
 
     def accept() -> None:
         guesses[:] = latest
@@ -125,15 +150,18 @@ def fit(
     def residuals_of(i: int, p: _Array, x: _Array) -> tuple[_Array, _Array]:
         motion, data = latest[i], records[i]
         omega, xi, static, phase = p[[0, 1, of_static, of_phase]]
-        f, J = [], []
+        f: list[_Array] = []
+        J: list[_Array] = []
 
-        def row(value: Any, by: _Array) -> None:
-            """Residuals, and their derivatives by the parameters of the motion."""
+        def row(value: Any, by: _Array, name: str = "", error: float = 1.0) -> None:
+            """Residuals, and their derivatives by the parameters of the motion; one that compares with a measured
+            value has its name and error."""
+            if name:
+                measured[f"{name} {i}"] = sum(one.size for one in f), error
             f.append(np.atleast_1d(value))
-            block = np.zeros((np.size(value), x.size))
-            for column, derivative in zip(columns[i], np.atleast_2d(by).T, strict=True):
-                if column is not None:
-                    block[:, column] += derivative
+            block = np.zeros((np.size(value), len(column)))
+            for own, derivative in zip(columns[i], np.atleast_2d(by).T, strict=True):
+                block[:, own] += derivative
             J.append(block)
 
         if data.places.size:
@@ -149,20 +177,30 @@ def fit(
             both -= data.beside @ (data.beside.T @ both)
             row(both[:, 0], both[:, 1:-1])
             if ones:
-                J[-1][:, -1] = both[:, -1]
+                J[-1][:, x.size - 1] = both[:, -1]
         else:
             errors = data.angle_errors
             row((motion.angles - data.angles) / errors, motion.by[0] / errors[:, None])
         one_of = np.eye(p.size)
         if data.phase is not None:
             off = math.remainder(phase - data.phase, 2 * math.pi)
-            row(off / data.phase_error, one_of[of_phase] / data.phase_error)
+            row(
+                off / data.phase_error,
+                one_of[of_phase] / data.phase_error,
+                "phase",
+                data.phase_error,
+            )
         if data.F0 is not None and (K is not None or M is not None):
             stiffness = K if K is not None else (M or 0.0) * omega**2
             change = one_of[of_static] * stiffness
             if K is None:
                 change = change + one_of[0] * 2 * stiffness / omega * static
-            row((static * stiffness - data.F0) / data.F0_error, change / data.F0_error)
+            row(
+                (static * stiffness - data.F0) / data.F0_error,
+                change / data.F0_error,
+                "F0",
+                data.F0_error,
+            )
         return np.concatenate(f), np.vstack(J)
 
     for i, (data, p) in enumerate(zip(records, points(x), strict=True)):
@@ -174,7 +212,7 @@ def fit(
             raise SingularError(f"{nothing}: {error}; {HINT}") from None
         if abs(guesses[i].angles - data.angles).max() > 2 * math.pi * NEAR:
             raise SingularError(f"{nothing}: Newton's method goes to another one")
-    x, f, J, converged = levenberg(residuals, x, scales, 1 / 3, accept, low, high)
+    x, f, J, converged = levenberg(residuals, x, scales, WEAK, accept, low, high)
     if not converged and not rough:
         raise SingularError(
             f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted "
@@ -185,6 +223,13 @@ def fit(
     # what is projected out are degrees of freedom too
     freedoms = [size - data.beside.shape[1] for size, data in zip(sizes, records, strict=True)]
     found = finished(sizes, freedoms, records, x, f, J, names, place, shared(x), guesses, scales)
+    residuals(x)
+    free_of = dict(zip(held, beyond, strict=True))
+    starts_at = np.cumsum([0, *sizes])
+    for name, (own, size) in measured.items():
+        free_of[name] = np.zeros(f.size)
+        free_of[name][starts_at[int(name.split()[-1])] + own] = -1 / size
+    found.strains, found.leans = of_known(f, J, scales, names, free_of, found.spread)
     for i, data in enumerate(records):
         rest = [explained(data, found, i, share) for share in (1.0, 0.0)]
         if rest[0] > BAD * rest[1]:
@@ -230,6 +275,28 @@ def covariance_of(J: _Array, scales: _Array) -> tuple[_Array, set[int], int]:
     return covariance, set(vague.tolist()), int(determined.sum())
 
 
+def of_known(
+    f: _Array, J: _Array, scales: _Array, names: list[str], free_of: Mapping[str, _Array], spread: float
+) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
+    """What each value that was not fitted would change by if it were, by the derivatives of the residuals by it:
+    the score test (Lagrange multiplier test) of its value; and how the fitted ones change with it. `spread` is the
+    variance of a residual."""
+    U, s, Vt = np.linalg.svd(J * scales, full_matrices=False)
+    known, moved = s > 1e-9 * s[0], s > WEAK
+    strains, leans = {}, {}
+    for name, g in free_of.items():
+        along = U.T @ g
+        by = -scales * (Vt[moved].T @ (along[moved] / s[moved]))
+        leans[name] = dict(zip(names, by.tolist(), strict=True))
+        own = g - U[:, known] @ along[known]
+        size = float(own @ own)
+        # what the fitted parameters imitate cannot be told
+        if size > 1e-12 * float(g @ g):
+            change = -float(own @ f) / size
+            strains[name] = Strain(change * math.sqrt(size / spread), change)
+    return strains, leans
+
+
 def finished(
     sizes: Sequence[int], freedoms: Sequence[int], records: Sequence[Measured], x: _Array, f: _Array,
     J: _Array, names: list[str], place: dict[str, int], values: dict[str, float], motions: list[Impacting],
@@ -240,7 +307,8 @@ def finished(
     covariance, vague, determined = covariance_of(J, scales)
     freedom = max(1, sum(freedoms) - determined)
     misfit = float(f @ f) / freedom
-    covariance *= max(1.0, misfit) * max(data.drift * data.colour for data in records)
+    spread = max(1.0, misfit) * max(data.drift * data.colour for data in records)
+    covariance *= spread
     kept = [name for name in names if not name.startswith(("phase", "gain"))]
     undetermined = [name for name in kept if place[name] in vague]
     columns = [place[name] for name in kept]
@@ -253,6 +321,6 @@ def finished(
         values, [float(x[place[f"F0/K {i}"]]) for i in range(count)],
         [float(x[place[f"phase {i}"]]) for i in range(count)],
         list(motions), kept,
-        covariance[np.ix_(columns, columns)], undetermined, parts,
-        float(x[place["gain"]]) if "gain" in place else 1.0,
+        covariance[np.ix_(columns, columns)], undetermined, parts, spread,
+        float(x[place["gain"]]) if "gain" in place else 1.0, squares=[float(own @ own) for own in each],
     )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError, ParameterTypeError, PoorFitWarning
 from ..motions.motion import Motion
 from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
@@ -97,7 +98,13 @@ class Identification(Noun, study="identify"):
         Sum of squares of the weighted residuals over the degrees of freedom; about 1 where the model holds. Errors
         are multiplied by its root where it is larger.
     doubts : tuple of str
-        Why the fit may be another one than that of the rig; empty if nothing tells against it.
+        What tells against the fit, the likeliest causes first; empty if nothing does.
+    assumptions : tuple of str
+        What the stated errors do not contain: how much parameters would change with a known value or with the
+        load phase, where that is more than two of their errors.
+    good : bool
+        Whether parameters were fitted and nothing tells against them. If not, the errors are not valid, and
+        `identify` warns with a `PoorFitWarning`.
     """
 
     __slots__ = ("_motions",)
@@ -217,8 +224,18 @@ class Identification(Noun, study="identify"):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Why the fit may be another one than that of the rig."""
+        """What tells against the fit, the likeliest causes first."""
         return tuple(text for _, text in self._result.notes if "doubtful: " in text)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What errors of known values, and of the load phase, would change."""
+        return tuple(text for _, text in self._result.notes if text.startswith("not in the errors"))
+
+    @property
+    def good(self) -> bool:
+        """Whether parameters were fitted and nothing tells against them."""
+        return math.isfinite(self.misfit) and not self.doubts
 
     @property
     def pattern(self) -> Pattern | None:
@@ -422,7 +439,9 @@ class Identification(Noun, study="identify"):
             if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d") and math.isfinite(error)
         )  # fmt: skip
         left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
-        doubtful = "doubtful, see doubts" if self.doubts else ""
+        doubtful = ""
+        if self.doubts:
+            doubtful = f"poor fit (misfit {self.misfit:.3g}), errors not valid, see doubts"
         shown = "; ".join(filter(None, (fitted, left, doubtful))) or "all known"
         motion = f"{pattern.sides}/{pattern.cycles}" if pattern else f"({self.status})"
         return f"<Identification {motion} at r = {self.r:.6g}: {shown}>"
@@ -520,6 +539,11 @@ def identify(
     MissingExtraError
         Without SciPy (extra `identify`).
 
+    Warns
+    -----
+    PoorFitWarning
+        If the fit does not describe the records to their noise, or they contradict what is known.
+
     Examples
     --------
     >>> import vibroimpact as vi
@@ -537,17 +561,36 @@ def identify(
         "velocity": velocity,
         "displacement": displacement,
     }
-    given = [name for name, values in arrays.items() if values is not None]
     sensors: dict[str, Any] = {
         "units": units, "bandwidth": bandwidth, "delay": delay, "range": range, "noise": noise,
     }  # fmt: skip
+    options: dict[str, Any] = {
+        "frequency": frequency, "known": known, "start": start, "law": law, "law_speed": law_speed,
+        "law_knots": law_knots, "calibration": calibration,
+    }  # fmt: skip
+    records: list[SensorRecord]
     if impact_times is not None:
-        if record is not None or given:
+        if record is not None or any(values is not None for values in arrays.values()):
             raise ParameterError("impact_times: must be given without a record")
-        return identified(
-            impact_times=impact_times, impact_sides=impact_sides, frequency=frequency, load_phase=load_phase,
-            known=known, start=start, law=law, law_speed=law_speed, law_knots=law_knots, calibration=calibration,
-        )  # fmt: skip
+        records, options["load_phase"] = [], load_phase
+        options |= {"impact_times": impact_times, "impact_sides": impact_sides}
+    else:
+        records = records_of(record, rate, arrays, sensors)
+    found = identified(records, **options)
+    if found.doubts:
+        warnings.warn(
+            f"{found.doubts[0]}; the errors are not valid; `doubts` of the result has all that tells against it",
+            PoorFitWarning,
+            stacklevel=2,
+        )
+    return found
+
+
+def records_of(
+    record: Any, rate: float | None, arrays: Mapping[str, Any], sensors: Mapping[str, Any]
+) -> list[SensorRecord]:
+    """The records that are given, or one of the arrays."""
+    given = [name for name, values in arrays.items() if values is not None]
     if record is None:
         if not given:
             raise ParameterError(
@@ -564,10 +607,7 @@ def identify(
     several = record if isinstance(record, (list, tuple)) else [record]
     if not several:
         raise ParameterError("record = []: must be at least one record")
-    return identified(
-        [one_record(item) for item in several], frequency=frequency, known=known, start=start, law=law,
-        law_speed=law_speed, law_knots=law_knots, calibration=calibration,
-    )  # fmt: skip
+    return [one_record(item) for item in several]
 
 
 def one_record(item: Any) -> SensorRecord:

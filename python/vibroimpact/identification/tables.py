@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..results.tables import made
 from .fit import Fit
-from .flights import Measured, predicted, rung
+from .flights import LEAST_GAIN, Measured, predicted, rung
 from .known import KNOWN
 from .laws import Law
 from .measured import SensorRecord
@@ -19,6 +20,7 @@ from .signals import centred
 from .stages import DOUBTFUL, FAR, distances
 from .steps import LOAD_TONES, Step
 
+_Array = NDArray[np.float64]
 #: What records that are not periodic tell and leave open.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
@@ -34,6 +36,8 @@ ASSUMED = {
     "knee": "R is a PowerLaw of sharpness 2; R1 and R2 hold at v0",
     "table": "R is linear between the knots",
 }
+#: Standard errors between a known value and what the records say of it, above which the fit is doubtful.
+STRAINED = 4.0
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Samples and load cycles of each record that a result keeps for its picture.
@@ -128,25 +132,11 @@ def tables_of(
         if record is not None:
             add_samples(samples, i, step, record, found)
         said_of = f"record {i + 1}: " if len(steps) > 1 else ""
-        if found is not None and found.misfits[i] > DOUBTFUL:
-            notes.append(
-                (
-                    False,
-                    f"{said_of}doubtful: misfit of {found.misfits[i]:.3g}: the motion does not describe the "
-                    "record to its scatter: the pattern or a known value may be wrong, or the rig changed "
-                    "during the record; the errors are multiplied by the root of the misfit",
-                )
-            )
-        if pattern is not None and away.max() > FAR:
-            place = int(away.argmax())
-            notes.append(
-                (
-                    False,
-                    f"{said_of}doubtful: impact {place + 1} of the motion ({pattern.symbols[place]}) is "
-                    f"{away[place]:.2g} standard errors from where the flights alone have it; with a weak impact "
-                    "there, another motion may fit as well, and the stated errors may be too small",
-                )
-            )
+        if found is not None:
+            notes += [
+                (False, f"{said_of}doubtful: {text}")
+                for text in doubts_of(i, step, found, away, scale)
+            ]
         notes += [(False, f"{said_of}{text}") for text in step.notes]
         if pattern is not None:
             notes.append(
@@ -178,6 +168,9 @@ def tables_of(
     if found is not None and law.shape in ASSUMED:
         notes.append((False, f"v0 = {law.v0:.6g} m/s; all errors assume that {ASSUMED[law.shape]}"))
     if found is not None:
+        if any("doubtful: " in text for _, text in notes):
+            notes.append((False, "poor fit: the errors that follow are not valid"))
+        notes += [(False, text) for text in unstated(found, steps[0].Omega)]
         columns = (parameters[key] for key in ("name", "value", "error", "state"))
         notes += [
             (False, said(name, value, error))
@@ -192,6 +185,98 @@ def tables_of(
         "samples": (("sample",), samples),
     }
     return made("identify", case, tables, notes=notes)
+
+
+def doubts_of(
+    i: int, step: Step, found: Fit, away: _Array, scale: Mapping[str, float]
+) -> list[str]:
+    """What tells against the fit of a record, the likeliest causes first; `away` are distances of its impacts from
+    those of the flights alone, in standard errors."""
+    data, texts = step.data, []
+    strained = {
+        name: strain for name, strain in found.strains.items()
+        if abs(strain.size) > STRAINED and name.split()[-1] in (name, str(i))
+    }  # fmt: skip
+    for name, strain in sorted(strained.items(), key=lambda item: -abs(item[1].size)):
+        apart = f"{abs(strain.size):.2g} standard errors apart"
+        kind = name.split()[0]
+        if kind == "phase":
+            late = strain.change / step.Omega
+            texts.append(
+                f"the motion answers to a load {abs(late) * 1e3:.3g} ms {'earlier' if late > 0 else 'later'} than "
+                f"its channel says ({apart}): a filter or delay of one channel (bandwidth, delay) may be "
+                "missing or wrong, or the channels have different clocks"
+            )
+        elif kind == "F0":
+            assert data is not None
+            assert data.F0 is not None
+            texts.append(
+                f"the motion answers to a load of {data.F0 + strain.change:.4g} N, not {data.F0:.4g} N ({apart}): "
+                "a known M or K, the units or the calibration of a channel may be wrong"
+            )
+        else:
+            value, given = found.values[name], name
+            if name == "omega" and len({"M", "K"} & scale.keys()) == 2:
+                given = "omega = sqrt(K/M)"
+            elif name == "mu" and "M" in scale:
+                given = "mu = m/M"
+            texts.append(
+                f"known {given} = {value:.6g}: the record says {value + strain.change:.4g} ({apart}); it may be "
+                f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}something else that "
+                "acts like it"
+            )
+    if found.misfits[i] > DOUBTFUL:
+        texts.append(
+            f"misfit of {found.misfits[i]:.3g}: the motion does not describe the record to its scatter: the "
+            "pattern or a known value may be wrong, or the rig changed during the record; the errors are "
+            "multiplied by the root of the misfit"
+        )
+    if step.free is not None and step.free.misfit > DOUBTFUL:
+        texts.append(
+            f"misfit of {step.free.misfit:.3g} of flights alone, whatever the impacts do: a second mode of the "
+            "rig, an unknown filter, or harmonics of the load that its channel does not show"
+        )
+    elif step.free is not None and data is not None and found.squares:
+        more = (found.squares[i] - step.free.square) / found.spread
+        if more > LEAST_GAIN:
+            texts.append(
+                f"flights alone describe the record, but the motion adds {more:.3g} to their sum of squares of "
+                f"{step.free.square:.4g}: a known m, d or coefficient of restitution, or the law, may be wrong, "
+                "or an impact is missing"
+            )
+    if data is not None and away.max() > FAR:
+        place = int(away.argmax())
+        texts.append(
+            f"impact {place + 1} of the motion ({data.pattern.symbols[place]}) is {away[place]:.2g} standard "
+            "errors from where the flights alone have it; with a weak impact there, another motion may fit as "
+            "well, and the stated errors may be too small"
+        )
+    return texts
+
+
+def unstated(found: Fit, Omega: float) -> list[str]:
+    """What errors of known values, which the stated errors do not contain, would change."""
+    errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    texts = []
+    for name, by in found.leans.items():
+        kind = name.split()[0]
+        if kind == "F0":
+            continue  # its error is part of all errors
+        if kind == "phase":
+            step, what = 1e-4 * Omega, "the load were 0.1 ms earlier in its channel"
+        elif kind == "omega":
+            step, what = 0.005 * found.values[name], "K/M (or omega^2) as known were 1 % larger"
+        else:
+            step, what = 0.01 * found.values[name], f"{name} as known were 1 % larger"
+        changes = [
+            f"{own} would be {abs(change):.2g} {'larger' if change > 0 else 'smaller'}"
+            for own in ("xi", "mu", "R1", "R2", "d")
+            if own in errors and own not in found.undetermined
+            for change in [by[own] * step] if abs(change) > 2 * errors[own]
+        ]  # fmt: skip
+        if changes:
+            texts.append(f"not in the errors: if {what}, {', '.join(changes)}")
+    return texts
 
 
 def add_samples(
