@@ -241,3 +241,13 @@ def test_load_phases_of_picked_impacts_are_those_of_the_motion():
     fitted = found._of(0, "impacts", "fitted") / (2 * np.pi)
     off = (cycles[:, None] - fitted + 0.5) % 1 - 0.5
     assert np.median(abs(off).min(axis=1)) < 0.002
+
+
+def test_flights_that_run_away_hide_no_wrong_unit():
+    """A short record in g, of which some trial flights grow beyond all numbers: the unit is named."""
+    record = vi.VirtualRig(**BENCH).record(1.0, seed=1)
+    with pytest.raises(vi.ParameterError, match=r"is it g for m/s\^2"):
+        vi.identify(
+            rate=record.rate, load=record.load, acceleration=record.acceleration / 9.80665,
+            bandwidth=dict(record.bandwidth), known=KNOWN,
+        )  # fmt: skip

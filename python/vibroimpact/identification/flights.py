@@ -377,6 +377,8 @@ class Flights:
         value, J = self.model(x, N, places, begin[1])
         target = (values - value + J[:, ~fixed] @ x[~fixed]) / errors
         x[~fixed] = np.linalg.lstsq(J[:, ~fixed] / errors[:, None], target, rcond=1e-9)[0]
+        if not abs(values).max() < 1e100:
+            raise SingularError(f"flights that are tried grow beyond all numbers; {HINT}")
         rms = max(float(np.std(values)), 1e-300)
         speed = max(float(abs(x[4 + N : 4 + 2 * N]).max(initial=0.0)), 1e-300)
         scales = [

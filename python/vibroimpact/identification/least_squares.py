@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.errors import VibroimpactError
+from ..base.errors import SingularError, VibroimpactError
 
 _Array = NDArray[np.float64]
 MOST_ITERATIONS = 60
@@ -29,6 +29,8 @@ def levenberg(
     """
     x = start.copy()
     f, J = function(x)
+    if not finite(f, J * scales):
+        raise SingularError("residuals too large for floating-point numbers")
     accepted()
     damping = 1e-3
     for _ in range(most):
@@ -46,7 +48,7 @@ def levenberg(
             try:
                 trial = np.clip(x + scales * step, low, high)
                 new_f, new_J = function(trial)
-                better = bool(new_f @ new_f <= f @ f)
+                better = finite(new_f, new_J * scales) and bool(new_f @ new_f <= f @ f)
             except VibroimpactError:
                 better = False
             if better:
@@ -62,3 +64,9 @@ def levenberg(
             return x, f, J, True
         damping = max(damping / 10, 1e-12)
     return x, f, J, False
+
+
+def finite(f: _Array, J: _Array) -> bool:
+    """Whether sums of squares of residuals and of their derivatives are finite numbers."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(f @ f) and np.isfinite(np.sum(J * J)))
