@@ -414,7 +414,11 @@ contains
 
       if (stiffness > 0) then
          omega = sqrt(stiffness)
-         of_v = sqrt(v**2 + stiffness*x**2)
+         if (max(abs(v), omega*abs(x)) < 1.0e150_wp) then
+            of_v = sqrt(v**2 + stiffness*x**2)
+         else
+            of_v = hypot(v, omega*x)              ! squares would overflow
+         end if
          of_x = of_v/omega
          if (drag > 2*omega) of_x = min(of_x, abs(x) + abs(v + drag*x)/drag)
       else

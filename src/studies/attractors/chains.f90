@@ -25,7 +25,7 @@ module vi_chains
 
    abstract interface
       !> Brings a simulation to a link of a chain.
-      pure subroutine go_to_in(chains, link, chain, motion, status)
+      subroutine go_to_in(chains, link, chain, motion, status)
          import :: chains_type, simulated_motion_type
          implicit none (type, external)
          !> The chains.

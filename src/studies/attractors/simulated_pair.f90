@@ -154,7 +154,7 @@ contains
    end function new_pair_chains
 
    !> Brings a simulation to a link: the free mass keeps its relative position between the walls.
-   pure subroutine go_to(chains, link, chain, motion, status)
+   subroutine go_to(chains, link, chain, motion, status)
       !> The chains.
       class(pair_chains_type), intent(in) :: chains
       !> Numbers of the link and of the chain.

@@ -166,7 +166,7 @@ contains
    end subroutine run_sweep
 
    !> Brings a simulation to a value; it goes on from the last state of the value before.
-   pure subroutine go_to(chains, link, chain, motion, status)
+   subroutine go_to(chains, link, chain, motion, status)
       !> The sweep.
       class(structure_chain_type), intent(in) :: chains
       !> Numbers of the link and of the chain.
