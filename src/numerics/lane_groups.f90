@@ -89,10 +89,18 @@ contains
       !! without the part that is due to the fourth derivative.
       real(wp), intent(out) :: left
       !> A row without a limit has a distance of this.
-      real(wp), parameter :: far = 1.0e100_wp
+      !! The smallest sum of rates makes a time that is a number.
+      real(wp), parameter :: far = 1.0e100_wp, small = 1.0e-200_wp
       real(wp), dimension(group) :: above, below, bend, rise, fall, time
       integer :: i
 
+      ! loops may compute with all lanes of a register
+      above = 0
+      below = 0
+      bend = 0
+      rise = 0
+      fall = 0
+      time = 0
       do i = 1, n
          bend(i) = norm(i)*root + more
          above(i) = min(upper(i) - y(i) - margin, far)
@@ -101,8 +109,8 @@ contains
          fall(i) = max(-rate(i), 0.0_wp)
          ! where the distance is rate t + bend t^2/2
          time(i) = min(2*above(i)/(rise(i) + sqrt(rise(i)*rise(i) &
-            + 2*bend(i)*max(above(i), 0.0_wp)) + tiny(1.0_wp)), 2*below(i)/(fall(i) &
-            + sqrt(fall(i)*fall(i) + 2*bend(i)*max(below(i), 0.0_wp)) + tiny(1.0_wp)))
+            + 2*bend(i)*max(above(i), 0.0_wp)) + small), 2*below(i)/(fall(i) &
+            + sqrt(fall(i)*fall(i) + 2*bend(i)*max(below(i), 0.0_wp)) + small))
       end do
       span = longest
       do i = 1, n
@@ -112,6 +120,7 @@ contains
       do i = 1, n
          time(i) = min(above(i) - rise(i)*h, below(i) - fall(i)*h) - 0.75_wp*bend(i)*h*h
       end do
+      span = max(span, -1.0_wp)                      ! rows beyond a limit: no square overflows
       left = far
       do i = 1, n
          left = merge(left, time(i), left <= time(i))
