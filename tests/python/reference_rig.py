@@ -6,6 +6,7 @@ the jump of the velocity of the primary mass, and a second mode rings after it. 
 low-pass, of which the load knows nothing, and an offset.
 """
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -190,6 +191,7 @@ def drawn(draw, kind, least=4, widest=40):
     return Rig(**rig)
 
 
+@functools.cache
 def chaotic_rig(seed, kind="abc"):
     """A rig with impacts on both walls that do not repeat, and a record of it, of the kinds of `random_rig`."""
     draw = np.random.default_rng([seed, 7, *kind.encode()])

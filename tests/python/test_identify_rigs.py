@@ -140,6 +140,28 @@ def test_a_chaotic_record_tells_all_parameters(kind):
     assert found.oscillator.mu == found.values["mu"]
 
 
+@pytest.mark.parametrize(
+    ("change", "text"), [("gain", "answers to a load of"), ("clock", "ms later than")]
+)
+def test_a_chaotic_record_contradicts_its_load(change, text):
+    """A load that is 10 % too large or 1 ms too early: single flights tell how large it is, and when."""
+    rig, (_, load, acceleration, _) = chaotic_rig(1, "defg")
+    given = {"load": 1.1 * load, "acceleration": acceleration}
+    if change == "clock":
+        shift = round(0.001 * rig.rate)
+        given = {"load": load[shift:], "acceleration": acceleration[:-shift]}
+    with pytest.warns(vi.PoorFitWarning):
+        found = vi.identify(
+            rate=rig.rate, known={"M": M, "K": K}, delay={"load": 0.0, "acceleration": 0.0}, **given
+        )
+    said = next(doubt for doubt in found.doubts if text in doubt)
+    if change == "gain":
+        force = float(said.split("a load of ")[1].split()[0])
+        assert force == pytest.approx(rig.F0, rel=0.04)  # both sensors are calibrated to 1 %
+    else:
+        assert float(said.split(" ms ")[0].split()[-1]) == pytest.approx(1.0, rel=0.2)
+
+
 @pytest.mark.parametrize("bandwidth", [600.0, {"acceleration": 600.0}])
 @pytest.mark.parametrize("seed", range(2))
 def test_a_low_pass_of_the_motion_alone_does_not_delay_the_load(bandwidth, seed):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import SingularError
 from ..base.libraries import scipy
-from .fit import FAR_OFF, Fit, covariance_of, far_off_gain
+from .fit import FAR_OFF, Fit, Strain, covariance_of, far_off_gain
 from .flights import (
     DECAYS,
     LEAST_DAMPED,
@@ -810,7 +810,7 @@ def by_laws(
     eigen, vectors = np.linalg.eigh(information * np.outer(scales, scales))
     J = np.sqrt(np.maximum(eigen, 0))[:, None] * vectors.T / scales
     covariance, vague, _ = covariance_of(J, scales)
-    covariance *= max(1.0, misfit) * flown.colour
+    variance = max(1.0, misfit) * flown.colour
     places = [
         *(
             ("omega", "xi", "F0/K 0", "phase", "offset")[i] if i < 5 else f"pole {i}"
@@ -821,6 +821,10 @@ def by_laws(
     order = [
         name for name in ("omega", "xi", *names, "F0/K 0") if name in places and name != "gain"
     ]
+    strains = strains_of(
+        windows, common, dict(zip(places, np.diag(covariance).tolist(), strict=True)), variance
+    )
+    covariance *= variance
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
     values |= dict(zip(names, g.tolist(), strict=True))
@@ -835,12 +839,34 @@ def by_laws(
     found = Fit(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
-        [misfit * flown.colour],
+        [misfit * flown.colour], variance, strains=strains,
     )  # fmt: skip
     return found, law, lawful
 
 
-def by_flights(flown: Flown, shared: Mapping[str, float], law: Law) -> Fit:
+def strains_of(
+    windows: Windows, common: _Array, variances: Mapping[str, float], spread: float
+) -> dict[str, Strain]:
+    """How far the load by its channel is from that by the motion: residuals over their own standard errors, which
+    are smaller than that of the channel as far as the fit follows it. `variances` are of the fitted parameters."""
+    found = {}
+    for place, name, fitted, label in (
+        (2, "static", "F0/K 0", "F0 0"),
+        (3, "phase", "phase", "phase 0"),
+    ):
+        if name not in windows.priors or fitted not in variances:
+            continue
+        value, error = windows.priors[name]
+        own = 1 - variances[fitted] / error**2
+        if own > 1e-6:
+            change = (common[place] - value) / own
+            unit = (windows.data.F0 or math.nan) / value if name == "static" else 1.0
+            size = float(change) * math.sqrt(own / spread) / error
+            found[label] = Strain(size, float(change) * unit)
+    return found
+
+
+def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law: Law) -> Fit:
     """What flights alone tell: natural frequency, damping and load, without what impacts do."""
     common, free = flown.common, flown.free
     names = ["omega", "xi", "F0/K 0", "phase", "offset", *(["pole"] * common.size)]
@@ -851,14 +877,17 @@ def by_flights(flown: Flown, shared: Mapping[str, float], law: Law) -> Fit:
         **shared,
     }
     values |= {"omega": float(common[0]), "xi": float(common[1])}
-    covariance = np.linalg.inv(flown.weights) * flown.colour
+    covariance = np.linalg.inv(flown.weights)
+    variances = {names[i]: float(covariance[j, j]) for j, i in enumerate(free.tolist())}
+    strains = strains_of(windows, common, variances, flown.colour)
+    covariance *= flown.colour
     kept = [j for j, i in enumerate(free) if i < 3]
     none = [name for name in law.shared if name not in shared and name not in ("omega", "xi")]
     both = np.zeros((len(kept) + len(none),) * 2)
     both[: len(kept), : len(kept)] = covariance[np.ix_(kept, kept)]
     return Fit(
         values, [float(common[2])], [float(common[3])], [], [*(names[free[j]] for j in kept), *none], both, none,
-        [flown.colour],
+        [flown.colour], flown.colour, strains=strains,
     )  # fmt: skip
 
 

@@ -215,7 +215,7 @@ def apart(
         step.notes.append(f"impacts give no parameters: {error}")
         # beside rests, in which the masses are one, short flights may be none
         clean = flights.resolved.sum() >= max(LEAST_IMPACTS, 0.5 * flights.times.size)
-        return steps, by_flights(flights, shared, law) if clean else None, law
+        return steps, by_flights(step.windows, flights, shared, law) if clean else None, law
     step.notes.append(
         f"momentum and restitution at {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
         "others are beside a flight that is too short, or in which an impact is hidden"

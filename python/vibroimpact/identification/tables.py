@@ -208,10 +208,10 @@ def doubts_of(
                 "missing or wrong, or the channels have different clocks"
             )
         elif kind == "F0":
-            assert data is not None
-            assert data.F0 is not None
+            load = (data or step.apart or Measured(step.Omega, 1)).F0
+            assert load is not None
             texts.append(
-                f"the motion answers to a load of {data.F0 + strain.change:.4g} N, not {data.F0:.4g} N ({apart}): "
+                f"the motion answers to a load of {load + strain.change:.4g} N, not {load:.4g} N ({apart}): "
                 "a known M or K, the units or the calibration of a channel may be wrong"
             )
         else:
@@ -225,6 +225,13 @@ def doubts_of(
                 f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}something else that "
                 "acts like it"
             )
+    at_bounds = {"xi": (0.0,), "R1": (0.0, 1.0), "R2": (0.0, 1.0)}
+    texts += [
+        f"{name} = {found.values[name]:g}: the fit would go beyond this bound; a known value may be wrong, a "
+        "filter or delay missing, or the clocks of the channels differ"
+        for name, ends in at_bounds.items()
+        if name in found.names and name not in found.undetermined and found.values[name] in ends
+    ]
     if found.misfits[i] > DOUBTFUL:
         texts.append(
             f"misfit of {found.misfits[i]:.3g}: the motion does not describe the record to its scatter: the "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeAlias
@@ -37,14 +38,16 @@ class ByValue:
         return hash(self._values())
 
 
-class Law:
-    """A law R(v): its class gives the keys of a &gap that describe it, and itself times a factor."""
+class Law(ABC):
+    """A law R(v)."""
 
+    @abstractmethod
     def _columns(self) -> dict[str, Any]:
-        raise NotImplementedError
+        """The keys of a &gap that describe the law."""
 
+    @abstractmethod
     def _scaled(self, factor: float) -> Restitution:
-        raise NotImplementedError
+        """The law whose coefficients are those of this one times a factor."""
 
     def __call__(self, speed: ArrayLike) -> _Array:
         """R at approach speeds >= 0, of any shape."""
