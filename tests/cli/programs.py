@@ -278,9 +278,13 @@ def find_twin():
 
 
 def contents(folder):
-    """Name and bytes of every file below a folder."""
-    files = (path for path in Path(folder).rglob("*") if path.is_file())
-    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+    """Name and bytes of every file below a folder; of those that are renamed meanwhile perhaps none."""
+    found = {}
+    for path in Path(folder).rglob("*"):
+        if path.is_file():
+            with contextlib.suppress(FileNotFoundError):
+                found[str(path.relative_to(folder))] = path.read_bytes()
+    return found
 
 
 def rows(path):

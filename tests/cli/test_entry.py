@@ -1,5 +1,6 @@
 """Start and end of the programs: Ctrl-C at the start, arguments, a full disk, folders."""
 
+import argparse
 import json
 import os
 import shutil
@@ -9,6 +10,7 @@ import sys
 
 import pytest
 from programs import PAIR, ROOT, SYSTEM, Runner, contents, find_command, write
+from vibroimpact.commands import command
 
 POINT = ["--xi", ".0114", "--mu", ".028", "--restitution", ".75", "--r", "1.04", "--clearance", "9"]
 FULL = pytest.mark.skipif(
@@ -189,3 +191,17 @@ def test_what_is_allowed(words, output, tool):
     """Errors give the allowed values in the words of the options, and in numbers."""
     assert tool(*words).faults == [f"vibroimpact {output}"]
     assert list(contents(tool.cwd)) == []
+
+
+def test_ctrl_c_while_the_arguments_are_read(monkeypatch):
+    """argparse that is interrupted ends with an error of its own; it is an interrupt nevertheless."""
+
+    def interrupted(*_):
+        try:
+            raise KeyboardInterrupt
+        finally:
+            raise AttributeError("save_nargs")
+
+    monkeypatch.setattr(argparse.ArgumentParser, "parse_intermixed_args", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        command.main(["find"])

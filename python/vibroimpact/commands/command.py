@@ -180,7 +180,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 parser.parse_args(words)  # help, version or an error
                 parser.error(f"{name}: must be a command")
             # files and names may come before and after an option
-            options = parser.parse_intermixed_args(_separated(words[1:]))
+            try:
+                options = parser.parse_intermixed_args(_separated(words[1:]))
+            except AttributeError as error:
+                # argparse restores in the end what Ctrl-C may have kept it from saving
+                if isinstance(error.__context__, KeyboardInterrupt):
+                    raise KeyboardInterrupt from None
+                raise
             options.record = Record(name)
             return said_or_told(name, options)
         finally:

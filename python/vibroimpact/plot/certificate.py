@@ -41,5 +41,7 @@ def draw_certificate(certificate: Any, ax: Any = None) -> Any:
     ax.set_ylim(*plane.window)
     ax.set_xlabel(style.parameter_label("r"))
     ax.set_ylabel(style.parameter_label("clearance"))
-    style.add_legend(ax)
+    style.add_legend(
+        ax, loc="center right"
+    )  # the best place takes long to find among so many strips
     return ax
