@@ -123,7 +123,7 @@ def test_permanent_rest_is_settled():
     load = vi.Load(1.0, sine=[0.1], constant=[-1.0])
     found = vi.find(table, load, states=4, max_impacts=1, max_cycles=1, guesses=4)
     assert (found.without_impacts, found.unsettled) == (4, 0)
-    assert "4 states without impacts" in repr(found)
+    assert "4 states without further impacts" in repr(found)
     names = [item.name for item in vi.basins(table, load, states=4).attractors]
     assert names == ["permanent rest"]
 

@@ -106,7 +106,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         Amplitude of the load of an oscillator, or the load of a structure.
     motions : tuple of Motion
     without_impacts : int
-        Simulated states after which no impacts are left.
+        Simulated states after which no impacts are left; of a structure also those in contact for good.
     search : Search
         Of an oscillator: the extent of the search.
     settled : tuple of int
@@ -222,7 +222,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
             reached = 2 * steady_amplitude(self.osc, self.r, self.load) >= self.clearance
             others = "" if reached else "; and the motion without impacts, since D > 2A"
             return f"<FoundMotions at {point}: {there}{others}{cut}>"
-        counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without impacts")]
+        counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without further impacts")]
         counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]
         # all of which are 0 where every state settles
         others = ", ".join(f"{n} states {what}" for n, what in counts if n or what == "unsettled")
