@@ -90,6 +90,8 @@ module vi_status
       integer :: friction_rests = 39
       !> No states of friction fit the forces, or a belt drags a mass that nothing holds.
       integer :: friction_undecided = 40
+      !> Friction sticks through the whole period of the motion on which a simulation settles.
+      integer :: permanent_stick = 41
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -214,6 +216,9 @@ contains
       case (stat%friction_undecided)
          text = 'elements of friction depend on each other at one instant, or a belt drags a &
             &mass that nothing holds: what follows is not represented'
+      case (stat%permanent_stick)
+         text = 'friction sticks for ever wherever it came to, so that the motion is one of a &
+            &continuum: make what sticks rigid, or start from another state'
       case default
          text = 'unknown status code'
       end select

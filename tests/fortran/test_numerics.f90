@@ -595,7 +595,7 @@ contains
          stat%not_smooth, stat%no_extremum, stat%shorter_period, stat%symmetric, &
          stat%dependent_rests, stat%unbalanced, stat%too_stiff, &
          stat%permanent_rest, stat%narrow_gap, stat%stop_holds, &
-         stat%friction_rests, stat%friction_undecided]
+         stat%friction_rests, stat%friction_undecided, stat%permanent_stick]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

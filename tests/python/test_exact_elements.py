@@ -124,8 +124,8 @@ def test_friction_in_the_slot_of_an_oscillator():
     found = vi.find(point, states=6)
     assert found.settled == (6,)
     assert found.motions[0].multipliers == pytest.approx(motion.multipliers, abs=1e-9)
-    with pytest.raises(vi.ParameterError, match="must be left out here"):
-        vi.lyapunov(point, cycles=10)
+    moduli = np.sort(np.log(np.abs(motion.multipliers)))[::-1]
+    assert vi.lyapunov(point).per_cycle == pytest.approx(moduli, abs=1e-9)
 
 
 def test_walls_of_an_oscillator_that_give():

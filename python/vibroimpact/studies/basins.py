@@ -54,12 +54,12 @@ class Attractor:
         "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
         states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
         its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of a structure
-        stay closed; or "periodic?" where a simulation of an oscillator repeats itself to rounding for long but no
-        stable exact motion was found. All chaotic states of a structure are one attractor, and so are all
-        quasi-periodic ones.
+        stay closed or friction sticks for ever, wherever it came to; or "periodic?" where a simulation of an
+        oscillator repeats itself to rounding for long but no stable exact motion was found. All chaotic states of
+        a structure are one attractor, and so are all quasi-periodic ones.
     name : str
         Sides and load cycles, as "RL/1", or of a structure impacts and load cycles, as "2/1", and "rest/1" with
-        rests; or the kind. Equal names get a number.
+        rests; or the kind. With stops or friction all events count as impacts. Equal names get a number.
     motion : Motion or None
         The exact motion.
     state : dict or None
@@ -281,7 +281,9 @@ def basins_structure(
         if plane is None
         else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...")
     )
-    found = door.run_structure(Basins, structure, load, keys, threads, progress, AXIS_NAMES)
+    found = door.run_structure(
+        Basins, structure, load, keys, threads, progress, AXIS_NAMES, stops=True
+    )
     found.require()
     return found
 

@@ -135,7 +135,8 @@ class BifurcationDiagram(
         Of an oscillator: extreme positions of the primary mass.
     labels : ndarray (runs, n) of str
         N/k of each run and value, N symbols of an oscillator or impacts of a structure; "" where no period is
-        confirmed, "0/1" without impacts.
+        confirmed, "0/1" without impacts. With stops or friction N counts all events but the beginning and the end
+        of rests.
     status : ndarray (runs, n) of int
         0 done; see `status_text`. After a failure the next value of a structure starts anew.
     failures : dict
@@ -147,7 +148,8 @@ class BifurcationDiagram(
     points : structured ndarray
         The impacts kept: ``run`` and ``index`` (of the value) and, of an oscillator, ``side`` ("R", "L"),
         ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
-        ``gap``, ``phase`` and ``speed`` of approach.
+        ``gap``, ``phase`` and ``speed`` of approach; with stops or friction all events but the beginning and the
+        end of rests, and their ``kind`` as of `Trajectory`.
     strobes : structured ndarray
         Of a structure: ``run``, ``index``, and coordinates ``q`` and velocities ``q_dot`` at the beginning of the
         load cycles of a period, or of all that were examined.
@@ -193,8 +195,10 @@ class BifurcationDiagram(
 
     @cached_property
     def points(self) -> NDArray[Any]:
-        names = ("gap", "phase", "speed") if self.of_structure else ("side", *COLUMNS)
-        return self._listed("impacts", names)
+        if not self.of_structure:
+            return self._listed("impacts", ("side", *COLUMNS))
+        kind = ("kind",) if "kind" in self._result.tables["impacts"].columns else ()
+        return self._listed("impacts", ("gap", "phase", "speed", *kind))
 
     @cached_property
     def strobes(self) -> NDArray[Any]:
@@ -356,7 +360,9 @@ def bifurcation_structure(
         **chosen, **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
         "settling": settling, "keep": keep, "points": points, "max_events": max_events,
     }  # fmt: skip
-    return door.run_structure(BifurcationDiagram, structure, load, keys, None, progress, ENDS)
+    return door.run_structure(
+        BifurcationDiagram, structure, load, keys, None, progress, ENDS, stops=True
+    )
 
 
 def first_point(given: dict[str, Any], r: float) -> None:

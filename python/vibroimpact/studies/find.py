@@ -270,10 +270,12 @@ def structure_motions_of(noun: Noun) -> list[Motion]:
         request: dict[str, Any] = {
             "kind": "exact", "gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()
         }  # fmt: skip
-        if len(motion.rests):
+        if len(motion.rests) or not structure._is_rigid:
+            start, (q, rate) = float(motion.phases[0] / load.frequency), (motion.q, motion.q_dot)
+            if not structure._is_rigid:
+                start, (q, rate) = motion._run()._between_events()
             request = {
-                "kind": "settled", "settling": 0, "q": motion.q.tolist(), "q_dot": motion.q_dot.tolist(),
-                "start": float(motion.phases[0] / load.frequency),
+                "kind": "settled", "settling": 0, "q": q.tolist(), "q_dot": rate.tolist(), "start": start,
             }  # fmt: skip
         found.append(motion.__replace__(request=request | {"cycles": motion.cycles}))
     return found

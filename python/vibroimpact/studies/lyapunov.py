@@ -57,7 +57,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
         speed u at which the masses part; -tr(M^-1 C) + sum log R (R + R' v) of a structure, NaN with rests or
         unless all exponents were asked for.
     impacts, rests : ndarray (...) of int
-        Impacts and rests that were averaged over.
+        Impacts and rests that were averaged over; with stops or friction all other events count as impacts.
     cycles : int
         Load cycles that were averaged over.
     status : ndarray (...) of int
@@ -143,7 +143,7 @@ def lyapunov_structure(
         "directions": directions, "max_events": max_events,
     }  # fmt: skip
     found = door.run_structure(
-        Lyapunov, structure, load, keys, None, progress, needs_frequency=False
+        Lyapunov, structure, load, keys, None, progress, needs_frequency=False, stops=True
     )
     found.require()
     return found

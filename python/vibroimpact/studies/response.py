@@ -66,7 +66,8 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     q_min, q_max : ndarray (k, n, runs)
         Of a structure: least and greatest value of each coordinate.
     steady_largest, steady_rms : ndarray (k, n)
-        Of a structure: size of the steady motion without impacts; NaN if there is none.
+        Of a structure: size of the steady motion without impacts, without contact with stops and without friction;
+        NaN if there is none.
     cycles : ndarray (n, runs) of int
         Load cycles of the shortest period of the stable motion that Newton's method confirms (0: none; chaotic,
         quasi-periodic, or not settled yet).
@@ -200,7 +201,7 @@ def response_structure(
         **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
         "settling": settling, "keep": keep, "max_events": max_events,
     }  # fmt: skip
-    return door.run_structure(Response, structure, load, keys, threads, progress, ENDS)
+    return door.run_structure(Response, structure, load, keys, threads, progress, ENDS, stops=True)
 
 
 def _along_frequency(given: dict[str, Any]) -> None:

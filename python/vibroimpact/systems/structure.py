@@ -23,6 +23,8 @@ MOST = 500
 #: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
 LARGEST, LARGEST_MODAL = 1e100, 1e40
 MOST_OUTPUTS = 100
+#: The verbs that take stops and friction.
+WITH_ELEMENTS = "simulate, exact, find, branch, response, bifurcation_diagram, lyapunov and basins"
 
 
 def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Array:
@@ -322,7 +324,8 @@ class Structure(ByValue):
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        `simulate`, `exact`, `branch` and `find` take stops and friction; the other verbs do not, yet.
+        `simulate`, `exact`, `find`, `branch`, `response`, `bifurcation_diagram`, `lyapunov` and `basins` take
+        stops and friction; the other verbs do not, yet.
     outputs : mapping of str to array_like (n,), optional
         Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
@@ -591,14 +594,13 @@ class Structure(ByValue):
         """Its gaps; ParameterError if one of them is a stop, or if it has friction."""
         if self.friction:
             raise ParameterError(
-                f"friction[0] = {self.friction[0]!r}: must be left out here; only simulate, exact, "
-                "branch and find take friction"
+                f"friction[0] = {self.friction[0]!r}: must be left out here; only {WITH_ELEMENTS} take friction"
             )
         found = []
         for i, gap in enumerate(self.gaps):
             if isinstance(gap, Stop):
                 raise ParameterError(
-                    f"gaps[{i}] = {gap!r}: must be a Gap here; only simulate, exact, branch and find take stops"
+                    f"gaps[{i}] = {gap!r}: must be a Gap here; only {WITH_ELEMENTS} take stops"
                 )
             found.append(gap)
         return found

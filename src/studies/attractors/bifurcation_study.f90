@@ -8,6 +8,7 @@ module vi_bifurcation_study
       spacing_key, state_keys, state_of, window_keys
    use vi_kinds, only: wp
    use vi_oscillator, only: at_resonance
+   use vi_restitution, only: table_law
    use vi_simulated_motion, only: cell_type, examination_type
    use vi_simulated_pair, only: new_pair_chains, pair_chains_type
    use vi_status, only: stat, status_text
@@ -16,6 +17,7 @@ module vi_bifurcation_study
    use vi_structure_keys, only: check_start_state, needs_frequency, start_keys
    use vi_structure_parameter, only: function_keys, parameter_change
    use vi_structure_path, only: change_type, structure_path_type, structure_takes => parameter_takes
+   use vi_structure_run, only: event_kinds
    use vi_structure_sweep_tables, only: cell_columns, check_sweep, run_sweep, sweep_keys, &
       value_count
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
@@ -138,7 +140,9 @@ module vi_bifurcation_study
       column_type('impacts', 'gap', wholes, listed=.false., meaning='number of the gap, from 0'), &
       column_type('impacts', 'phase', unit='rad', listed=.false., &
       meaning='load phase within a load cycle'), &
-      column_type('impacts', 'speed', listed=.false., meaning='approach speed')]
+      column_type('impacts', 'speed', listed=.false., meaning='approach speed'), &
+      column_type('impacts', 'kind', words, words=event_kinds, listed=.false., &
+      meaning='kind of the event, only with stops or friction')]
 
 contains
 
@@ -172,6 +176,7 @@ contains
       study%name = 'bifurcation'
       study%meaning = 'sweep a parameter up and down, or from many states'
       study%row = [character(7) :: 'impacts', 'strobes']
+      study%takes_elements = .true.
       study%check => check_bifurcation
       study%memory => bifurcation_memory
       study%run => run_bifurcation
@@ -633,6 +638,8 @@ contains
       call result%put('impacts', 'gap', [(cells(i)%gaps - 1, i=1, size(cells))])
       call result%put('impacts', 'phase', [(cells(i)%hits(1, :), i=1, size(cells))])
       call result%put('impacts', 'speed', [(cells(i)%hits(2, :), i=1, size(cells))])
+      if (any(path%structure%laws%kind > table_law)) call result%put('impacts', 'kind', &
+         [(cells(i)%kinds, i=1, size(cells))])
    end subroutine run_structure
 
 end module vi_bifurcation_study

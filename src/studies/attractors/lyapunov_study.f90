@@ -110,9 +110,9 @@ module vi_lyapunov_study
       meaning='Kaplan-Yorke dimension; nan unless there are all 2n exponents'), &
       column_type('run', 'identity_error', listed=.false., &
       meaning='error of the sum of the exponents per unit of time, which is known from damping and &
-      &impacts; nan unless there are all of them and no rest'), &
+      &impacts; nan unless there are all of them and no rest, and friction never sticks'), &
       column_type('run', 'impacts', wholes, listed=.false., &
-      meaning='impacts in the cycles averaged over'), &
+      meaning='impacts in the cycles averaged over; with stops or friction all events'), &
       column_type('run', 'rests', wholes, listed=.false., &
       meaning='rests in the cycles averaged over')]
 
@@ -144,6 +144,7 @@ contains
       study%name = 'lyapunov'
       study%meaning = 'compute all Lyapunov exponents at a point or along a line'
       study%row = [character(9) :: 'points', 'exponents']
+      study%takes_elements = .true.
       study%check => check_lyapunov
       study%memory => lyapunov_memory
       study%run => run_lyapunov

@@ -79,7 +79,8 @@ module vi_response_study
       column_type('cells', 'rms', each='coordinate', label='rms_#', &
       meaning='root of the mean square of each coordinate'), &
       column_type('cells', 'steady_largest', each='coordinate', label='steady_largest_#', &
-      meaning='greatest magnitude of the steady motion without impacts; nan if there is none'), &
+      meaning='greatest magnitude of the steady motion without impacts, stops and friction; nan if &
+      &there is none'), &
       column_type('cells', 'steady_rms', each='coordinate', label='steady_rms_#', &
       meaning='root of the mean square of the steady motion without impacts'), &
       column_type('cells', 'output_largest', each='output', label='largest_#', &
@@ -129,6 +130,7 @@ contains
       study%name = 'response'
       study%meaning = 'follow the size of settled motions along the load frequency'
       study%row = [character(6) :: 'points', 'cells']
+      study%takes_elements = .true.
       study%check => check_response
       study%memory => response_memory
       study%run => run_response

@@ -3,7 +3,8 @@
 !! Directions are carried from event to event by the exact derivatives and orthonormalised after
 !! each. The logarithms of their growth over whole periods of the load give the exponents of the map
 !! over a period. The contraction of volume is a check: the sum of all logarithms is that of
-!! exp(-tr(M^-1 C) t) and of R (R + R' v) over the impacts.
+!! exp(-tr(M^-1 C) t) and of R (R + R' v) over the impacts. With stops and friction it is that of
+!! exp(-tr(M^-1 C) t) over the regimes and of the determinants of the saltation matrices.
 module vi_simulated_structure
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -12,9 +13,9 @@ module vi_simulated_structure
    use vi_progress, only: is_stopped
    use vi_simulated_motion, only: cell_type, examination_type, growth_type, simulated_motion_type
    use vi_status, only: stat
-   use vi_structure, only: restitution_of
+   use vi_structure, only: regime_type, restitution_of
    use vi_structure_map, only: from_coordinates, to_coordinates
-   use vi_structure_run, only: impact_event, run_event_type, run_state_type, run_type, &
+   use vi_structure_run, only: impact_event, is_listed, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at, stick_event
    use vi_structure_settled, only: settle_structure
    use vi_structure_variation, only: start_tangent, tangent_type, through_event, to_state
@@ -32,7 +33,7 @@ module vi_simulated_structure
       type(run_event_type), allocatable, private :: events(:)
       type(tangent_type), private :: tangent
       !> (directions) Logarithms of their growth in the present period, and what the impacts make of
-      !! that of the volume.
+      !! that of the volume; with stops or friction with what the damping makes of it.
       real(wp), allocatable, private :: logs(:)
       real(wp), private :: shrinking = 0
    contains
@@ -95,8 +96,8 @@ contains
          call one_period(motion, growth, status, progress)
          if (status /= stat%ok) return
          call growth%add(motion%logs, 1.0_wp, i - 0.5_wp)
-         associate (volume => motion%shrinking - 2*sum(motion%run%regimes(1)%modes%damping)* &
-            motion%period)
+         associate (volume => motion%shrinking - merge(0.0_wp, 2*sum(motion%run%regimes(1)% &
+            modes%damping)*motion%period, has_elements(motion)))
             growth%volume = growth%volume + volume
             growth%difference = growth%difference + sum(motion%logs) - volume
          end associate
@@ -141,7 +142,7 @@ contains
       end do
       call orthonormalise(p, lengths)
       call start_tangent(run, state, p, tangent)
-      growth%rank = min(size(p, 2), 2*size(state%x))
+      growth%rank = min(size(p, 2), free_directions(run%regimes(state%regime)))
    end subroutine begin
 
    !> Simulates a period of the load, and carries the directions along.
@@ -156,7 +157,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       integer(int64) :: last
       real(wp) :: elapsed
-      integer :: i, n, ended
+      integer :: derivative, ended, i, n
 
       last = motion%state%cycle + 1
       elapsed = motion%state%elapsed
@@ -166,30 +167,43 @@ contains
          status = merge(stat%ok, ended, ended == stat%more_events)
          motion%left = motion%left - n
          do i = 1, n
-            call follow(motion, motion%events(i), growth)
+            call follow(motion, motion%events(i), growth, derivative)
+            if (status == stat%ok) status = derivative
          end do
          if (status == stat%ok .and. motion%left < 0) status = stat%event_limit
          if (is_stopped(progress)) status = stat%not_computed
          if (status /= stat%ok) return
          if (ended /= stat%more_events) exit
       end do
+      if (has_elements(motion)) call add_damping(motion, motion%state%cycle, motion%state%elapsed)
       call to_state(motion%run, motion%state, motion%tangent)
       call measure(motion, growth%rank)
    end subroutine one_period
 
    !> Carries the directions through an event.
-   subroutine follow(motion, event, growth)
+   subroutine follow(motion, event, growth, derivative)
       !> In and out: the motion.
       type(simulated_structure_type), intent(inout) :: motion
       !> The event.
       type(run_event_type), intent(in) :: event
       !> In and out: the growth.
       type(growth_type), intent(inout) :: growth
+      !> `stat%ok`, or `stat%zero_approach` where an event of a structure with stops or friction
+      !! that counts has no derivative.
+      integer, intent(out) :: derivative
       real(wp) :: restitution, slope, factor
       integer :: status
 
+      derivative = stat%ok
+      if (has_elements(motion)) call add_damping(motion, event%cycle, event%elapsed)
       call through_event(motion%run, event, motion%tangent, status)
-      if (event%kind == impact_event .and. status == stat%ok) then
+      if (has_elements(motion)) then
+         if (growth%batch > 0) derivative = status
+         factor = abs(motion%tangent%jump)
+         if (factor > 0) motion%shrinking = motion%shrinking + log(factor)
+         if (event%kind == impact_event .and. .not. factor > 0) growth%rank = min(growth%rank, &
+            motion%dimensions - 1)
+      else if (event%kind == impact_event .and. status == stat%ok) then
          call restitution_of(motion%run%structure, event%gap, event%speed, restitution, slope)
          factor = abs(restitution*(restitution + slope*event%speed))
          if (factor > 0) then
@@ -198,12 +212,43 @@ contains
             growth%rank = min(growth%rank, motion%dimensions - 1)
          end if
       end if
-      if (event%kind == impact_event) growth%impacts = growth%impacts + 1
+      if (is_listed(event)) growth%impacts = growth%impacts + 1
       if (event%kind == stick_event) growth%rests = growth%rests + 1
-      ! at rest there are fewer pairs
-      growth%rank = min(growth%rank, 2*size(event%x))
+      growth%rank = min(growth%rank, free_directions(motion%run%regimes(event%regime)))
       call measure(motion, growth%rank)
    end subroutine follow
+
+   !> Whether the structure of a motion has stops or friction.
+   pure logical function has_elements(motion)
+      !> The motion.
+      type(simulated_structure_type), intent(in) :: motion
+
+      has_elements = motion%run%structure%has_stops .or. motion%run%structure%has_friction
+   end function has_elements
+
+   !> Number of directions in which a state of a regime can change: at rest there are fewer pairs,
+   !! and of friction that sticks only the place is free.
+   pure integer function free_directions(regime)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+
+      free_directions = 2*size(regime%modes%stiffness) - (size(regime%held) - size(regime%resting))
+   end function free_directions
+
+   !> Adds what damping makes of the volume up to a time in the present regime.
+   pure subroutine add_damping(motion, cycle, elapsed)
+      !> In and out: the motion, whose tangent is at the beginning.
+      type(simulated_structure_type), intent(inout) :: motion
+      !> The time, as whole periods and the remainder.
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: elapsed
+
+      associate (tangent => motion%tangent)
+         motion%shrinking = motion%shrinking - 2*sum(motion%run%regimes(tangent%number)% &
+            modes%damping)*max(0.0_wp, real(cycle - tangent%cycle, wp)*motion%run%period &
+            + (elapsed - tangent%elapsed))
+      end associate
+   end subroutine add_damping
 
    !> Adds the logarithms of the growth of the directions, and makes these orthonormal in the pairs
    !! of the structure without rest.
@@ -226,6 +271,10 @@ contains
             call orthonormalise(free, lengths)
             call to_coordinates(regimes(1), free, p)
             call from_coordinates(regimes(at), p, d)
+            ! friction that sticks keeps its speed; what rounding leaves would not decay
+            associate (held => regimes(at)%held, resting => regimes(at)%resting)
+               d(size(d, 1) - (size(held) - size(resting)) + 1:, :) = 0
+            end associate
          end if
       end associate
       motion%logs(:rank) = motion%logs(:rank) + log(max(lengths(:rank), tiny(1.0_wp)))

@@ -1,11 +1,13 @@
 !> The motion on which a simulation of a structure settles: last impacts, period if any, extremes
-!! and mean squares of the coordinates.
+!! and mean squares of the coordinates. With stops or friction every event counts as an impact but
+!! rests and releases.
 module vi_structure_settled
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_progress, only: is_stopped
+   use vi_restitution, only: friction_law
    use vi_simulated_motion, only: cell_type, examination_type
    use vi_status, only: stat
    use vi_structure, only: load_type, state_of, structure_type
@@ -13,7 +15,7 @@ module vi_structure_settled
    use vi_structure_path, only: changed, structure_path_type
    use vi_structure_return, only: confirmed_cycles, is_steady, most_events, one_cycle, repetition, &
       some_cycles
-   use vi_structure_run, only: impact_event, new_run, run_event_type, run_state_type, run_type, &
+   use vi_structure_run, only: is_listed, new_run, run_event_type, run_state_type, run_type, &
       state_now, stick_event
    implicit none (type, external)
    private
@@ -57,8 +59,8 @@ contains
       type(size_type) :: sizes
       real(wp), allocatable :: strobes(:, :)
       real(wp) :: hits(2, how%points)
-      integer :: counts(how%keep), gaps(how%points), rests(how%keep), first, i, k, kept, left, m, &
-         n, repeats
+      integer :: counts(how%keep), gaps(how%points), kinds(how%points), rests(how%keep), first, i, &
+         k, kept, left, m, n, repeats
       logical :: exactly
 
       m = size(run%structure%mass, 1)
@@ -79,16 +81,18 @@ contains
          if (cell%status /= stat%ok) exit
          call state_now(run, state, strobes(:m, i), strobes(m + 1:, i))
          call measure_cycle(run, before, events(:n), state, sizes)
-         counts(i) = count(events(:n)%kind == impact_event)
+         counts(i) = count(is_listed(events(:n)))
          rests(i) = count(events(:n)%kind == stick_event)
          do k = 1, n
-            if (events(k)%kind /= impact_event .or. kept >= how%points) cycle
+            if (.not. is_listed(events(k)) .or. kept >= how%points) cycle
             kept = kept + 1
             gaps(kept) = events(k)%gap
+            kinds(kept) = events(k)%kind
             hits(:, kept) = [run%load%frequency*events(k)%elapsed, events(k)%speed]
          end do
       end do
       cell%gaps = gaps(:kept)
+      cell%kinds = kinds(:kept)
       cell%hits = hits(:, :kept)
       if (cell%status /= stat%ok) return
       cell%extent(:, 1) = sizes%low
@@ -272,8 +276,8 @@ contains
       end associate
    end subroutine new_sizes
 
-   !> Greatest magnitudes and roots of mean squares of the steady motion without impacts; NaN if
-   !! there is none.
+   !> Greatest magnitudes and roots of mean squares of the steady motion without impacts, contacts
+   !! with stops and friction; NaN if there is none.
    subroutine steady_size(path, share, outputs, largest, rms)
       !> The structure and its load as functions of the parameter.
       type(structure_path_type), intent(in) :: path
@@ -288,11 +292,15 @@ contains
       type(run_type) :: run
       type(size_type) :: sizes
       real(wp), allocatable :: x(:), v(:)
-      integer :: status
+      integer :: i, status
 
       largest = ieee_value(1.0_wp, ieee_quiet_nan)
       rms = largest
       call changed(path, [share], structure, load)
+      do i = 1, size(structure%laws)
+         ! without slip and stick levels friction does not act
+         if (structure%laws(i)%kind == friction_law) structure%laws(i)%numbers(:2) = 0
+      end do
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
       call new_sizes(outputs, sizes)

@@ -37,7 +37,8 @@ module vi_structure_sweep_tables
       column_type('cells', 'cycles', wholes, &
       meaning='load cycles of the period; 0 if none is confirmed'), &
       column_type('cells', 'impacts', wholes, &
-      meaning='impacts of a period, or without a period in all cycles examined'), &
+      meaning='impacts of a period, or without a period in all cycles examined; with stops or &
+      &friction all events'), &
       column_type('cells', 'rests', wholes, meaning='rests, counted in the same way'), &
       column_type('cells', 'status', wholes, listed=.false., &
       meaning='code of what failed; 0: none')]

@@ -79,7 +79,7 @@ contains
       end associate
       call shorten(structure, load, found, shorter)
       do place = 1, list%n
-         if (same_motion(list%motions(place), shorter)) return
+         if (same_motion(list%motions(place), shorter, load%frequency)) return
       end do
       if (.not. allocated(list%motions)) allocate (list%motions(8))
       if (list%n == size(list%motions)) then
@@ -92,19 +92,44 @@ contains
    end subroutine add_motion
 
    !> Whether two motions are the same, whatever impact each is counted from.
-   pure logical function same_motion(one, other)
+   pure logical function same_motion(one, other, frequency)
       !> The motions.
       type(settled_type), intent(in) :: one, other
+      !> That of the load.
+      real(wp), intent(in) :: frequency
 
       same_motion = one%cycles == other%cycles .and. size(one%resting) == size(other%resting)
-      if (same_motion) same_motion = same_impacts(one%gaps, one%motion%phases, one%motion%speeds, &
-         other%gaps, other%motion%phases, other%motion%speeds, one%cycles, size(one%resting) > 0)
+      if (.not. same_motion) return
+      if (allocated(one%events) .and. allocated(other%events)) then
+         same_motion = same_impacts(one%gaps, one%motion%phases, one%motion%speeds, other%gaps, &
+            other%motion%phases, other%motion%speeds, one%cycles, size(one%resting) > 0, &
+            in_one_unit(one%motion%states), in_one_unit(other%motion%states))
+      else
+         same_motion = same_impacts(one%gaps, one%motion%phases, one%motion%speeds, other%gaps, &
+            other%motion%phases, other%motion%speeds, one%cycles, size(one%resting) > 0)
+      end if
+
+   contains
+
+      !> States with velocities over the frequency.
+      pure function in_one_unit(states) result(scaled)
+         !> (2n, N) Coordinates and velocities.
+         real(wp), intent(in) :: states(:, :)
+         real(wp) :: scaled(size(states, 1), size(states, 2))
+
+         associate (n => size(states, 1)/2)
+            scaled(:n, :) = states(:n, :)
+            scaled(n + 1:, :) = states(n + 1:, :)/frequency
+         end associate
+      end function in_one_unit
+
    end function same_motion
 
    !> Whether the impacts of two motions are the same: gaps in order, phases within 1e-6 rad and
-   !! speeds within 1e-6 of the largest one. Impacts of accumulations count down to 1e-3 of it.
+   !! speeds within 1e-6 of the largest one. Impacts of accumulations count down to 1e-3 of it. The
+   !! speeds of halts and reversals are 0, so with stops or friction the states count, too.
    pure logical function same_impacts(gaps, phases, speeds, other_gaps, other_phases, &
-      other_speeds, cycles, rests) result(same)
+      other_speeds, cycles, rests, states, other_states) result(same)
       !> (N) Gaps, load phases (rad) and approach speeds of one motion.
       integer, intent(in) :: gaps(:)
       !> As in `gaps`.
@@ -117,6 +142,8 @@ contains
       integer, intent(in) :: cycles
       !> Whether they have accumulations.
       logical, intent(in) :: rests
+      !> (2n, N) and (2n, M) Coordinates and velocities just after each, in one unit.
+      real(wp), intent(in), optional :: states(:, :), other_states(:, :)
       real(wp), parameter :: near = 1.0e-6_wp, small = 1.0e-3_wp
       integer, allocatable :: first(:), second(:)
       real(wp) :: largest, whole
@@ -135,7 +162,11 @@ contains
          do i = 1, n
             second = cshift(second, 1)
             if (any(other_gaps(second) /= gaps(first))) cycle
-            if (any(abs(other_speeds(second) - speeds(first)) >= near*largest)) cycle
+            if (any(abs(other_speeds(second) - speeds(first)) > near*largest)) cycle
+            if (present(states) .and. present(other_states)) then
+               if (any(abs(other_states(:, second) - states(:, first)) > near* &
+                  maxval(abs(states(:, first))))) cycle
+            end if
             apart = other_phases(second) + two_pi*turn - phases(first)
             if (all(abs(modulo(apart + 0.5_wp*whole, whole) - 0.5_wp*whole) < near)) return
          end do

@@ -20,9 +20,8 @@ module vi_structure_return
    use vi_structure, only: load_type, regime_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
    use vi_structure_period, only: exact, periodic_structure, structure_motion_type
-   use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
-      run_state_type, &
-      run_type, simulate_structure, start_at, state_now, stick_event
+   use vi_structure_run, only: impact_event, is_listed, new_run, release_event, run_event_type, &
+      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event
    use vi_structure_variation, only: derivative_of_run, limit_of, start_tangent, tangent_type, &
       through_event
    implicit none (type, external)
@@ -105,7 +104,8 @@ contains
       !> The motion.
       type(settled_type), intent(out) :: found
       !> `stat%ok`; `stat%no_period` where the motion does not repeat within `most_cycles`;
-      !! `stat%no_impacts` or `stat%permanent_rest`, once it is steady; `stat%no_motion` where it
+      !! `stat%no_impacts` or `stat%permanent_rest`, once it is steady; `stat%permanent_stick` where
+      !! friction sticks through the period; `stat%no_motion` where it
       !! has more than `most_events` events in a period, or no flight without rest;
       !! `stat%event_limit`, `stat%not_computed` if it was stopped; or a status of the simulation
       !! or of Newton's method.
@@ -143,7 +143,7 @@ contains
          if (found%cycles == 0) cycle
          at = state
          call conclude(structure, run, at, elapsed, events, found, status, progress)
-         if (status == stat%no_impacts .or. status == stat%permanent_rest) return
+         if (any(status == [stat%no_impacts, stat%permanent_rest, stat%permanent_stick])) return
          if (status == stat%ok) then
             if (found%motion%verdicts%stable == yes) then
                call take_shortest(structure, run, at, elapsed, events, found, progress)
@@ -196,7 +196,7 @@ contains
       !> Room for events.
       type(run_event_type), intent(inout) :: events(:)
       !> The result, and the number of impacts of the motion; -1 with rest, where the number of
-      !! impacts of an accumulation depends on rounding.
+      !! impacts of an accumulation depends on rounding, and where friction sticks throughout.
       integer, intent(out) :: period, impacts
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
@@ -209,6 +209,10 @@ contains
       at = state
       found%cycles = cycles
       call conclude(structure, run, at, elapsed, events, found, status, progress)
+      if (status == stat%permanent_stick .and. repeats) then
+         period = cycles
+         impacts = -1
+      end if
       if (status /= stat%ok) return
       found%repeats = repeats
       if (.not. is_attractor(found)) return
@@ -397,11 +401,17 @@ contains
       ! a gap may rest while others are hit
       if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1) .or. (n > 0 .and. &
          has_elements(structure))) then
-         call by_return(run, state, elapsed, events, n, found, status)
+         if (sticks_throughout(run, state, events(:n))) then
+            status = stat%permanent_stick
+         else
+            call by_return(run, state, elapsed, events, n, found, status)
+         end if
       else if (n == 0) then
          ! a mass that still moves slowly will hit a gap
-         status = merge(merge(stat%permanent_rest, stat%no_impacts, state%regime /= 1), &
-            stat%no_period, is_steady(run, state))
+         associate (rests => size(run%regimes(state%regime)%held) > 0)
+            status = merge(merge(stat%permanent_rest, stat%no_impacts, rests), stat%no_period, &
+               is_steady(run, state))
+         end associate
       else
          found%gaps = events(:n)%gap
          allocate (found%resting(0), found%rests(2, 0))
@@ -418,8 +428,28 @@ contains
       end if
    end subroutine conclude
 
+   !> Whether friction without a belt sticks through a whole period, wherever it came to.
+   pure logical function sticks_throughout(run, last, events) result(sticks)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state at its end.
+      type(run_state_type), intent(in) :: last
+      !> Its events.
+      type(run_event_type), intent(in) :: events(:)
+      integer :: i, j
+
+      sticks = .false.
+      do j = 1, size(run%structure%laws)
+         if (.not. run%structure%rubs(j)) cycle
+         if (abs(run%structure%laws(j)%numbers(3)) > 0) cycle
+         sticks = any(run%regimes(last%regime)%held == j) .and. all([(any(run%regimes(events(i)% &
+            regime)%held == j), i=1, size(events))])
+         if (sticks) return
+      end do
+   end function sticks_throughout
+
    !> Whether a motion without impacts has settled: near the steady motion of its regime, where what
-   !! has no stiffness stands still.
+   !! has no stiffness stands still, as friction does that sticks without a belt.
    pure logical function is_steady(run, state)
       !> The run.
       type(run_type), intent(in) :: run
@@ -428,11 +458,17 @@ contains
       real(wp), parameter :: near = 1.0e-3_wp, at_rounding = 1.0e-9_wp
       real(wp), dimension(size(run%structure%mass, 1)) :: q, rate, steady, steady_rate
       real(wp), dimension(size(state%x)) :: x, v
+      integer :: m
 
       associate (regime => run%regimes(state%regime), stiff => &
          run%regimes(state%regime)%modes%stiffness > 0)
          v = -regime%modes%drift
          x = regime%modes%force + 2*regime%modes%damping*regime%modes%drift
+         associate (sticks => regime%held(size(regime%resting) + 1:))
+            ! the places where it sticks come last; what rounding leaves of their speed is no motion
+            m = size(v) - size(sticks)
+            if (all(abs(run%structure%laws(sticks)%numbers(3)) <= 0)) v(m + 1:) = state%v(m + 1:)
+         end associate
          is_steady = .not. any(abs(x) > 0 .and. .not. stiff)
          if (.not. is_steady) return
          where (stiff)
@@ -787,8 +823,7 @@ contains
 
       phases = phases_of(run, events)
       whole = two_pi*found%cycles
-      impacts = pack([(i, i=1, size(events))], events%kind /= stick_event .and. &
-         events%kind /= release_event)
+      impacts = pack([(i, i=1, size(events))], is_listed(events))
       sticks = pack([(i, i=1, size(events))], events%kind == stick_event)
       n = size(run%structure%mass, 1)
       found%gaps = events(impacts)%gap

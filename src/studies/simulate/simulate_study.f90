@@ -10,7 +10,7 @@ module vi_simulate_study
    use vi_structure_gaps, only: start_fault
    use vi_structure_groups, only: load_frequency, record_end, record_of, structure_of
    use vi_structure_keys, only: check_start_state, longest, start_keys
-   use vi_structure_run, only: halt_event, hit_event => impact_event, &
+   use vi_structure_run, only: event_kinds, halt_event, hit_event => impact_event, &
       rest_event => stick_event, touch_event
    use vi_structure_tables, only: put_structure, structure_columns
    use vi_structure_trajectory, only: simulate_structure_case
@@ -97,8 +97,7 @@ module vi_simulate_study
 
    type(column_type), parameter :: own_structure_columns(*) = [ &
       column_type('events', 'time', meaning='time'), &
-      column_type('events', 'kind', words, words='impact,stick,release,touch,leave,let_go,press,&
-      &halt,slip_up,slip_down', &
+      column_type('events', 'kind', words, words=event_kinds, &
       meaning='kind; from touch on those of stops, from halt on those of friction'), &
       column_type('events', 'gap', wholes, &
       meaning='number of the gap or stop, or after all of them of friction, from 0'), &

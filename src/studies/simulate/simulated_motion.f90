@@ -39,7 +39,8 @@ module vi_simulated_motion
       !> `stat%ok`, or why there is nothing.
       integer :: status = stat%not_computed
       !> Load cycles of the period, 0 if none is confirmed; symbols, impacts and rests in it, or in
-      !! all cycles that were examined. Structures have no symbols.
+      !! all cycles that were examined. Structures have no symbols; with stops or friction all
+      !! events but rests and releases count as impacts.
       integer :: cycles = 0, symbols = 0, impacts = 0, rests = 0
       !> (coordinates, 3) Least and greatest values, and roots of the mean squares; of the
       !! oscillator the least and greatest x.
@@ -51,6 +52,8 @@ module vi_simulated_motion
       !! cycle and approach speeds, or numbers as in `store_events`.
       integer, allocatable :: gaps(:)
       real(wp), allocatable :: hits(:, :)
+      !> (impacts) Their kinds, of a structure, whose stops and friction have other events.
+      integer, allocatable :: kinds(:)
    end type cell_type
 
    !> A motion that is simulated.

@@ -18,8 +18,8 @@ module vi_structure_run
    implicit none (type, external)
    private
 
-   public :: find_regime, is_far, new_run, simulate_structure, start_at, state_now, time_of, &
-      whole_periods
+   public :: find_regime, is_far, is_listed, new_run, simulate_structure, start_at, state_now, &
+      time_of, whole_periods
 
    !> Kinds of events. A gap: an impact, and the start and the end of a rest. A stop: it is touched
    !! and left; one that cannot pull lets go while it is closed, and presses again. Friction halts,
@@ -27,6 +27,10 @@ module vi_structure_run
    integer, parameter, public :: impact_event = 1, stick_event = 2, release_event = 3, &
       touch_event = 4, leave_event = 5, let_go_event = 6, press_event = 7, halt_event = 8, &
       slip_up_event = 9, slip_down_event = 10
+
+   !> Their names, in this order.
+   character(*), parameter, public :: event_kinds = 'impact,stick,release,touch,leave,let_go,&
+      &press,halt,slip_up,slip_down'
 
    !> A structure under a load, with the regimes met so far.
    type, public :: run_type
@@ -1754,6 +1758,14 @@ contains
       call state_of(run%regimes(state%regime), run%load%frequency*state%elapsed, state%x, state%v, &
          q, rate)
    end subroutine state_now
+
+   !> Whether an event is one of those that a motion lists: all but the start and the end of a rest.
+   elemental logical function is_listed(event)
+      !> The event.
+      type(run_event_type), intent(in) :: event
+
+      is_listed = event%kind /= stick_event .and. event%kind /= release_event
+   end function is_listed
 
    !> Time of an event.
    pure real(wp) function time_of(run, event) result(time)

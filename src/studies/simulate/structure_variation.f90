@@ -38,6 +38,8 @@ module vi_structure_variation
       !> Factor of volumes of states since the beginning; 0 once a rest or friction that sticks has
       !! taken a direction away.
       real(wp) :: volume = 1
+      !> That of the last event alone.
+      real(wp) :: jump = 1
       !> The largest sum of the terms of a rate over the rate itself, of functions of which the zero
       !! was an event at which accelerations jump.
       real(wp) :: sharpest = 1
@@ -155,6 +157,7 @@ contains
       integer :: j, n
 
       status = stat%ok
+      tangent%jump = 1
       n = size(before)
       time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
          tangent%elapsed))
@@ -165,7 +168,8 @@ contains
       associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime))
          tangent%volume = tangent%volume*exp(-2*sum(regime%modes%damping)*time)
          if (event%kind == impact_event) then
-            tangent%volume = tangent%volume*volume_of_impact(run%structure, event)
+            tangent%jump = volume_of_impact(run%structure, event)
+            tangent%volume = tangent%volume*tangent%jump
             allocate (x_before, source=tangent%x)
             allocate (v_before, source=tangent%v)
             call advance(regime%modes, time, tangent%x, tangent%v, x_before, v_before)
@@ -192,6 +196,7 @@ contains
             ! the accumulation is completed at its last impact, and the rest begins there
             if (event%kind == stick_event) then
                call apply_rest(run%structure, next, event%gap, p)
+               tangent%jump = 0
                tangent%volume = 0
             end if
             deallocate (tangent%d)
@@ -291,7 +296,7 @@ contains
                         - slope*mobility*dot_product(direction, p(n + 1:, j))
                      p(:n, j) = p(:n, j) + impulse*tangent%later(j)*mobility
                   end do
-                  tangent%volume = tangent%volume*volume_of_impact(run%structure, event)
+                  tangent%jump = volume_of_impact(run%structure, event)
                end if
             end associate
          else
@@ -309,7 +314,7 @@ contains
                         max(tangent%sharpest, size_now/abs(rate))
                      if (row <= run%structure%channels) then
                         call row_derivatives(next, event%x, event%v, phase, row, d)
-                        tangent%volume = tangent%volume*(d(1)/rate)
+                        tangent%jump = d(1)/rate
                      end if
                   else
                      if (any(abs(jump) > rounding*scale)) status = stat%zero_approach
@@ -317,11 +322,12 @@ contains
                   end if
                end associate
             end if
-            if (event%kind == halt_event) tangent%volume = 0
+            if (event%kind == halt_event) tangent%jump = 0
             do j = 1, size(p, 2)
                p(n + 1:, j) = p(n + 1:, j) - jump*tangent%later(j)
             end do
          end if
+         tangent%volume = tangent%volume*tangent%jump
          if (size(next%held) > 0) call project(run%structure, next%held, p(n + 1:, :))
          deallocate (tangent%d)
          allocate (tangent%d(2*size(event%x), size(p, 2)))
