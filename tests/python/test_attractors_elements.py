@@ -261,3 +261,34 @@ def test_namelists(tmp_path, study):
     assert one == two
     found.save(tmp_path / "found.json")
     assert vi.load(tmp_path / "found.json").case == found.case
+
+
+@pytest.mark.parametrize(("name", "values"), [
+    ("r", [1.02, 1.04]), ("clearance", [24.0, 25.0]), ("xi", [0.0114, 0.012]), ("R1", [0.74, 0.75]),
+])  # fmt: skip
+def test_points_keep_their_friction(name, values):
+    """Whatever changes, friction in the slot of an oscillator stays."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    found = vi.bifurcation_diagram(
+        osc.at(1.04, 25, friction=0.05), name, values, sweep="up", settling=400
+    )
+    at = {"r": 1.04, "clearance": 25.0} | {
+        key: value for key, value in ((name, values[1]),) if key in ("r", "clearance")
+    }
+    changed = {"xi": {"xi": values[1]}, "R1": {"restitution": (values[1], 0.75)}}.get(name, {})
+    changed = {"xi": 0.0114, "mu": 0.028, "restitution": 0.75} | changed
+    point = vi.Oscillator(**changed).at(**at, friction=0.05)
+    motion = vi.exact(point, vi.simulate(point, cycles=600))
+    last = found.points[found.points["index"] == 1][-len(motion.gaps) :]
+    assert set(last["kind"]) == {"impact", "slip_up", "slip_down"}
+    assert np.sort(last["speed"]) == pytest.approx(np.sort(motion.speeds), rel=1e-6)
+
+
+def test_walls_that_give_have_no_restitution():
+    point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(
+        1.04, 25, stops=((10.0, 0.0), (10.0, 0.0))
+    )
+    with pytest.raises(vi.ParameterError, match="parameter = 'R1': must not be of walls that give"):
+        vi.bifurcation_diagram(point, "R1", [0.7, 0.8])
+    found = vi.response(point, r=[1.02, 1.04], settling=50, sweep="up")
+    assert (found.impacts > 0).all()

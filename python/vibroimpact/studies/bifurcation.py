@@ -393,6 +393,10 @@ def _along_parameter(given: dict[str, Any]) -> None:
                 f"{fixed} = {value!r}: must be a number where the oscillator is treated as a structure"
             )
     walls = {"R1": (0,), "R2": (1,), "restitution": (0, 1)}.get(name, ())
+    beside = given.get("point")
+    elements = {} if beside is None else {"friction": beside.friction, "stops": beside.stops}
+    if walls and elements.get("stops"):
+        raise ParameterError(f"parameter = {name!r}: must not be of walls that give")
     for wall in walls:
         if not isinstance(osc.restitution[wall], float):
             raise ParameterError(
@@ -407,7 +411,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
         if name == "clearance":
             there |= changes
             changes = {}
-        found = replace(osc, **changes).at(**there)
+        found = replace(osc, **changes).at(**there, **elements)
         return found.structure, found.load
 
     given["parameter"] = "frequency" if name == "r" else at

@@ -44,8 +44,9 @@ def every_system(
     kind : type, optional
         The class of its first argument, which tells its system, if that is not `Structure`.
     of_law : callable, optional
-        Oscillators whose restitution depends on the speed, or whose load is a `Load`, are handed over, too; it
-        turns the arguments, by name, into those of a point and those for structures.
+        Oscillators whose restitution depends on the speed, or whose load is a `Load`, are handed over, too, and
+        points with friction or stops; it turns the arguments, by name, into those of a point and those for
+        structures. Of such a point there is also the argument "point".
     along : tuple of str
         The parameter that the procedure varies, and others that a point makes superfluous. A point stands for the
         oscillator and the other arguments that it has.
@@ -135,7 +136,10 @@ def every_system(
 
         def handed_over(given: dict[str, Any], point: Point | None = None) -> Any:
             assert of_law
+            if point:
+                given["point"] = point
             of_law(given)
+            given.pop("point", None)
             missing = [key for key in ("r", "clearance") if key not in given]
             if missing:
                 raise TypeError(f"{name}(): missing a required argument: {missing[0]!r}")
