@@ -40,6 +40,8 @@ module vi_structure_assess
    real(wp), parameter :: agreement = 1.0e-8_wp
    !> A leading multiplier this near to the unit circle is compared with the effect of rounding.
    real(wp), parameter :: near_circle = 1.0e-3_wp
+   !> How near to 1 the multiplier of a free phase must be.
+   real(wp), parameter :: trivial = 1.0e-7_wp
 
 contains
 
@@ -229,18 +231,21 @@ contains
    !> Eigenvalues of [P] (DGEEV), its determinant, and the verdict on stability.
    !!
    !! The verdict is given only if [P] agrees with the law of its determinant, and only if rounding
-   !! cannot move the leading multiplier across the unit circle.
-   pure subroutine assess_multipliers(rounding, verdicts)
+   !! cannot move the leading multiplier across the unit circle. Where the phase is free, the
+   !! trivial multiplier 1 does not count.
+   pure subroutine assess_multipliers(rounding, verdicts, free)
       !> Relative rounding of [P], besides its own.
       real(wp), intent(in) :: rounding
       !> In: [P] and the law. Out: with multipliers, determinant and the verdict on stability.
       type(structure_verdicts_type), intent(inout) :: verdicts
+      !> Whether the phase is free; not by default.
+      logical, intent(in), optional :: free
       real(wp), allocatable, dimension(:, :) :: a, left, right
       real(wp), allocatable :: re(:), im(:), work(:)
       complex(wp), allocatable :: x(:), y(:)
       integer, allocatable :: order(:), pivot(:)
       real(wp) :: unused(1, 1), bound, condition, doubt
-      integer :: i, j, n, info
+      integer :: i, info, j, leading, n
 
       n = size(verdicts%p, 1)
       if (.not. all(abs(verdicts%p) <= huge(1.0_wp))) return
@@ -272,13 +277,21 @@ contains
       end do
       if (.not. abs(verdicts%determinant - verdicts%law) <= 1.0e-9_wp*abs(verdicts%law) &
          + 1.0e3_wp*(epsilon(1.0_wp) + rounding)*bound) return
-      i = order(1)
-      verdicts%stable = stability(abs(verdicts%multipliers(1)))
+      leading = 1
+      if (present(free)) then
+         if (free) then
+            j = minloc(abs(verdicts%multipliers - 1), 1)
+            if (.not. abs(verdicts%multipliers(j) - 1) <= trivial) return
+            leading = merge(2, 1, j == 1)
+         end if
+      end if
+      i = order(leading)
+      verdicts%stable = stability(abs(verdicts%multipliers(leading)))
       ! where rounding hides the law, a contraction still has a determinant below 1
       if (verdicts%stable == yes .and. .not. abs(verdicts%determinant) < 1) then
          verdicts%stable = unknown
       end if
-      if (abs(abs(verdicts%multipliers(1)) - 1) > near_circle) return
+      if (abs(abs(verdicts%multipliers(leading)) - 1) > near_circle) return
       ! |y^H x| of the unit eigenvectors is the inverse of the condition of the multiplier. DGEEV
       ! stores a complex pair with the positive imaginary part first; sorting keeps that order
       allocate (x(n), y(n))
@@ -291,7 +304,8 @@ contains
       end if
       condition = abs(dot_product(y, x))
       doubt = 100*(epsilon(1.0_wp) + rounding)*norm2(verdicts%p)
-      if (.not. abs(abs(verdicts%multipliers(1)) - 1)*condition > doubt) verdicts%stable = unknown
+      if (.not. abs(abs(verdicts%multipliers(leading)) - 1)*condition > doubt) verdicts%stable = &
+         unknown
    end subroutine assess_multipliers
 
 end module vi_structure_assess

@@ -12,11 +12,12 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import with_stack
 from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, raise_status
+from ..results import door
 from ..results.events import event_table
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, plain_pattern
-from ..systems.structure import Load, Structure, check_load
+from ..systems.structure import Load, Structure, check_load, without_none
 from ..systems.verbs import every_system, physical_arguments
-from .motion import Motion, motion_of_oscillator, motion_of_structure, rests_of
+from .motion import Motion, MotionSet, motion_of_oscillator, motion_of_structure, rests_of
 from .periodic import (
     EXACT,
     frozen,
@@ -52,11 +53,17 @@ def _guess_by_gaps(given: dict[str, Any]) -> None:
 
 
 def exact_structure(
-    structure: Structure, load: Load, guess: Motion | Trajectory | tuple[Any, ...]
+    structure: Structure, load: Load | None, guess: Motion | Trajectory | tuple[Any, ...]
 ) -> Motion:
     """As `exact`, of a structure."""
     if isinstance(guess, (Motion, Trajectory)) and not guess.of_structure:
         raise ParameterError(f"guess = {guess!r}: must be that of a structure, as the system is")
+    if isinstance(guess, (Motion, Trajectory)) and (
+        load is None or (isinstance(load, Load) and not load.frequency)
+    ):
+        return self_excited(structure, without_none(load), guess)
+    checks.instance(load, "load", Load)
+    assert load is not None
     if isinstance(guess, Trajectory):
         check_load(structure, load, frequency=True, stops=True)
         return settled(structure, load, guess.end, guess.final_state)
@@ -87,6 +94,29 @@ def exact_structure(
     numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles)
     found = motion_from_phases(structure, load, numbers, phases, cycles, EXACT)
     return of_same_kind(found, guess) if isinstance(guess, Motion) else found
+
+
+def self_excited(structure: Structure, load: Load | None, guess: Motion | Trajectory) -> Motion:
+    """The motion of a structure without a periodic load, whose period is unknown."""
+    check_load(structure, load, kinds=(Load, type(None)), stops=True)
+    if isinstance(guess, Motion):
+        _, state = guess._run()._between_events()
+        known = {"period": guess.period}
+    else:
+        state = guess.final_state
+        known = {"duration": guess.end - guess.start}
+    n = structure.coordinates
+    for name, values in zip(("q", "q_dot"), state, strict=True):
+        if np.size(values) != n:
+            raise ParameterError(
+                f"guess = {guess!r}: must have {n} coordinates, as the structure has"
+            )
+        known[name] = np.asarray(values).tolist()
+    groups = [*structure._groups(), *([] if load is None else load._groups())]
+    keys = {"kind": "settled", "settling": 0, **known}
+    found = door.run_groups(MotionSet, groups, keys, True, little=True)
+    found.require()
+    return found.parts()[0]
 
 
 def settled(
@@ -158,17 +188,26 @@ def exact(
     An oscillator whose restitution depends on the speed is solved as a structure: phases of its guess are load
     phases, too.
 
+    Without a load, or with a constant one, the motion is self-excited, as of a mass on a belt that sticks and
+    slips: the unknowns are the state in the middle of the longest flight and the period. `Motion.load` then has
+    the frequency 2 pi/T of the motion and no harmonics, phases are counted from the first event, and one
+    multiplier is the trivial 1 of a shift in time, which has its place in `Motion.trivial` and does not count for
+    `stable`.
+
     Parameters
     ----------
     osc : Oscillator
     r, clearance : float
         As in `simulate`.
+    structure, load : Structure, Load or None
+        In place of them; None or `Load.none()`: no load.
     guess : Motion, Trajectory or (phases, pattern)
         A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
         phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
         cycles with which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used,
         because just past a period doubling the shorter period repeats approximately, too. A structure with stops
-        or friction needs a motion or a trajectory.
+        or friction, or without a load, needs a motion or a trajectory; without a load the events of a trajectory
+        are simulated once more as long, and must repeat at the end.
     load : float
         As in `simulate`.
 
@@ -209,6 +248,16 @@ def exact(
     >>> motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
     >>> round(float(motion.phases[0]), 8), round(float(motion.speeds[0]), 8), motion.stable
     (0.07595216, 1.69573294, True)
+
+    A mass on a belt sticks and slips without a load; the period is known in closed form:
+
+    >>> belt = vi.Friction([1], slip=0.6, stick=1.0, speed=0.2)
+    >>> bow = vi.Structure(mass=[1], damping=[0], stiffness=[1], friction=[belt])
+    >>> motion = vi.exact(bow, vi.Load.none(), vi.simulate(bow, duration=50))
+    >>> motion.stable, motion.trivial, round(motion.period, 9)
+    (True, 0, 8.068887872)
+    >>> abs(motion.period - (4 + 2 * math.pi - 2 * math.atan(2))) < 1e-12
+    True
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)

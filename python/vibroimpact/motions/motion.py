@@ -68,7 +68,9 @@ OF_STRUCTURE = ("cycles", "residual", "determinant", "law")
 IMPACTS_OF_STRUCTURE = {"gaps": "gap", "phases": "phase", "speeds": "speed", "impulses": "impulse"}
 RESTS = np.dtype([("gap", "i4"), ("begin", "f8"), ("end", "f8")])
 #: The keys of a &motion of a &structure.
-REQUEST = ("kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q_dot", "start")
+REQUEST = (
+    "kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q_dot", "start", "duration", "period",
+)  # fmt: skip
 #: The codes of the verdicts in tables.
 CODES = {True: 1, False: 0, None: -1}
 #: Largest residual of a consistent motion, unless &motion specifies another.
@@ -143,8 +145,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     admissible : bool or None
         Whether the masses approach at each impact and every gap stays open between the impacts.
     stable : bool or None
-        Whether all multipliers lie inside the unit circle. None where there are no multipliers, or where
-        the leading one is on the circle within rounding (no damping, for example).
+        Whether all multipliers, of a self-excited motion but the trivial one, lie inside the unit circle. None
+        where there are no multipliers, or where the leading one is on the circle within rounding (no damping, for
+        example).
     osc : Oscillator
     r : float
         Of an oscillator, as all up to `rest_events`: frequency ratio Omega/omega.
@@ -176,6 +179,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         the accumulation.
     structure : Structure
         Of a structure, as all that follow.
+    self_excited : bool
+    trivial : int or None
     matrix : ndarray (2n, 2n)
         [P], the derivative of the period of (q, q') from just after the first impact, or, with rests, from the
         middle of the longest flight; NaN if there is none.
@@ -279,6 +284,25 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return 2 * math.pi * self.cycles / frequency
 
     @property
+    def self_excited(self) -> bool:
+        """Whether it has no periodic load, so that its phase is free; its period is 2 pi/load.frequency."""
+        return self.of_structure and not len(self.load.sine)
+
+    @property
+    def trivial(self) -> int | None:
+        """Of a self-excited motion: the place in `multipliers` of the 1 of a shift in time; else None."""
+        if not self.self_excited or np.isnan(self.multipliers).any():
+            return None
+        return int(np.abs(self.multipliers - 1).argmin())
+
+    @property
+    def _nontrivial(self) -> NDArray[np.complex128]:
+        """The multipliers but the trivial one."""
+        return (
+            self.multipliers if self.trivial is None else np.delete(self.multipliers, self.trivial)
+        )
+
+    @property
     def q(self) -> _Array:
         """(n,) Coordinates just after the first impact."""
         return np.asarray(self.states[0, 0])
@@ -304,7 +328,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
         Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker bifurcation.
         """
-        leading = complex(self.multipliers[0])
+        leading = complex(next(iter(self._nontrivial), math.nan))
         if leading != leading:
             return None
         if leading.imag != 0:
@@ -626,8 +650,12 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             raise ParameterError(
                 f"{self!r}: has no namelist, since it was computed with full=True or read from a file without one"
             )
-        groups = [*self.structure._groups(), *self.load._groups(), ("motion", self.request)]
-        return namelist.text(groups)
+        load = self.load._groups()
+        if self.self_excited:
+            # its frequency is a result
+            constant = self.load.constant
+            load = [("load", {"constant": constant.tolist()})] if constant.any() else []
+        return namelist.text([*self.structure._groups(), *load, ("motion", self.request)])
 
     def _keys(self) -> dict[str, Any]:
         """The group &motion that produces it, of an oscillator."""
@@ -804,9 +832,10 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         ]
         if self.consistent is False:
             words[0] += f" (residual {self.residual:.2g})"
-        modulus = np.abs(self.multipliers).max(initial=0.0)
+        modulus = np.abs(self._nontrivial).max(initial=0.0)
         stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
-        words.append(f"{stability} (max|lambda| = {modulus:.4g}, {self.leading_kind})")
+        beside = "" if self.trivial is None else " beside 1"
+        words.append(f"{stability} (max|lambda| = {modulus:.4g}{beside}, {self.leading_kind})")
         return ", ".join(words)
 
     def __repr__(self) -> str:
@@ -819,6 +848,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             counts = [(len(self.phases), one), (len(self.rests), "rest")]
             parts = [f"{n} {name}{'s' * (n != 1)}" for n, name in counts if n]
             cycles = f"{self.cycles} cycle{'s' * (self.cycles != 1)}"
+            if self.self_excited:
+                cycles = f"a period of {self.period:.6g}"
             return f"<Motion of {' and '.join(parts)} in {cycles}: {verdicts}>"
         single = ", single precision" if self.precision == "single" else ""
         return (

@@ -55,7 +55,7 @@ from ..results.systems import (
 from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
-from ..systems.structure import Gap, Load, Structure, check_load
+from ..systems.structure import Gap, Load, Structure, check_load, without_none
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -821,6 +821,7 @@ def simulate_structure(
 ) -> Trajectory:
     """As `simulate`, of a structure."""
     check_load(structure, load, kinds=(Load, Record, type(None)), stops=True)
+    load = without_none(load)
     n = structure.coordinates
     if isinstance(load, Record) and cycles is None and duration is None:
         begin = [checks.to_float(value, name, "a number") for name, value in

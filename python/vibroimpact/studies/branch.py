@@ -546,6 +546,10 @@ def run_from(
     progress: door.Progress | None, threads: int | None = None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
+    if motion.self_excited:
+        raise ParameterError(
+            f"motion = {motion!r}: must be one under a periodic load; self-excited motions are not followed"
+        )
     if motion.consistent is False:
         raise ParameterError(
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "

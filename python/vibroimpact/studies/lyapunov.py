@@ -14,7 +14,7 @@ from ..results import door
 from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, without_none
 from ..systems.verbs import every_system, physical_arguments
 
 __all__ = ["Lyapunov", "lyapunov"]
@@ -143,7 +143,14 @@ def lyapunov_structure(
         "directions": directions, "max_events": max_events,
     }  # fmt: skip
     found = door.run_structure(
-        Lyapunov, structure, load, keys, None, progress, needs_frequency=False, stops=True
+        Lyapunov,
+        structure,
+        without_none(load),
+        keys,
+        None,
+        progress,
+        needs_frequency=False,
+        stops=True,
     )
     found.require()
     return found

@@ -752,9 +752,30 @@ class Load(ByValue):
         object.__setattr__(self, "constant", parts.get("constant", np.zeros(n)))
         object.__setattr__(self, "frequency", frequency or 0.0)
 
+    @classmethod
+    def none(cls) -> Load:
+        """No load, for a structure of any number of coordinates; `simulate`, `lyapunov` and `exact` take it.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> vi.Load.none()
+        <No load>
+        """
+        found = cls.__new__(cls)
+        parts = {
+            "frequency": 0.0,
+            "sine": np.zeros((0, 0)),
+            "cosine": np.zeros((0, 0)),
+            "constant": np.zeros(0),
+        }
+        for name, value in parts.items():
+            object.__setattr__(found, name, value)
+        return found
+
     @property
     def coordinates(self) -> int:
-        """Number of coordinates."""
+        """Number of coordinates; 0 of no load."""
         return self.constant.size
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
@@ -775,10 +796,17 @@ class Load(ByValue):
 
     def __repr__(self) -> str:
         n = len(self.sine)
+        if not self.coordinates:
+            return "<No load>"
         if not self.frequency:
             return f"<Load, constant, on {self.coordinates} coordinates>"
         kinds = f"{n} harmonic{'s' if n != 1 else ''}"
         return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
+
+
+def without_none(load: Any) -> Any:
+    """None for `Load.none()`; else the load."""
+    return None if isinstance(load, Load) and not load.coordinates else load
 
 
 def check_load(
@@ -790,6 +818,9 @@ def check_load(
     checks.instance(structure, "structure", Structure)
     if not stops:
         structure._rigid()
+    if without_none(load) is None and load is not None and type(None) not in kinds:
+        raise ParameterError(f"load = {load!r}: must be a load with a frequency here")
+    load = without_none(load)
     if not isinstance(load, kinds):
         checks.instance(load, "load", Load)
     if load is None:

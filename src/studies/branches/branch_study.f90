@@ -576,11 +576,15 @@ contains
       !> Line of the group of the study.
       integer, intent(in) :: line
       type(values_type) :: group
+      character(*), parameter :: self_excited = 'self-excited motions are not followed'
 
       associate (not_used => line)    ! the faults belong to the &motion
       end associate
       group = case%start
       call check_structure_motion(case, group)
+      if (len(group%fault) == 0 .and. group%has('duration')) call group%refuse('duration', &
+         self_excited)
+      if (len(group%fault) == 0 .and. group%has('period')) call group%refuse('period', self_excited)
       case%start = group
    end subroutine check_structure_start
 

@@ -16,10 +16,10 @@ module vi_motion_study
    use vi_structure, only: load_type, structure_type
    use vi_structure_found, only: derivative_columns, impact_columns
    use vi_structure_groups, only: complete_coordinates, load_frequency, most_coordinates, &
-      structure_of
+      record_end, structure_of
    use vi_structure_keys, only: of_coordinates
    use vi_structure_period, only: eliminated, exact, periodic_structure
-   use vi_structure_return, only: settle, settled_type
+   use vi_structure_return, only: self_excited, settle, settled_type
    use vi_structure_tables, only: put_structure, structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, values_type, verdicts, wholes, words
@@ -200,7 +200,15 @@ module vi_motion_study
       high=most_state, only=settled, takes=of_coordinates, &
       meaning='velocities at the start; 0 if it is left out'), &
       key_type('start', low=0.0_wp, high=1.0e12_wp, default='0', only=settled, &
-      meaning='time at the start')]
+      meaning='time at the start'), &
+      key_type('duration', low=0.0_wp, above=.true., high=1.0e12_wp, only=settled, &
+      may_miss=.true., &
+      takes='a number with 0 < duration <= 1e12, without a &load or with a constant one', &
+      meaning='of a self-excited motion: time simulated first, at whose end it must repeat'), &
+      key_type('period', low=0.0_wp, above=.true., high=1.0e12_wp, only=settled, &
+      may_miss=.true., &
+      takes='a number with 0 < period <= 1e12, without a &load or with a constant one', &
+      meaning='of a self-excited motion near the state at the start: its period, nearly')]
 
    type(column_type), parameter :: own_structure_columns(*) = [impact_columns, &
       column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
@@ -604,7 +612,11 @@ contains
       integer :: gaps, i
 
       if (len(group%fault) > 0) return
-      if (.not. load_frequency(case) > 0) then
+      if (load_frequency(case) > 0) then
+         if (group%has('duration')) call group%refuse('duration', 'the &load has a frequency')
+         if (group%has('period')) call group%refuse('period', 'the &load has a frequency')
+         if (len(group%fault) > 0) return
+      else if (.not. is_free(case, group)) then
          if (group%is('kind', 'settled')) then
             call group%refuse('kind', 'it goes with a &load that has a frequency')
          else
@@ -635,6 +647,18 @@ contains
             '''exact'' where the restitution of a gap depends on the speed')
       end do
    end subroutine check_structure_motion
+
+   !> Whether a motion is one without a periodic load, whose period is unknown.
+   logical function is_free(case, group)
+      !> The case; its load is used.
+      type(case_type), intent(in) :: case
+      !> The group.
+      type(values_type), intent(in) :: group
+
+      is_free = .false.
+      if (load_frequency(case) > 0 .or. record_end(case) >= 0) return
+      is_free = group%has('duration') .or. group%has('period')
+   end function is_free
 
    !> Whether a structure has stops or friction beside its gaps.
    pure logical function has_elements(case)
@@ -741,7 +765,9 @@ contains
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
-      if (group%is('kind', 'settled')) then
+      if (is_free(case, group)) then
+         call find_self_excited(group, structure, load, found, status, progress)
+      else if (group%is('kind', 'settled')) then
          cycles = 0
          if (group%has('cycles')) cycles = group%whole_number('cycles')
          call settle(structure, load, group%number('start'), group%numbers('q'), &
@@ -756,6 +782,31 @@ contains
             .not. refined), found%motion, status)
       end if
    end subroutine find_structure_motion
+
+   !> The self-excited motion that a &motion describes.
+   subroutine find_self_excited(group, structure, load, found, status, progress)
+      !> The group.
+      type(values_type), intent(in) :: group
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> In: constant forces. Out: with the frequency of the motion.
+      type(load_type), intent(inout) :: load
+      !> The motion.
+      type(settled_type), intent(out) :: found
+      !> As in `self_excited`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      real(wp) :: duration, frequency, period
+
+      duration = 0
+      period = 0
+      if (group%has('duration')) duration = group%number('duration')
+      if (group%has('period')) period = group%number('period')
+      call self_excited(structure, load, group%numbers('q'), group%numbers('q_dot'), duration, &
+         period, found, frequency, status, progress)
+      load%frequency = frequency
+   end subroutine find_self_excited
 
    !> Fills the tables of the motion.
    pure subroutine put_structure_motion(result, found, frequency)

@@ -156,6 +156,7 @@ contains
       n = size(first)
       same = n == size(second)
       if (.not. same .or. n == 0) return
+      allocate (apart(n))
       largest = max(maxval(speeds), maxval(other_speeds))
       whole = two_pi*cycles
       do turn = 0, cycles - 1

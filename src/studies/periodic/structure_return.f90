@@ -3,7 +3,7 @@
 !!
 !! A motion with rest is a fixed point of the map of one period, started in the middle of its
 !! longest flight without rest, and so is one with stops or friction; Newton's method uses the
-!! derivative of the simulation in closed form.
+!! derivative of the simulation in closed form. Without a load the period is unknown, too.
 module vi_structure_return
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -20,15 +20,17 @@ module vi_structure_return
    use vi_structure, only: load_type, regime_type, state_of, structure_type
    use vi_structure_assess, only: assess_multipliers
    use vi_structure_period, only: exact, periodic_structure, structure_motion_type
+   use vi_structure_map, only: accelerations
    use vi_structure_run, only: impact_event, is_listed, new_run, release_event, run_event_type, &
-      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event
+      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
+      whole_periods
    use vi_structure_variation, only: derivative_of_run, limit_of, start_tangent, tangent_type, &
       through_event
    implicit none (type, external)
    private
 
-   public :: confirmed_cycles, is_attractor, is_steady, one_cycle, repetition, settle, &
-      settle_arrays, settle_on, shorten, some_cycles
+   public :: confirmed_cycles, is_attractor, is_steady, one_cycle, repetition, self_excited, &
+      settle, settle_arrays, settle_on, shorten, some_cycles
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000
@@ -583,7 +585,6 @@ contains
       real(wp), allocatable :: p(:, :), a(:, :), step(:), s(:), image(:), q(:), rate(:)
       real(wp) :: wait, elapsed, change, before, scale(2), largest
       integer :: i, m, steps
-      logical :: complete, push
 
       at = first
       elapsed = section
@@ -656,21 +657,278 @@ contains
          return
       end if
       status = stat%ok
-      call store_period(run, events(:n), found)
-      if (has_elements(run%structure)) call store_events(run, begun, events(:n), found)
+      call keep_period(run, begun, events(:n), state, p, largest, .false., found)
+      if (has_elements(run%structure)) call doubt_marginal(found%motion)
+   end subroutine by_return
+
+   !> Keeps a period that returns to its beginning, and gives the verdicts on it.
+   subroutine keep_period(run, begun, events, state, p, largest, free, found)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state at the beginning, the events, and the state at the end.
+      type(run_state_type), intent(in) :: begun
+      type(run_event_type), intent(in) :: events(:)
+      type(run_state_type), intent(in) :: state
+      !> (2n, 2n) The derivative of the period, and its factor of rounding errors.
+      real(wp), intent(in) :: p(:, :), largest
+      !> Whether its phase is free, so that one multiplier is 1.
+      logical, intent(in) :: free
+      !> In: with residual and law. Out: the motion.
+      type(settled_type), intent(inout) :: found
+      logical :: complete, push
+
+      call store_period(run, events, found)
+      if (has_elements(run%structure)) call store_events(run, begun, events, found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
-      call examine_rests(run, events(:n), state, push, complete)
+      call examine_rests(run, events, state, push, complete)
       if (found%motion%verdicts%consistent == yes) found%motion%verdicts%admissible = &
          admission(push, complete)
       found%motion%verdicts%p = p
-      allocate (found%motion%verdicts%multipliers(2*m))
+      allocate (found%motion%verdicts%multipliers(size(p, 1)))
       found%motion%verdicts%multipliers = cmplx(p(1, 1) - p(1, 1), 0.0_wp, wp)
       found%motion%verdicts%determinant = p(1, 1) - p(1, 1)
       ! an accumulation of many impacts costs digits: entries are accurate to about 1e-10
       call assess_multipliers(largest*merge(1.0e-12_wp, epsilon(1.0_wp), &
-         any(events(:n)%kind == stick_event)), found%motion%verdicts)
-      if (has_elements(run%structure)) call doubt_marginal(found%motion)
-   end subroutine by_return
+         any(events%kind == stick_event)), found%motion%verdicts, free)
+   end subroutine keep_period
+
+   !> The motion on which a simulation without a load settles, whose period T is unknown, too.
+   !!
+   !! Newton's method finds the state s and T of phi_T(s) = s in the middle of the longest flight,
+   !! with a step at right angles to the velocity of the state:
+   !!
+   !!     [ P - I, f T ; f^T, 0 ] (ds, dT/T) = (s - phi_T(s), 0)
+   subroutine self_excited(structure, load, q, rate, duration, guess, found, frequency, status, &
+      progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Constant forces; without a frequency.
+      type(load_type), intent(in) :: load
+      !> Coordinates (n) and velocities (n) at the start.
+      real(wp), intent(in) :: q(:), rate(:)
+      !> Time that is simulated first, in which the motion must repeat; not if its period is known.
+      real(wp), intent(in) :: duration
+      !> The period nearly, or 0.
+      real(wp), intent(in) :: guess
+      !> The motion, with phases from its first event.
+      type(settled_type), intent(out) :: found
+      !> 2 pi/T.
+      real(wp), intent(out) :: frequency
+      !> `stat%ok`; `stat%no_period`, `stat%no_impacts`, `stat%permanent_rest` or `stat%singular`
+      !! where there is no such motion, or as in `settle_on`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer, parameter :: most_steps = 30
+      type(run_type) :: run
+      type(run_state_type) :: begun, state
+      type(run_event_type), allocatable :: events(:)
+      real(wp), allocatable :: p(:, :), s(:), image(:), step(:)
+      real(wp) :: before, change, largest, period, wait
+      integer :: n, steps
+
+      frequency = 0
+      allocate (events(most_events), s(2*size(q)), image(2*size(q)), step(2*size(q)), &
+         p(2*size(q), 2*size(q)))
+      s = [q, rate]
+      period = guess
+      status = stat%ok
+      if (.not. period > 0) call find_period(structure, load, duration, events, s, period, status, &
+         progress)
+      if (status == stat%ok) call simulate_period()
+      if (status /= stat%ok) return
+      found%cycles = 1
+      if (n == 0) status = stat%no_impacts
+      if (sticks_throughout(run, state, events(:n))) status = stat%permanent_stick
+      if (status /= stat%ok) return
+      call middle_of_flight(run, state, 0.0_wp, events(:n), 1, wait)
+      if (.not. wait >= 0) status = stat%no_motion
+      if (status /= stat%ok) return
+      associate (whole => int(wait/period))
+         call simulate_structure(run, state, state%cycle + whole, wait - whole*period, events, n, &
+            status)
+      end associate
+      if (status /= stat%ok) return
+      call state_now(run, state, s(:size(q)), s(size(q) + 1:))
+      before = huge(1.0_wp)
+      do steps = 0, most_steps
+         call simulate_period()
+         ! the step led into a gap
+         if (status == stat%gap_closed) status = stat%no_convergence
+         if (status /= stat%ok) return
+         if (size(run%regimes(state%regime)%resting) + size(run%regimes(begun%regime)%resting) &
+            > 0) status = stat%no_convergence
+         if (status /= stat%ok) return
+         call derivative_of_run(run, begun, events(:n), state, p, largest, &
+            found%motion%verdicts%law, status)
+         if (status /= stat%ok) return
+         call state_now(run, state, image(:size(q)), image(size(q) + 1:))
+         step = s - image
+         call solve_free(run, begun, state, s, p, step, period, found%motion%residual, change, &
+            status)
+         if (status /= stat%ok) return
+         if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
+         if (change <= 1.0e-7_wp .and. change >= before) exit
+         before = change
+         s = s + step
+      end do
+      if (steps > most_steps) status = stat%no_convergence
+      if (status /= stat%ok) return
+      frequency = run%load%frequency
+      call keep_period(run, begun, events(:n), state, p, largest, .true., found)
+      if (size(found%resting) > 0) found%rests = found%rests - found%motion%phases(1)
+      found%motion%phases = found%motion%phases - found%motion%phases(1)
+
+   contains
+
+      !> Simulates a period from the present state.
+      subroutine simulate_period()
+         type(load_type) :: own
+
+         own = load
+         own%frequency = two_pi/period
+         n = 0
+         call new_run(structure, own, run, status)
+         if (status == stat%ok) call start_at(run, 0.0_wp, s(:size(q)), s(size(q) + 1:), begun, &
+            status)
+         if (status /= stat%ok) return
+         state = begun
+         call one_cycle(run, state, 1, 0.0_wp, events, n, status, progress)
+      end subroutine simulate_period
+
+   end subroutine self_excited
+
+   !> A step of Newton's method for a state and its period.
+   pure subroutine solve_free(run, begun, state, s, p, step, period, residual, change, status)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The states at the beginning and the end of the period.
+      type(run_state_type), intent(in) :: begun, state
+      !> (2n) Coordinates and velocities at the beginning, and (2n, 2n) the derivative of the end.
+      real(wp), intent(in) :: s(:), p(:, :)
+      !> (2n) In: s - phi_T(s). Out: the step.
+      real(wp), intent(inout) :: step(:)
+      !> In and out: T.
+      real(wp), intent(inout) :: period
+      !> The relative residual, and the largest relative step.
+      real(wp), intent(out) :: residual, change
+      !> `stat%ok`; `stat%singular` where more than the phase is free, `stat%no_convergence` where
+      !! T would not be positive.
+      integer, intent(out) :: status
+      real(wp) :: a(size(s) + 1, size(s) + 1), x(size(s) + 1), scale(size(s))
+      real(wp), dimension(size(s)/2) :: acceleration
+      integer :: i, m
+
+      m = size(s)/2
+      scale(:m) = max(maxval(abs(s(:m))), tiny(1.0_wp))
+      scale(m + 1:) = max(maxval(abs(s(m + 1:))), tiny(1.0_wp))
+      residual = maxval(abs(step)/scale)
+      x(:2*m) = step/scale
+      x(2*m + 1) = 0
+      a = 0
+      do i = 1, 2*m
+         a(:2*m, i) = p(:, i)*scale(i)/scale
+         a(i, i) = a(i, i) - 1
+      end do
+      call accelerations(run%regimes(state%regime), 0.0_wp, state%x, state%v, acceleration)
+      a(:2*m, 2*m + 1) = period*[s(m + 1:) - step(m + 1:), acceleration]/scale
+      call accelerations(run%regimes(begun%regime), 0.0_wp, begun%x, begun%v, acceleration)
+      a(2*m + 1, :2*m) = period*[s(m + 1:), acceleration]/scale
+      call solve(a, x, status)
+      change = maxval(abs(x))
+      if (status /= stat%ok) return
+      if (.not. x(2*m + 1) > -1) status = stat%no_convergence
+      if (status /= stat%ok) return
+      step = scale*x(:2*m)
+      period = period*(1 + x(2*m + 1))
+   end subroutine solve_free
+
+   !> Simulates without a load for some time, and finds the period with which the last events
+   !! repeat.
+   subroutine find_period(structure, load, duration, events, s, period, status, progress)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Constant forces; without a frequency.
+      type(load_type), intent(in) :: load
+      !> How long.
+      real(wp), intent(in) :: duration
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> (2n) In: coordinates and velocities at the start. Out: those at the end.
+      real(wp), intent(inout) :: s(:)
+      !> The period.
+      real(wp), intent(out) :: period
+      !> As of `self_excited`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      real(wp), parameter :: near = 1.0e-3_wp, at_rounding = 1.0e-9_wp
+      type(run_type) :: run
+      type(run_state_type) :: state
+      real(wp) :: apart(size(events)/2)
+      integer(int64) :: last
+      integer :: half, k, more, n
+
+      period = 0
+      half = size(events)/2
+      call new_run(structure, load, run, status)
+      associate (m => size(s)/2)
+         if (status == stat%ok) call start_at(run, 0.0_wp, s(:m), s(m + 1:), state, status)
+         if (status /= stat%ok) return
+         last = whole_periods(run, duration)
+         n = 0
+         do
+            call simulate_structure(run, state, last, max(0.0_wp, duration - real(last, wp)* &
+               run%period), events(n + 1:), more, status, .true.)
+            n = n + more
+            if (status /= stat%more_events) exit
+            if (is_stopped(progress)) status = stat%not_computed
+            if (status /= stat%more_events) exit
+            if (n < size(events)) cycle
+            ! the last ones count
+            events(:n - half) = events(half + 1:n)
+            n = n - half
+         end do
+         if (status /= stat%ok) return
+         call state_now(run, state, s(:m), s(m + 1:))
+      end associate
+      if (n == 0) status = merge(stat%permanent_rest, stat%no_impacts, size(run%regimes( &
+         state%regime)%held) > 0)
+      if (n == 0) return
+      apart = huge(1.0_wp)
+      do k = 1, n/2
+         apart(k) = mismatch(events(n - k + 1:n), events(n - 2*k + 1:n - k))
+      end do
+      k = findloc(apart <= min(near, max(at_rounding, 10*minval(apart))), .true., 1)
+      if (k == 0) status = stat%no_period
+      if (k == 0) return
+      period = time_of(run, events(n)) - time_of(run, events(n - k))
+      if (.not. period > 0) status = stat%no_period
+   end subroutine find_period
+
+   !> The largest difference of the states after two series of events, relative to the largest
+   !! coordinate or velocity; huge where the events differ.
+   pure real(wp) function mismatch(now, before)
+      !> (k) The events.
+      type(run_event_type), intent(in) :: now(:), before(:)
+      real(wp) :: size_of_q, size_of_rate
+      integer :: i
+
+      mismatch = huge(1.0_wp)
+      if (any(now%kind /= before%kind .or. now%gap /= before%gap .or. now%regime /= &
+         before%regime)) return
+      size_of_q = tiny(1.0_wp)
+      size_of_rate = tiny(1.0_wp)
+      do i = 1, size(now)
+         size_of_q = max(size_of_q, maxval(abs(now(i)%q)))
+         size_of_rate = max(size_of_rate, maxval(abs(now(i)%rate)))
+      end do
+      mismatch = 0
+      do i = 1, size(now)
+         mismatch = max(mismatch, maxval(abs(now(i)%q - before(i)%q))/size_of_q, &
+            maxval(abs(now(i)%rate - before(i)%rate))/size_of_rate)
+      end do
+   end function mismatch
 
    !> Near a continuum of motions, or a fold, a state is known to the residual over 1 - lambda, and
    !! lambda changes by as much: where that is all of 1 - lambda, nothing is known.
