@@ -9,9 +9,10 @@ STOP = ("stop", "stiffness = 1", "&stop direction = 1, opening = .5, {} /")
 FRICTION = ("friction", "slip = 1", "&friction direction = 1, {} /")
 OTHER_STUDIES = {
     "atlas": "", "chart": "", "decay": "",
-    "zone": "x = 'frequency', x_low = 1, x_high = 2, y = 'load', y_low = 1, y_high = 2",
 }  # fmt: skip
-WITH_ELEMENTS = "simulate, exact, find, branch, response, bifurcation_diagram, lyapunov and basins"
+WITH_ELEMENTS = (
+    "simulate, exact, find, branch, zone, response, bifurcation_diagram, lyapunov and basins"
+)
 
 
 def namelist(element, keys, study="simulate cycles = 1"):

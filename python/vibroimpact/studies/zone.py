@@ -469,7 +469,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     def _motion_of_structure(self, x: float, y: float) -> Motion | None:
         """As `motion`, of a structure."""
-        if len(self.resting):
+        if len(self.resting) or not self.structure._is_rigid:
             return None
         target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
         size = np.array([np.ptp(self.x), np.ptp(self.y)])
@@ -728,7 +728,9 @@ def zone(
     Of a motion of a structure: the zone around it, in the plane of any two parameters. The lines of a lattice over
     the window are followed through the motion and through each motion where two lines cross, on every sheet that
     they reach; boundaries are traced in the same way. Motions with other impacts, and sheets that are not
-    connected to the motion, have zones of their own.
+    connected to the motion, have zones of their own. With stops or friction a zone also ends where the sequence of
+    events changes, as along a branch; pitchforks of motions that are their own mirror image are not followed, and
+    a zone that has them is refused.
 
     Parameters
     ----------

@@ -956,6 +956,7 @@ contains
       !> False where an approach speed is zero.
       logical, intent(out) :: good
       real(wp), allocatable :: by(:, :), events(:, :)
+      integer, allocatable :: moves(:)
       integer :: i, m, n, status
 
       n = size(p, 1)
@@ -968,14 +969,42 @@ contains
       end do
       ! accelerations do not jump at a release
       if (s%kinds(m) == release) m = m - 1
+      moves = pack([(i, i=1, m)], .not. [(is_vanishing(s, course, i), i=1, m)])
+      m = size(moves)
       if (m == 0) return
       ! the phases of the symbols follow from the state at the start
       allocate (by(m, n), events(m, m))
-      by = transpose(course%slopes(:n, n + 1:n + m))
-      events = transpose(course%slopes(n + 2:n + m + 1, n + 1:n + m))
+      by = transpose(course%slopes(:n, n + moves))
+      events = transpose(course%slopes(n + 1 + moves, n + moves))
       call solve_columns(events, by, status)
       good = status == stat%ok
-      if (good) p = p - matmul(transpose(course%slopes(n + 2:n + m + 1, :n)), by)
+      if (good) p = p - matmul(transpose(course%slopes(n + 1 + moves, :n)), by)
    end subroutine monodromy
+
+   !> Whether a symbol begins or ends a contact with a stop that has vanished. Its instants have no
+   !! derivative, but what a small contact changes is of the order of its duration.
+   pure logical function is_vanishing(s, course, symbol)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The period.
+      type(course_type), intent(in) :: course
+      !> The symbol.
+      integer, intent(in) :: symbol
+      !> The longest contact that counts as none, over the shortest time scale of its regime.
+      real(wp), parameter :: none = 1.0e-6_wp
+      integer :: i
+
+      is_vanishing = .false.
+      if (.not. allocated(s%rows)) return
+      do i = max(1, symbol - 1), min(symbol, size(s%kinds) - 1)
+         if (s%gaps(i) /= s%gaps(i + 1) .or. any(s%kinds(i:i + 1) /= switch)) cycle
+         if (.not. course%run%structure%elastic(s%gaps(i))) cycle
+         if (all(s%closed(i)%set /= s%gaps(i))) cycle
+         associate (part => course%segments(findloc(course%segments(:course%parts)%symbol, i, 1)))
+            is_vanishing = is_vanishing .or. abs(part%duration) < none* &
+               course%run%regimes(part%regime)%unit
+         end associate
+      end do
+   end function is_vanishing
 
 end module vi_structure_rests

@@ -4,9 +4,9 @@ module vi_zone_study
    use vi_branch_study, only: check_structure_start, touch_detail
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
-   use vi_kinds, only: wp
+   use vi_kinds, only: pi, wp
    use vi_linear, only: most
-   use vi_motion_family, only: is_exchange
+   use vi_motion_family, only: fold, is_exchange
    use vi_motion_study, only: find_structure_motion
    use vi_orbit, only: most_impacts
    use vi_pattern, only: pattern_type, starred_pattern, starred_symbols
@@ -108,6 +108,9 @@ module vi_zone_study
       type(load_type) :: load
       type(settled_type) :: motion
       type(change_type) :: changes(2)
+      !> Whether the motion has stops or friction, and is its own mirror image half a period later:
+      !! the pitchforks of such motions are not told from folds.
+      logical :: is_mirrored = .false.
    end type plane_type
 
 contains
@@ -147,6 +150,7 @@ contains
       study%name = 'zone'
       study%meaning = 'find where the motions of a pattern are stable'
       study%starts_from(of_structure) = 'motion'
+      study%takes_elements = .true.
       study%check_start => check_structure_start
       study%row = 'vertices'
       study%check => check_zone
@@ -426,6 +430,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
             call result%fail(status_text(status))
             return
          end if
+         plane%is_mirrored = is_own_image(motion, load)
          call parameter_change(case%study, 'x', 'x_', structure, load, changes(1), message)
          call parameter_change(case%study, 'y', 'y_', structure, load, changes(2), message)
          call start_curve(structure, load, motion, changes, surface, start, mirrored, message)
@@ -434,6 +439,28 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       if (allocated(start)) deallocate (start)
       call result%fail(message)
    end subroutine start_surface
+
+   !> Whether a motion with stops or friction is -q half a period later.
+   pure logical function is_own_image(found, load) result(is)
+      !> The motion.
+      type(settled_type), intent(in) :: found
+      !> Its load.
+      type(load_type), intent(in) :: load
+      real(wp), parameter :: near = 1.0e-6_wp
+      real(wp), allocatable :: apart(:), states(:, :), late(:, :)
+      integer :: half, n
+
+      half = size(found%gaps)/2
+      is = allocated(found%events) .and. modulo(size(found%gaps), 2) == 0 .and. &
+         modulo(found%cycles, 2) == 1 .and. half > 0
+      if (.not. is) return
+      apart = found%motion%phases(half + 1:) - found%motion%phases(:half) - pi*found%cycles
+      states = found%motion%states
+      n = size(states, 1)/2
+      states(n + 1:, :) = states(n + 1:, :)/load%frequency
+      late = cshift(states, half, 2)
+      is = all(abs(apart) < near) .and. all(abs(states + late) <= near*maxval(abs(states)))
+   end function is_own_image
 
    !> Puts the motion at the start and its structure into the result.
    subroutine put_plane(plane, result)
@@ -467,6 +494,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       type(pieces_type) :: found, families(1)
       real(wp), allocatable :: start(:)
       logical :: mirrored
+      integer :: i
 
       call add_expected_work(zone_work, progress)
       call start_surface(case, plane, surface, start, mirrored, result, progress)
@@ -481,6 +509,13 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
          return
       end if
       call add_pieces(zone, request, mirrored, found)
+      if (plane%is_mirrored .and. any([(found%pieces(i)%condition%kind == fold, i=1, found%n)])) &
+         then
+         call result%fail('the motion is its own mirror image half a period later, and pitchforks &
+            &of such motions with stops or friction are not followed; a smaller window may have &
+            &none')
+         return
+      end if
       call in_parameters(case, surface, plane%changes, found)
       call result%open('families', 'family', [1])
       families(1) = found

@@ -1,0 +1,107 @@
+"""Zones of motions with elastic stops and friction, against closed forms, branches and simulations."""
+
+import itertools
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from test_attractors_elements import BACKLASH, den_hartog
+from test_exact_elements import one_stop, settled
+
+
+def margin(b, zeta, f):
+    """By how much the force at a reversal of Den Hartog's oscillator is above the friction.
+
+    In half a period x = f + p(t) + h(t), the forced part p and the free part h. The motion at the end is minus
+    that at the beginning, so that h there is -h(0) - 2 f, and its rate minus that at the beginning. NaN where
+    there is no such motion.
+    """
+    w, half = np.sqrt(1 - zeta**2), np.pi / b
+    decay, c, s = np.exp(-zeta * half), np.cos(w * half), np.sin(w * half)
+    flow = decay * np.array([[c + zeta / w * s, s / w], [-s / w, c - zeta / w * s]])
+    free, rate = np.linalg.solve(flow + np.eye(2), [-2 * f, 0])
+    with np.errstate(invalid="ignore"):
+        place = den_hartog(b, zeta, f)
+    forced, forced_rate = place - f - free, -rate
+    real, imaginary = 1 - b**2, 2 * zeta * b  # of the force that moves it
+    load = real * forced + imaginary * forced_rate / b
+    return place - f - load
+
+
+def rough(zeta, f):
+    return vi.Structure([1.0], [2 * zeta], [1.0], friction=[vi.Friction([1.0], f)])
+
+
+def test_den_hartog_over_a_grid():
+    """Amplitudes by the closed form up to the border of stops, beyond which it sticks."""
+    counts = {2: 0, 4: 0}
+    for b, zeta, f in itertools.product(
+        (0.6, 0.8, 0.95, 1.1, 1.4), (0.0, 0.05, 0.2), (0.05, 0.3, 0.6, 0.8)
+    ):
+        motion = settled(rough(zeta, f), vi.Load(b, cosine=[1.0]), 4000)
+        counts[len(motion.gaps)] += 1
+        assert (len(motion.gaps) == 2) == bool(margin(b, zeta, f) > 0)
+        assert motion.stable
+        if len(motion.gaps) == 2:
+            x = np.abs(motion.states[:, 0, 0])
+            assert x == pytest.approx([den_hartog(b, zeta, f)] * 2, rel=1e-9)
+    assert min(counts.values()) > 10
+
+
+def test_border_of_stops():
+    """The zone of motions without a stop ends where the closed form does."""
+    motion = settled(rough(0.05, 0.3), vi.Load(0.8, cosine=[1.0]))
+    zone = vi.zone(motion, ("frequency", 0.55, 1.6), ("slip", 0.02, 0.95), lines=9)
+    assert zone.closed
+    assert {piece.type for piece in zone.boundary} == {"window", "stick_begins"}
+    for piece in zone.boundary:
+        if piece.type == "stick_begins":
+            values = [margin(b, 0.05, f) for b, f in zip(piece.x, piece.y, strict=True)]
+            assert values == pytest.approx([0] * len(values), abs=1e-9)
+    rng = np.random.default_rng(1)
+    x, y = rng.uniform(0.55, 1.6, 50), rng.uniform(0.02, 0.95, 50)
+    assert zone.contains(x, y).tolist() == [
+        bool(margin(b, 0.05, f) > 0) for b, f in zip(x, y, strict=True)
+    ]
+    assert zone.motion(0.8, 0.3) is None
+
+
+def test_zone_of_contacts(tmp_path):
+    """It ends where the motion without contact just reaches the stop, and at the folds of branches."""
+    s = one_stop(1.0, stiffness=10, damping=0.05)
+    load = vi.Load(1.1, cosine=[0.3])
+    motion = settled(s, load, 300)
+    zone = vi.zone(motion, ("frequency", 0.8, 1.6), ("load", 0.5, 2.0), lines=9)
+    assert zone.closed
+    assert {piece.type for piece in zone.boundary} == {
+        "window", "contact_vanishes", "flip", "fold",
+    }  # fmt: skip
+    for piece in zone.boundary:
+        if piece.type == "contact_vanishes":
+            reached = 0.3 * piece.y / abs(1 - piece.x**2 + 0.1j * piece.x)
+            assert reached == pytest.approx(np.ones(len(piece)), abs=1e-9)
+    branch = vi.branch(motion, "frequency", bounds=(0.8, 1.6))
+    fold = max(point.value for point in branch.special_points if point.type == "fold")
+    assert zone.contains(fold - 1e-4, 1.0)
+    assert not zone.contains(fold + 1e-4, 1.0)
+    rng = np.random.default_rng(2)
+    for x, y in zip(rng.uniform(0.8, 1.6, 12), rng.uniform(0.5, 2, 12), strict=True):
+        found = vi.basins(s, vi.Load(x, cosine=[0.3 * y]), states=12)
+        assert zone.contains(x, y) == ("2/1" in [item.name for item in found.attractors])
+    case = tmp_path / "zone.nml"
+    case.write_text(zone.to_namelist())
+    zone.save(tmp_path / "saved.csv")
+    vi.run_namelists([case], tmp_path)
+    one, two = (
+        [line for line in (tmp_path / name).read_text().splitlines() if line[0] != "#"]
+        for name in ("zone.csv", "saved.csv")
+    )
+    assert one == two
+
+
+def test_motions_that_are_their_own_image():
+    """Pitchforks of motions with stops are not followed: a zone that they bound is refused."""
+    motion = vi.basins(BACKLASH, vi.Load(1.6, cosine=[1.0]), states=12).attractors[1].motion
+    assert len(motion.gaps) == 4
+    with pytest.raises(vi.SingularError, match="its own mirror image half a period later"):
+        vi.zone(motion, ("frequency", 1.3, 1.65), ("load", 0.98, 1.02), lines=5)
