@@ -64,6 +64,8 @@ def test_border_of_stops():
         bool(margin(b, 0.05, f) > 0) for b, f in zip(x, y, strict=True)
     ]
     assert zone.motion(0.8, 0.3) is None
+    pytest.importorskip("matplotlib")
+    assert "stick begins" in zone.plot().get_legend_handles_labels()[1]
 
 
 def test_zone_of_contacts(tmp_path):

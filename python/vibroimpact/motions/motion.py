@@ -833,6 +833,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         if self.consistent is False:
             words[0] += f" (residual {self.residual:.2g})"
         modulus = np.abs(self._nontrivial).max(initial=0.0)
+        if self.trivial is not None and modulus < np.finfo(float).eps:
+            modulus = 0.0  # what sticks loses a direction
         stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
         beside = "" if self.trivial is None else " beside 1"
         words.append(f"{stability} (max|lambda| = {modulus:.4g}{beside}, {self.leading_kind})")

@@ -24,6 +24,11 @@ LINES = {
     "window": ("-", "0.8"),
     "joint": ((0, (1, 4)), "#000000"), "cut": ((0, (2, 4)), "#808080"),
 }  # fmt: skip
+#: The same of structures, also with stops and friction.
+LINES_OF_STRUCTURE = LINES | {
+    "stick_begins": ((0, (7, 1, 1, 1)), style.FREE), "stick_vanishes": ((0, (7, 1, 1, 1, 1, 1)), style.REST),
+    "contact_vanishes": ((0, (7, 3)), style.IMPACT),
+}  # fmt: skip
 
 
 #: Mark and colour of the points of a survey that no zone explains, by outcome: no two differ by colour alone.
@@ -86,7 +91,7 @@ def draw_zone(
     for piece in zone.boundary:
         if piece.type == "window":
             continue
-        line, shade = LINES[piece.type]
+        line, shade = LINES_OF_STRUCTURE[piece.type]
         name = style.condition_name(piece.type)
         points = scaled(zone, piece)
         lines.setdefault(piece.type, []).append(points)

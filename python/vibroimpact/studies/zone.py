@@ -46,10 +46,11 @@ class Piece:
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
         rests also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
-        (a pitchfork or transcritical point where impacts at one instant part) and simultaneous (two events at one
-        instant); or joint, a straight piece of at most 1e-4 of the window between two loose ends of
-        the boundary, where it could not be followed; or cut, the straight edge of a strip of the window that
-        is set apart with rests, since the boundary could not be closed in it.
+        (a pitchfork or transcritical point where impacts at one instant part), simultaneous (two events at one
+        instant), and stick_begins, stick_vanishes and contact_vanishes, as of `branch`; or joint, a straight piece
+        of at most 1e-4 of the window between two loose ends of the boundary, where it could not be followed; or
+        cut, the straight edge of a strip of the window that is set apart with rests, stops or friction, since the
+        boundary could not be closed in it.
     x, y : ndarray (M,)
         Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
         begins, unless the whole boundary is one piece.
