@@ -8,10 +8,10 @@ from shared_structures import one_stop, written
 STOP = ("stop", "stiffness = 1", "&stop direction = 1, opening = .5, {} /")
 FRICTION = ("friction", "slip = 1", "&friction direction = 1, {} /")
 OTHER_STUDIES = {
-    "atlas": "", "chart": "", "decay": "",
+    "atlas": "", "decay": "",
 }  # fmt: skip
 WITH_ELEMENTS = (
-    "simulate, exact, find, branch, zone, response, bifurcation_diagram, lyapunov and basins"
+    "simulate, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov and basins"
 )
 
 

@@ -101,9 +101,43 @@ def test_zone_of_contacts(tmp_path):
     assert one == two
 
 
+@pytest.mark.slow
 def test_motions_that_are_their_own_image():
     """Pitchforks of motions with stops are not followed: a zone that they bound is refused."""
     motion = vi.basins(BACKLASH, vi.Load(1.6, cosine=[1.0]), states=12).attractors[1].motion
     assert len(motion.gaps) == 4
     with pytest.raises(vi.SingularError, match="its own mirror image half a period later"):
         vi.zone(motion, ("frequency", 1.3, 1.65), ("load", 0.98, 1.02), lines=5)
+
+
+def test_chart_of_den_hartog():
+    """One motion at each point before the border of stops, with the amplitude of the closed form."""
+    pytest.importorskip("xarray")
+    motion = settled(rough(0.05, 0.3), vi.Load(0.8, cosine=[1.0]))
+    chart = vi.chart(motion, ("frequency", 0.6, 1.5), ("slip", 0.05, 0.95), points=5)
+    good = (chart.admissible.values == 1) & (chart.stable.values == 1)
+    for (j, f), (i, b) in itertools.product(enumerate(chart.y.values), enumerate(chart.x.values)):
+        assert good[:, j, i].sum() == bool(margin(b, 0.05, f) > 0)
+        if good[:, j, i].any():
+            k, x = good[:, j, i].argmax(), den_hartog(b, 0.05, f)
+            found = [part.values[0, k, j, i] for part in (chart.q_min, chart.q_max)]
+            assert found == pytest.approx([-x, x], rel=1e-11)
+
+
+def test_chart_of_contacts():
+    """The motions of a grid are those on which simulations settle."""
+    pytest.importorskip("xarray")
+    s = one_stop(1.0, stiffness=10, damping=0.05)
+    motion = settled(s, vi.Load(1.1, cosine=[0.3]), 300)
+    chart = vi.chart(motion, ("frequency", 0.8, 1.6), ("load", 0.5, 2.0), points=5)
+    good = (chart.admissible.values == 1) & (chart.stable.values == 1)
+    for (j, y), (i, x) in itertools.product(enumerate(chart.y.values), enumerate(chart.x.values)):
+        found = vi.basins(s, vi.Load(x, cosine=[0.3 * y]), states=12).attractors
+        motions = [item.motion for item in found if item.name == "2/1"]
+        assert good[:, j, i].sum() == len(motions)
+        if motions:
+            k = good[:, j, i].argmax()
+            speeds, phases = (part.values[:, k, j, i] for part in (chart.speeds, chart.phases))
+            assert np.sort(speeds) == pytest.approx(np.sort(motions[0].speeds), rel=1e-9)
+            turn = 2 * np.pi
+            assert np.sort(phases % turn) == pytest.approx(np.sort(motions[0].phases % turn))

@@ -144,6 +144,7 @@ contains
       study%name = 'chart'
       study%meaning = 'compute the motions of a pattern on a grid of two parameters'
       study%starts_from(of_structure) = 'motion'
+      study%takes_elements = .true.
       study%check_start => check_structure_start
       study%row = 'motions'
       study%check => check_chart
