@@ -9,8 +9,8 @@ and its mirror image are both stable: RL/1 (1) and (2).
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-plane = (("x", -30, 30, 80), ("x_dot", -30, 30, 80))
-result = vi.basins(osc, 0.94, 37.0, plane)
+plane = (("x", (-30, 30)), ("x_dot", (-30, 30)))
+result = vi.basins(osc, 0.94, 37.0, plane, points=80)
 print(result)
 
 # %%

@@ -7,11 +7,10 @@ hysteresis: dots and crosses belong to the sweep up, open marks to the sweep dow
 periodic windows: 2/1 is two impacts in one load cycle.
 """
 
-import numpy as np
 import vibroimpact as vi
 
 osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-diagram = vi.bifurcation_diagram(osc, "clearance", np.linspace(10, 90, 161), r=1.04)
+diagram = vi.bifurcation_diagram(osc, "clearance", (10, 90), points=161, r=1.04)
 print(diagram)
 for window in diagram.windows[:4]:
     print(window)

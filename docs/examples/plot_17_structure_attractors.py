@@ -6,7 +6,6 @@ A mass on a spring carries a free mass in a slot. The response over the load fre
 the opening of the slot, the basins of the motions that coexist, and the exponents of a chaotic one.
 """
 
-import numpy as np
 import vibroimpact as vi
 
 
@@ -21,23 +20,21 @@ load = vi.Load(1.04, sine=[1.0, 0.0])
 # `response` carries the state from frequency to frequency, up and then down. The dashed line is the steady motion
 # without impacts.
 
-vi.response(damper(5.0), load, np.linspace(0.8, 1.2, 41)).plot()
+vi.response(damper(5.0), load, (0.8, 1.2), points=41).plot()
 
 # %%
 # `bifurcation_diagram` does the same along any parameter; here along the opening of both gaps. Dots belong to the
 # way up, rings to the way down.
 
 start = ([0.0, 0.0], [6.0, 9.0])
-diagram = vi.bifurcation_diagram(
-    damper(5.0), load, "opening", np.linspace(2.0, 12.0, 81), state=start
-)
+diagram = vi.bifurcation_diagram(damper(5.0), load, "opening", (2.0, 12.0), points=81, state=start)
 diagram.plot(quantity="speed")
 
 # %%
 # Two motions of three impacts, mirror images of each other, coexist at an opening of 7.
 
-plane = (("q_0", -6.8, 6.8, 60), ("q_dot_0", -9.0, 9.0, 60))
-basins = vi.basins(damper(7.0), load, plane)
+plane = (("q_0", (-6.8, 6.8)), ("q_dot_0", (-9.0, 9.0)))
+basins = vi.basins(damper(7.0), load, plane, points=60)
 print(basins)
 basins.plot()
 

@@ -27,6 +27,6 @@ branch.plot(y="q_max_1")
 # %%
 # At a load factor of 1 the zone has the same points. It consists of several parts of one sheet of motions.
 
-zone = vi.zone(motion, x=("frequency", 0.5, 0.8), y=("load", 0.5, 2.0))
+zone = vi.zone(motion, x=("frequency", (0.5, 0.8)), y=("load", (0.5, 2.0)))
 print(zone)
 zone.plot(label="2")

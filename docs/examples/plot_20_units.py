@@ -40,6 +40,5 @@ zone.physical("mm N s").plot()
 # %%
 # A stepped sine at this clearance, up and down.
 
-frequencies = units.frequency_ratio(f=np.linspace(18.5, 21.5, 121))
-diagram = vi.bifurcation_diagram(rig, "r", frequencies, clearance=clearance)
+diagram = vi.bifurcation_diagram(rig, "r", ("18.5 Hz", "21.5 Hz"), points=121, clearance=clearance)
 diagram.physical("mm N s").plot()

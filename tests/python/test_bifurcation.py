@@ -142,7 +142,7 @@ def test_a_sweep_in_ratios_is_that_over_the_same_values():
 def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
     """The namelist of a diagram gives it again, to the last bit."""
     result = vi.bifurcation_diagram(
-        FIGURE6, parameter, values, settling=40, points=9, load=1.1, **more
+        FIGURE6, parameter, values, settling=40, impacts=9, load=1.1, **more
     )
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -164,7 +164,7 @@ def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
 @pytest.mark.parametrize("sweep", ["both", "states"])
 def test_lists_have_a_namelist_too(parameter, values, beside, sweep, tmp_path):
     """Unevenly spaced values and a line across the plane; states at one value do not depend on the others."""
-    more = {"settling": 30, "keep": 9, "points": 7, "sweep": sweep, "states": 2}
+    more = {"settling": 30, "keep": 9, "impacts": 7, "sweep": sweep, "states": 2}
     result = vi.bifurcation_diagram(FIGURE6, parameter, values, **beside, **more)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")

@@ -135,7 +135,7 @@ def test_a_picture_shows_both_parameters(data):
     ("change", "message"),
     [
         ({"x": ("frequency", 1.2, 1.3)}, "the motion has frequency = 1.1"),
-        ({"x": "frequency"}, "must be .parameter, lowest, highest."),
+        ({"x": "frequency"}, "must be .parameter, .lo, hi.."),
         ({"y": ("frequency", 1.0, 1.2)}, "it changes what x.0. changes"),
         ({"points": 1}, "points"),
         ({"points": (5, 200)}, "points"),

@@ -334,7 +334,7 @@ def moving():
         vi.branch(motion, "frequency", (0.939, 0.941)),
         vi.zone(motion, ("frequency", 0.93, 0.95), ("load", 0.95, 1.05), lines=5),
         vi.find(cell, load, guesses=2, states=2, settling=20),
-        vi.bifurcation_diagram(cell, load, "frequency", [0.93, 0.94], settling=2, keep=3, points=3),
+        vi.bifurcation_diagram(cell, load, "frequency", [0.93, 0.94], settling=2, keep=3, impacts=3),
     ]  # fmt: skip
 
 

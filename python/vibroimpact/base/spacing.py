@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +63,81 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
     return _core.spaced(n, low, high, SPACINGS.index(spacing))
 
 
+def range_values(values: Any, name: str, points: Any, label: str = "points") -> Any:
+    """The values of a sweep: as they are, or, with `points`, this many evenly spaced ones of a range (lo, hi).
+
+    Parameters
+    ----------
+    values
+        An array, or with `points` a pair (lo, hi); one number is no range, and is returned as it is.
+    name, label : str
+        The caller's names of both, for messages.
+    points : int or None
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        With `points`, if the values are no pair of different finite numbers, or `points` is below 2.
+
+    Examples
+    --------
+    >>> from vibroimpact.base.spacing import range_values
+    >>> range_values((1.0, 2.0), "r", 5).tolist(), range_values((2, 1), "r", 3).tolist()
+    ([1.0, 1.25, 1.5, 1.75, 2.0], [2.0, 1.5, 1.0])
+    >>> range_values([3, 5, 4], "r", None)
+    [3, 5, 4]
+    """
+    if points is None or (not isinstance(values, (list, tuple)) and np.ndim(values) == 0):
+        return values
+    n = checks.integer(points, label, 2, 10**8)
+    wanted = f"a range (lo, hi) of two different finite numbers with {label} = {n}"
+    array = checks.real_array(values, name, wanted)
+    if array.shape != (2,) or not np.isfinite(array).all() or array[0] == array[1]:
+        shown = f"= {values!r}" if array.size < 5 else f"of shape {array.shape}"
+        raise ParameterError(f"{name} {shown}: must be {wanted}; an array goes without {label}")
+    first, last = array.tolist()
+    return spaced(first, last, n) if first < last else spaced(last, first, n)[::-1]
+
+
+def range_axes(r: Any, clearance: Any, points: Any) -> tuple[Any, Any]:
+    """Frequency ratios and clearances, each as of `range_values`; `points` is one number for both, or two."""
+    both = isinstance(points, (list, tuple)) and len(points) == 2
+    n, m = points if both else (points, points)
+    first, second = ("points[0]", "points[1]") if both else ("points", "points")
+    return range_values(r, "r", n, first), range_values(clearance, "clearance", m, second)
+
+
+def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
+    """The ends of a window: a pair (lo, hi), or an array that rises or falls throughout.
+
+    A pair is not checked further. An array that falls gives its last and its first number.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If it is neither.
+
+    Examples
+    --------
+    >>> from vibroimpact.base.spacing import ends_of
+    >>> ends_of((0.8, 1.2), "r", "a window"), ends_of([3, 2, 1], "r", "a window")
+    ((0.8, 1.2), (1.0, 3.0))
+    """
+    try:
+        low, high = values
+    except (TypeError, ValueError):
+        pass
+    else:
+        return low, high
+    if isinstance(values, str) or np.ndim(values) != 1 or np.size(values) < 2:
+        raise ParameterError(f"{name} = {values!r}: must be {wanted}")
+    array = checks.real_array(values, name, wanted)
+    steps = np.diff(array)
+    if not ((steps > 0).all() or (steps < 0).all()):
+        raise ParameterError(f"{name} of shape {array.shape}: must rise or fall throughout")
+    return float(array.min()), float(array.max())
+
+
 def spacing_of(values: _Array) -> str | None:
     """The spacing that reproduces the bits of values; None if no namelist can express them."""
     if values.size < 2 or not np.isfinite(values).all() or not values[0] < values[-1]:
@@ -71,6 +146,30 @@ def spacing_of(values: _Array) -> str | None:
         if np.array_equal(values, spaced(values[0], values[-1], values.size, name)):
             return name
     return None
+
+
+def axis_of(given: Any, points: Any, label: str) -> Axis:
+    """An axis of a plane: (name, low, high, n), or (name, values) of evenly spaced values, or of a range.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it has another form.
+    ParameterError, ParameterTypeError
+        If the values are not evenly spaced, to a share of 1e-9 of their range.
+    """
+    if len(given) != 2:
+        return Axis(*given)
+    name, values = given
+    wanted = "evenly spaced numbers, or a range (lo, hi) with points"
+    array = checks.real_array(range_values(values, label, points), label, wanted)
+    even = array.ndim == 1 and array.size > 1 and bool(np.isfinite(array).all())
+    if even:
+        line = np.linspace(array[0], array[-1], array.size)
+        even = bool(np.abs(array - line).max() <= 1e-9 * abs(array[-1] - array[0]))
+    if not even or array[0] == array[-1]:
+        raise ParameterError(f"{label} of shape {array.shape}: must be {wanted}")
+    return Axis(name, float(array.min()), float(array.max()), array.size)
 
 
 class Axis(NamedTuple):

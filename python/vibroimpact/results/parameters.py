@@ -24,6 +24,8 @@ __all__: list[str] = []
 _Array = NDArray[np.float64]
 #: A parameter: its name, or a function of it that gives the structure and the load.
 Parameter = str | Callable[[float], tuple[Structure, Load]]
+#: An axis of a plane: a parameter with its range.
+Span = tuple[Parameter, tuple[float, float]] | tuple[Parameter, float, float]
 #: Kinds of entries, numbered as in the core.
 MATRICES = {1: "mass", 2: "damping", 3: "stiffness"}
 DIRECTION, OPENING, RESTITUTION, FREQUENCY, COSINE, SINE, CONSTANT, LAW = range(4, 12)

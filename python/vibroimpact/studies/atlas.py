@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..results import door, namelist
 from ..results.namelist import SYMMETRIC
-from ..results.parameters import Parameter
+from ..results.parameters import Span
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
@@ -345,8 +345,8 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
 def atlas_structure(
     structure: Structure,
     load: Load,
-    x: tuple[Parameter, float, float],
-    y: tuple[Parameter, float, float],
+    x: Span,
+    y: Span,
     max_impacts: int = 4,
     max_cycles: int = 1,
     survey: int = 100,
@@ -378,7 +378,7 @@ def atlas(
 ) -> Atlas: ...  # fmt: skip
 @overload
 def atlas(
-    structure: Structure, load: Load, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    structure: Structure, load: Load, x: Span, y: Span,
     max_impacts: int = 4, max_cycles: int = 1, survey: int = 100, settling: int = 400, lines: int = 17,
     max_points: int = 20_000, max_events: int = 10_000_000, threads: int | None = None,
     progress: door.Progress | None = None, x_at: float | None = None, y_at: float | None = None,
@@ -421,11 +421,11 @@ def atlas(
     osc : Oscillator
     structure, load : Structure, Load
         In place of it.
-    x, y : (parameter, float, float)
+    x, y : (parameter, (float, float))
         Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value, between which is that of the structure. With a function, `x_at` or `y_at` is its value there.
     r, clearance : (float, float)
-        The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
+        The window, as of `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
     max_impacts, max_cycles : int
         Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. Of a
         structure 1 to 24 impacts (4 by default) and 1 to 16 cycles.
@@ -467,7 +467,7 @@ def atlas(
     A mass that hits one wall, over the frequency and the amplitude of the load:
 
     >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
-    >>> vi.atlas(wall, vi.Load(1.0, cosine=[1]), ("frequency", 0.8, 1.2), ("load", 0.5, 2), survey=20)
+    >>> vi.atlas(wall, vi.Load(1.0, cosine=[1]), ("frequency", (0.8, 1.2)), ("load", (0.5, 2)), survey=20)
     <Atlas of 2 zones, 20 attractors surveyed; survey of 20 points: 20 periodic>
     """
     keys = {

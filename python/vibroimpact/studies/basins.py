@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
-from ..base.errors import ParameterError, SingularError, VibroimpactError
-from ..base.spacing import Axis
+from ..base.errors import ParameterError, ParameterTypeError, SingularError, VibroimpactError
+from ..base.spacing import Axis, axis_of
 from ..motions.exact import attractor_at_end
 from ..motions.motion import Motion
 from ..motions.trajectory import simulate
@@ -261,6 +261,7 @@ def basins_structure(
     load: Load,
     plane: tuple[Any, Any] | None = None,
     states: int | None = None,
+    points: int | tuple[int, int] | None = None,
     state: tuple[ArrayLike, ArrayLike] | None = None,
     start: float = 0.0,
     settling: int = 1000,
@@ -279,7 +280,7 @@ def basins_structure(
     keys |= (
         {"states": states, "seed": seed}
         if plane is None
-        else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...")
+        else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...", points)
     )
     found = door.run_structure(
         Basins, structure, load, keys, threads, progress, AXIS_NAMES, stops=True
@@ -291,13 +292,15 @@ def basins_structure(
 @overload
 def basins(
     osc: Oscillator, r: float, clearance: float, plane: tuple[Any, Any] | None = None,
-    states: int | ArrayLike | None = None, fixed: Mapping[str, float] | None = None, load: float | Load = 1.0,
+    states: int | ArrayLike | None = None, points: int | tuple[int, int] | None = None,
+    fixed: Mapping[str, float] | None = None, load: float | Load = 1.0,
     cycles: int = 1000, probes: int = 200, max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000,
     threads: int | None = None, progress: Callable[[float, str], None] | None = None,
 ) -> Basins: ...  # fmt: skip
 @overload
 def basins(
     structure: Structure, load: Load, plane: tuple[Any, Any] | None = None, states: int | None = None,
+    points: int | tuple[int, int] | None = None,
     state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0, settling: int = 1000,
     max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
@@ -317,6 +320,7 @@ def basins(
     clearance: float,
     plane: tuple[Any, Any] | None = None,
     states: int | ArrayLike | None = None,
+    points: int | tuple[int, int] | None = None,
     fixed: Mapping[str, float] | None = None,
     load: float | Load = 1.0,
     cycles: int = 1000,
@@ -355,14 +359,17 @@ def basins(
         As in `simulate`, and so is the number `load`.
     structure, load : Structure, Load
         In place of them; the load has a frequency.
-    plane : ((name, low, high, n), (name, low, high, n)), optional
-        Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; of a structure "q_0", "q_1", ...
-        (coordinates, from 0) and "q_dot_0", ... (velocities).
+    plane : ((name, (lo, hi)), (name, (lo, hi))), optional
+        Two coordinates, each with its range, of which `points` values are taken, or with an array of evenly spaced
+        values; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; of a structure
+        "q_0", "q_1", ... (coordinates, from 0) and "q_dot_0", ... (velocities).
     states : int or array_like (5, M), optional
         Instead of a plane: this many random states, or of an oscillator t, x, x', z, z' of each. Random ones are
         at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of
         the motion without impacts, but at least half the clearance and at most three times the clearance. Random
         states of a structure are those of `find`; the first one is rest at q = 0.
+    points : int or (int, int), optional
+        Numbers of values in the ranges of the plane.
     fixed : mapping, optional
         Of an oscillator: the coordinates that are not axes of the plane; 0 by default.
     state : (array_like, array_like), optional
@@ -408,7 +415,7 @@ def basins(
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-    >>> result = vi.basins(osc, 0.94, 37.0, (("x", -30, 30, 20), ("x_dot", -30, 30, 20)))
+    >>> result = vi.basins(osc, 0.94, 37.0, (("x", (-30, 30)), ("x_dot", (-30, 30))), points=20)
     >>> result.attractors
     [<periodic attractor RL/1 (1)>, <periodic attractor RL/1 (2)>, ...]
     >>> bool(abs(result.fractions[0] - 0.43) < 0.1)
@@ -418,8 +425,8 @@ def basins(
 
     >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
     >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
-    >>> plane = (("q_0", -10, 10, 8), ("q_dot_0", -20, 20, 8))
-    >>> result = vi.basins(damper, vi.Load(0.94, sine=[1, 0]), plane)
+    >>> plane = (("q_0", (-10, 10)), ("q_dot_0", (-20, 20)))
+    >>> result = vi.basins(damper, vi.Load(0.94, sine=[1, 0]), plane, points=8)
     >>> result.attractors[:2]
     [<attractor no impacts>, <periodic attractor 2/1 (1)>]
     >>> result.labels.shape
@@ -437,7 +444,7 @@ def basins(
     names = {**AXIS_NAMES, "list": "states"}
     if plane is not None:
         names |= {name: f"fixed[{name!r}]" for name in COORDINATES}
-        keys |= _plane_keys(plane, "x, x_dot, y, z_dot or t") | _fixed_keys(fixed)
+        keys |= _plane_keys(plane, "x, x_dot, y, z_dot or t", points) | _fixed_keys(fixed)
     elif not isinstance(states, (list, tuple)) and np.ndim(states) == 0:  # type: ignore[arg-type]
         keys |= {"states": states, "seed": seed}
     else:
@@ -458,17 +465,25 @@ def check_choice(plane: Any, states: Any) -> None:
         )
 
 
-def _plane_keys(plane: Any, names: str) -> dict[str, Any]:
+def _plane_keys(plane: Any, names: str, points: Any) -> dict[str, Any]:
     """The keys of the two axes of a plane."""
+    both = isinstance(points, (list, tuple)) and len(points) == 2
+    numbers = points if both else (points, points)
     try:
-        axes = [Axis(*item) for item in plane]
+        axes = [
+            axis_of(item, n, f"plane[{i}][1]")
+            for i, (item, n) in enumerate(zip(plane, numbers, strict=True))
+        ]
         lists = map(list, zip(*axes, strict=True))
         columns = dict(zip(("axes", "low", "high", "values"), lists, strict=True))
+    except (ParameterError, ParameterTypeError):
+        raise
     except (TypeError, ValueError):
         axes = []
     if len(axes) != 2:
         raise ParameterError(
-            f"plane = {plane!r}: must be two of (name, low, high, n), names {names}"
+            f"plane = {plane!r}: must be two of (name, (lo, hi)) with points, or of (name, lo, hi, n); "
+            f"names {names}"
         )
     return columns
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
-from ..base.spacing import spacing_of
+from ..base.spacing import range_values, spacing_of
 from ..base.status import NOT_COMPUTED, sentence
 from ..results import door
 from ..results.noun import Noun, column, key
@@ -315,8 +315,9 @@ class BifurcationDiagram(
         return f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {found}{cut}>"
 
 
-def rising(values: ArrayLike, name: str = "values") -> _Array:
-    """Different values in ascending order."""
+def rising(values: ArrayLike, name: str = "values", points: int | None = None) -> _Array:
+    """Different values in ascending order, of an array or, with `points`, of a range."""
+    values = range_values(values, name, points)
     wanted = "at least two different numbers"
     array = np.unique(np.asarray(checks.real_array(values, name, wanted), dtype=np.float64))
     if np.ndim(values) != 1 or array.size < 2 or not np.isfinite(array).all():
@@ -340,12 +341,13 @@ def bifurcation_structure(
     state: tuple[ArrayLike, ArrayLike] | None = None,
     settling: int = 300,
     keep: int = 33,
-    points: int = 100,
+    points: int | None = None,
+    impacts: int = 100,
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
     """As `bifurcation_diagram`, of a structure."""
-    array = rising(values)
+    array = rising(values, points=points)
     low, high = float(array[0]), float(array[-1])
     at = None
     if callable(parameter):
@@ -358,10 +360,11 @@ def bifurcation_structure(
     chosen = {key: value for key, value in chosen.items() if key not in ("low", "high")}
     keys = {
         **chosen, **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
-        "settling": settling, "keep": keep, "points": points, "max_events": max_events,
+        "settling": settling, "keep": keep, "points": impacts, "max_events": max_events,
     }  # fmt: skip
+    names = ENDS | {"points": "impacts"}
     return door.run_structure(
-        BifurcationDiagram, structure, load, keys, None, progress, ENDS, stops=True
+        BifurcationDiagram, structure, load, keys, None, progress, names, stops=True
     )
 
 
@@ -377,7 +380,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
     osc: Oscillator = given["osc"]
     name: Any = given.get("parameter")
     checks.choice(name, "parameter", NAMES)
-    values = rising(given.get("values", ()))
+    values = given["values"] = rising(given.get("values", ()), points=given.pop("points", None))
     if name in ("r", "clearance"):
         if given.get(name) is not None:
             raise ParameterError(f"{name} = {given[name]!r}: must be left out, it is the parameter")
@@ -425,18 +428,18 @@ def bifurcation_diagram(
     osc: Oscillator, parameter: str, values: ArrayLike, r: ArrayLike | None = None,
     clearance: ArrayLike | None = None, sweep: str = "both", states: int = 12,
     state: Mapping[str, float] | None = None, load: float | Load = 1.0, settling: int = 300, keep: int = 33,
-    points: int = 100, max_events: int = 10_000_000, threads: int | None = None,
+    points: int | None = None, impacts: int = 100, max_events: int = 10_000_000, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram: ...  # fmt: skip
 @overload
 def bifurcation_diagram(
-    structure: Structure, load: Load, parameter: Parameter, values: ArrayLike, sweep: str = "both",
-    state: tuple[ArrayLike, ArrayLike] | None = None, settling: int = 300, keep: int = 33, points: int = 100,
-    max_events: int = 10_000_000, progress: Callable[[float, str], None] | None = None,
+    structure: Structure, load: Load, parameter: Parameter, values: ArrayLike,
+    sweep: str = "both", state: tuple[ArrayLike, ArrayLike] | None = None, settling: int = 300, keep: int = 33,
+    impacts: int = 100, max_events: int = 10_000_000, progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram: ...  # fmt: skip
 @overload
 def bifurcation_diagram(
-    point: Point, /, parameter: str, values: ArrayLike, **options: Any
+    point: Point, /, parameter: str, values: ArrayLike, points: int | None = None, **options: Any
 ) -> BifurcationDiagram: ...
 
 
@@ -454,7 +457,8 @@ def bifurcation_diagram(
     load: float | Load = 1.0,
     settling: int = 300,
     keep: int = 33,
-    points: int = 100,
+    points: int | None = None,
+    impacts: int = 100,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
@@ -478,8 +482,9 @@ def bifurcation_diagram(
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
         "restitution" changes both walls. Of a structure as in `branch`: "frequency", "load", "opening_0", ...; or
         a smooth function that gives (structure, load) for a value, with which `structure` and `load` are not used.
-    values : array_like
-        At least two different numbers, in any order and with any spacing; sweeps go through them in order.
+    values : array_like, or (float, float)
+        At least two different numbers, in any order and with any spacing; sweeps go through them in order. With
+        `points` a range (lo, hi).
     r, clearance : float or array_like
         The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
         line across the plane.
@@ -496,7 +501,9 @@ def bifurcation_diagram(
         Load cycles of the transient at each value.
     keep : int
         Load cycles examined; periods of up to half of them are detected.
-    points : int
+    points : int, optional
+        Number of evenly spaced values of a range.
+    impacts : int
         Impacts kept of each run and value.
     max_events : int
         Events (impacts, rests, releases) after which one simulation is given up, one at each value of a
@@ -524,9 +531,9 @@ def bifurcation_diagram(
     The sweep up stays on the two-impact motion up to a much larger clearance than that at which the sweep down
     reaches it:
 
-    >>> import numpy as np, vibroimpact as vi
+    >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-    >>> diagram = vi.bifurcation_diagram(osc, "clearance", np.arange(50.0, 76.0), r=1.04)
+    >>> diagram = vi.bifurcation_diagram(osc, "clearance", (50.0, 75.0), points=26, r=1.04)
     >>> [window for window in diagram.windows if window.label == "2/1"]
     [PeriodicWindow(run='up', low=50.0, high=70.0, label='2/1'), ...]
 
@@ -534,10 +541,11 @@ def bifurcation_diagram(
 
     >>> wall = vi.Structure(mass=[1], damping=[0.04], stiffness=[1], gaps=[vi.Gap([1], 1, 0.9)])
     >>> load = vi.Load(0.81, cosine=[0.36])
-    >>> vi.bifurcation_diagram(wall, load, "load", np.linspace(1.0, 1.1, 3), sweep="up").labels
+    >>> vi.bifurcation_diagram(wall, load, "load", [1.0, 1.05, 1.1], sweep="up").labels
     array([['1/2', '1/2', '1/2']], dtype='<U3')
     """
     checks.choice(parameter, "parameter", NAMES)
+    values = range_values(values, "values", points)
     along = np.unique(checks.real_array(values, "values", "numbers"))
     if along.size < 2:
         raise ParameterError(f"values = {values!r}: must be at least two different numbers")
@@ -552,7 +560,7 @@ def bifurcation_diagram(
         "parameter": parameter, **(door.swept(along, parameter) or {"list": along}),
         "clearance": fixed["clearance"], "r": fixed["r"] if np.ndim(fixed["r"]) else None, "sweep": sweep,
         "settling": settling, "keep": keep,
-        "points": points, "load": load, "max_events": max_events,
+        "points": impacts, "load": load, "max_events": max_events,
         **({"states": states} if sweep == "states" else {}),
     }  # fmt: skip
     if state is not None:
@@ -561,7 +569,7 @@ def bifurcation_diagram(
         start = checked_state(state, float(ends.min()))
         keys |= {name: start[name] for name in NEEDED}
     one_r = None if np.ndim(fixed["r"]) else fixed["r"]
-    names = dict.fromkeys(("low", "high", "list"), parameter)
+    names = {**dict.fromkeys(("low", "high", "list"), parameter), "points": "impacts"}
     names |= {name: f"state[{name!r}]" for name in NEEDED}
     return door.run(BifurcationDiagram, osc, keys, one_r, threads, progress, names)
 

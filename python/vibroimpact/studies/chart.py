@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import StudyInterrupted
 from ..base.libraries import xarray
+from ..base.spacing import range_axes
 from ..base.status import status_text
 from ..motions.motion import Motion
 from ..results import door
 from ..results.namelist import symmetric_word
 from ..results.noun import column
-from ..results.parameters import Parameter
+from ..results.parameters import Span
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.units import GAP
 from ..systems.verbs import every_system, physical_arguments
@@ -220,8 +221,8 @@ class Chart(Followed, study="chart"):
 
 def chart_structure(
     motion: Motion,
-    x: tuple[Parameter, float, float],
-    y: tuple[Parameter, float, float],
+    x: Span,
+    y: Span,
     points: int | tuple[int, int] = 33,
     threads: int | None = None,
     progress: door.Progress | None = None,
@@ -243,12 +244,12 @@ def chart_structure(
 @overload
 def chart(
     osc: Oscillator, pattern: Pattern | str, r: ArrayLike, clearance: ArrayLike, symmetric: bool | None = None, *,
-    multipliers: bool = True, slots: int = 4, guesses: int = 32, seeds: int = 12, threads: int | None = None,
-    progress: door.Progress | None = None,
+    points: int | tuple[int, int] | None = None, multipliers: bool = True, slots: int = 4, guesses: int = 32,
+    seeds: int = 12, threads: int | None = None, progress: door.Progress | None = None,
 ) -> Any: ...  # fmt: skip
 @overload
 def chart(
-    motion: Motion, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    motion: Motion, x: Span, y: Span,
     points: int | tuple[int, int] = 33, threads: int | None = None, progress: door.Progress | None = None,
     x_at: float | None = None, y_at: float | None = None,
 ) -> Any: ...  # fmt: skip
@@ -265,6 +266,7 @@ def chart(
     clearance: ArrayLike,
     symmetric: bool | None = None,
     *,
+    points: int | tuple[int, int] | None = None,
     multipliers: bool = True,
     slots: int = 4,
     guesses: int = 32,
@@ -289,14 +291,15 @@ def chart(
         Without rest.
     motion : Motion
         Of a structure, in place of the oscillator and the pattern; as of `zone`.
-    x, y : (parameter, float, float)
+    x, y : (parameter, (float, float))
         Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value. With a function, `x_at` or `y_at` is its value at the motion.
-    points : int or (int, int)
-        Of a structure: number of values of x and of y, 2 to 129.
-    r, clearance : array_like
+    points : int or (int, int), optional
+        Numbers of evenly spaced values where r and clearance are ranges; of a structure those of x and of y, 2 to
+        129, by default 33.
+    r, clearance : array_like, or (float, float)
         Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether; d is the whole
-        travel of m between the walls.
+        travel of m between the walls. With `points` each is a range (lo, hi), or one number.
     symmetric : bool, optional
         True: only motions that are their own mirror image half a period later (of RL these are the
         equispaced ones); False: only the others; None: both.
@@ -365,11 +368,12 @@ def chart(
     >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
     >>> load = vi.Load(1.0, cosine=[1])
     >>> motion = vi.exact(wall, load, vi.simulate(wall, load, cycles=300))
-    >>> data = vi.chart(motion, ("frequency", 0.8, 1.2), ("load", 0.5, 2), points=(9, 7))
+    >>> data = vi.chart(motion, ("frequency", (0.8, 1.2)), ("load", (0.5, 2)), points=(9, 7))
     >>> data.stable.dims, int(((data.admissible == 1) & (data.stable == 1)).any("motion").sum())
     (('motion', 'y', 'x'), 59)
     """
     xarray("charts")
+    r, clearance = range_axes(r, clearance, points)
     options = {"slots": slots, "guesses": guesses, "seeds": seeds}
     try:
         found = compute_chart(

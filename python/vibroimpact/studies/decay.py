@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.spacing import range_values
 from ..results import door
 from ..results.noun import Noun, column
 from ..systems.oscillator import Oscillator
@@ -94,6 +95,7 @@ def decay(
     y: float = 0.0,
     z_dot: float = 0.0,
     cycles: int = 20,
+    points: int | None = None,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: door.Progress | None = None,
@@ -106,11 +108,11 @@ def decay(
     Parameters
     ----------
     osc : Oscillator
-    clearance : float or array_like (runs,)
-        d K/F0; d is the whole travel between the walls.
+    clearance : float or array_like (runs,), or (float, float)
+        d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
     amplitude : float
         Displacement of the primary mass at the start.
-    inverse_clearance : float or array_like (runs,)
+    inverse_clearance : float or array_like (runs,), or (float, float)
         F0/(d K), in place of the clearance.
     x_dot : float
         Velocity of the primary mass at the start.
@@ -118,6 +120,8 @@ def decay(
         Position z - x of the free mass between the walls, 0 in the middle, and its velocity at the start.
     cycles : int
         Oscillations of the primary mass: a run ends with peak 2 cycles + 1.
+    points : int, optional
+        Number of evenly spaced values of a range.
     max_events : int
         Events (impacts, rests, releases) after which one simulation is given up; its status says so.
     threads : int, optional
@@ -149,6 +153,8 @@ def decay(
     >>> vi.decay(osc, [0.3, 0.7, 1.5])
     <Decay at 3 clearances: 123 peaks, damping ratio of a cycle from -0.2005 to 0.2452>
     """
+    clearance = range_values(clearance, "clearance", points)
+    inverse_clearance = range_values(inverse_clearance, "inverse_clearance", points)
     keys = {
         "clearance": clearance, "inverse_clearance": inverse_clearance, "amplitude": amplitude,
         "x_dot": x_dot, "y": y, "z_dot": z_dot, "cycles": cycles,

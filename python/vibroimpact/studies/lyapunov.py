@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
+from ..base.spacing import range_axes
 from ..results import door
 from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
@@ -160,7 +161,7 @@ def lyapunov_structure(
 def lyapunov(
     osc: Oscillator, r: ArrayLike, clearance: ArrayLike, cycles: int = 10_000,
     state: Mapping[str, float] | None = None, load: float | Load = 1.0, discard: int = 1000, batches: int = 20,
-    max_events: int = 10_000_000, threads: int | None = None,
+    max_events: int = 10_000_000, points: int | None = None, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov: ...  # fmt: skip
 @overload
@@ -186,6 +187,7 @@ def lyapunov(
     discard: int = 1000,
     batches: int = 20,
     max_events: int = 10_000_000,
+    points: int | None = None,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov:
@@ -202,7 +204,7 @@ def lyapunov(
     Parameters
     ----------
     osc, r, clearance : Oscillator, float or array_like, float or array_like
-        One point, or arrays of one shape.
+        One point, or arrays of one shape. With `points` one or both are ranges (lo, hi), along a line.
     structure, load : Structure, Load or None
         In place of them; None: free motion. Without a frequency, cycles are units of time.
     cycles : int
@@ -222,6 +224,8 @@ def lyapunov(
     max_events : int
         Events (impacts, rests, releases) after which one simulation is given up, one at each point; its status
         says so. Long averages need more than the default.
+    points : int, optional
+        Of an oscillator: number of evenly spaced values of a range.
     threads : int, optional
         Of an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
@@ -262,6 +266,7 @@ def lyapunov(
     >>> vi.lyapunov(wall, vi.Load(1.0, cosine=[1]))
     <Lyapunov exponents per load cycle: -0.5373, -0.5373>
     """
+    r, clearance = range_axes(r, clearance, points)
     rs, clearances = (
         checks.real_array(value, name, "numbers")
         for value, name in ((r, "r"), (clearance, "clearance"))
@@ -276,12 +281,12 @@ def lyapunov(
         raise ParameterError(
             f"r, clearance of shape {rs.shape}: must have at least one point, and at most 3 dimensions"
         )
-    points, one_r = points_of(rs, clearances)
+    places, one_r = points_of(rs, clearances)
     if state is not None:
         start = checked_state(state, float(clearances.min()))
-        points |= {name: start[name] for name in NEEDED}
+        places |= {name: start[name] for name in NEEDED}
     keys = {
-        **points, "load": load, "cycles": cycles, "discard": discard, "batches": batches,
+        **places, "load": load, "cycles": cycles, "discard": discard, "batches": batches,
         "max_events": max_events,
     }  # fmt: skip
     found = door.run(Lyapunov, osc, keys, one_r, threads, progress)

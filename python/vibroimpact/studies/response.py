@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
+from ..base.spacing import range_values
 from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point
@@ -190,12 +191,13 @@ def response_structure(
     state: tuple[ArrayLike, ArrayLike] | None = None,
     settling: int = 300,
     keep: int = 33,
+    points: int | None = None,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response:
     """As `response`, of a structure."""
-    array = rising(values)
+    array = rising(values, points=points)
     start = door.start_keys(structure, state, 0.0)
     keys = {
         **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
@@ -206,7 +208,7 @@ def response_structure(
 
 def _along_frequency(given: dict[str, Any]) -> None:
     """Turns the arguments for an oscillator into those of its first point and of the response of a structure."""
-    values = given["values"] = rising(given.get("r", ()), "r")
+    values = given["values"] = rising(given.get("r", ()), "r", given.pop("points", None))
     first_point(given, float(values[0]))
     inverse = given.pop("inverse_clearance", None)
     if inverse is not None:
@@ -221,17 +223,20 @@ def _along_frequency(given: dict[str, Any]) -> None:
 def response(
     osc: Oscillator, r: ArrayLike, clearance: ArrayLike | None = None,
     inverse_clearance: ArrayLike | None = None, states: int = 24, load: float | Load = 1.0, settling: int = 600,
-    keep: int = 33, max_events: int = 10_000_000, threads: int | None = None,
+    keep: int = 33, points: int | None = None, max_events: int = 10_000_000, threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response: ...  # fmt: skip
 @overload
 def response(
-    structure: Structure, load: Load, values: ArrayLike, sweep: str = "both",
-    state: tuple[ArrayLike, ArrayLike] | None = None, settling: int = 300, keep: int = 33,
-    max_events: int = 10_000_000, threads: int | None = None, progress: door.Progress | None = None,
+    structure: Structure, load: Load, values: ArrayLike,
+    sweep: str = "both", state: tuple[ArrayLike, ArrayLike] | None = None, settling: int = 300, keep: int = 33,
+    points: int | None = None, max_events: int = 10_000_000, threads: int | None = None,
+    progress: door.Progress | None = None,
 ) -> Response: ...  # fmt: skip
 @overload
-def response(point: Point, /, r: ArrayLike, **options: Any) -> Response: ...
+def response(
+    point: Point, /, r: ArrayLike, points: int | None = None, **options: Any
+) -> Response: ...
 
 
 @physical_arguments
@@ -245,6 +250,7 @@ def response(
     load: float | Load = 1.0,
     settling: int = 600,
     keep: int = 33,
+    points: int | None = None,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: door.Progress | None = None,
@@ -268,10 +274,11 @@ def response(
     osc : Oscillator
     structure, load : Structure, Load
         In place of it and of the clearance; the frequency of the load is replaced by those of `values`.
-    r : array_like (n,)
-        Frequency ratios of an oscillator.
-    values : array_like
-        Circular frequencies of a structure's load, at least two different ones, in any order.
+    r : array_like (n,), or (float, float)
+        Frequency ratios of an oscillator; with `points` a range (lo, hi).
+    values : array_like, or (float, float)
+        Circular frequencies of a structure's load, at least two different ones, in any order; with `points` a
+        range (lo, hi).
     clearance, inverse_clearance : float or array_like (n,)
         d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
     states : int
@@ -286,6 +293,8 @@ def response(
         Load cycles of the transient; of a structure 300 by default, at each frequency.
     keep : int
         Load cycles examined.
+    points : int, optional
+        Number of evenly spaced values of a range.
     max_events : int
         Events (impacts, rests, releases) after which one simulation is given up; its status says so.
     threads : int, optional
@@ -308,25 +317,26 @@ def response(
 
     Examples
     --------
-    >>> import numpy as np, vibroimpact as vi
+    >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-    >>> vi.response(osc, np.linspace(1.0, 1.02, 6), inverse_clearance=0.03, states=6)
+    >>> vi.response(osc, (1.0, 1.02), points=6, inverse_clearance=0.03, states=6)
     <Response at 6 r from 1 to 1.02: max|X|/A from 0.3899 to 0.4468>
 
     A mass that hits one wall:
 
     >>> wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
-    >>> result = vi.response(wall, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13))
+    >>> result = vi.response(wall, vi.Load(1.0, cosine=[0.3]), (0.6, 1.8), points=13)
     >>> result.largest.shape, bool((result.q_max < 1 + 1e-12).all()), bool(result.steady_largest.max() > 2.9)
     ((1, 13, 2), True, True)
 
     Outputs are read by name:
 
     >>> plate = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=wall.gaps, outputs={"tip": [2]})
-    >>> size = vi.response(plate, vi.Load(1.0, cosine=[0.3]), np.linspace(0.6, 1.8, 13)).of("tip")
+    >>> size = vi.response(plate, vi.Load(1.0, cosine=[0.3]), (0.6, 1.8), points=13).of("tip")
     >>> bool((size.largest == 2 * result.largest[0]).all())
     True
     """
+    r = range_values(r, "r", points)
     keys = {
         **door.line("r", r), "clearance": clearance, "inverse_clearance": inverse_clearance,
         "states": states, "load": load, "settling": settling, "keep": keep,

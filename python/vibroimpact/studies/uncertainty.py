@@ -14,6 +14,7 @@ from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
+from ..base.spacing import range_axes
 from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
@@ -175,6 +176,7 @@ def uncertainty(
     uncertain: Mapping[str, Any],
     symmetric: bool | None = None,
     *,
+    points: int | tuple[int, int] | None = None,
     limit: Mapping[str, float] | None = None,
     samples: int = 64,
     bands: bool = True,
@@ -194,9 +196,10 @@ def uncertainty(
     osc : Oscillator
         With the nominal values.
     pattern : Pattern or str
-    r, clearance : array_like
+    r, clearance : array_like, or (float, float)
         Increasing nominal frequency ratios and clearances d K/F0; d is the whole travel of m between the walls.
-        Bands need two of each or more: the outermost ones are the window of the nominal zone.
+        With `points` each is a range (lo, hi), or one number. Bands need two of each or more: the outermost ones
+        are the window of the nominal zone.
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
         load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
@@ -205,6 +208,8 @@ def uncertainty(
         values are equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
     symmetric : bool, optional
         As of `zone` and `chart`.
+    points : int or (int, int), optional
+        Numbers of evenly spaced values in these ranges.
     limit : dict, optional
         Greatest allowed attenuation (max|x|/A), displacement (max|x|) or multiplier (modulus) of the motions.
     samples : int
@@ -249,6 +254,7 @@ def uncertainty(
     wanted = checks.truth(bands, "bands")
     ends = quantile_pair(quantiles)
     number = checks.integer(seed, "seed", 0, 2**31 - 1)
+    r, clearance = range_axes(r, clearance, points)
     axes = axis(r, "r"), axis(clearance, "clearance")
     if wanted and min(map(len, axes)) < 2:
         raise ParameterError(

@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeError, SingularError
+from ..base.spacing import ends_of
 from ..motions.exact import exact_structure, newton
 from ..motions.likeness import is_symmetric, standard_motion
 from ..motions.motion import Motion
 from ..results import door
 from ..results.namelist import symmetric_word
 from ..results.noun import Noun
-from ..results.parameters import Parameter, Path, keys_of_parameter
+from ..results.parameters import Path, Span, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.structure import Load, Structure
@@ -632,10 +633,7 @@ def window(r: Any, clearance: Any) -> dict[str, float]:
 def span(values: Any, name: str) -> dict[str, float]:
     """The keys of a pair (lowest, highest), whose values the core checks."""
     wanted = f"(lowest, highest) with lowest < highest, each {checks.allowed(name)}"
-    try:
-        low, high = values
-    except (TypeError, ValueError):
-        raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
+    low, high = ends_of(values, name, wanted)
     return {f"{name}_min": low, f"{name}_max": high}
 
 
@@ -649,8 +647,8 @@ WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 def zone_structure(
     motion: Motion,
-    x: tuple[Parameter, float, float],
-    y: tuple[Parameter, float, float],
+    x: Span,
+    y: Span,
     lines: int = 17,
     max_points: int = 20_000,
     progress: door.Progress | None = None,
@@ -672,11 +670,14 @@ def keys_of_plane(
     keys: dict[str, Any] = {}
     names: dict[str, str] = {}
     for name, axis, start in zip("xy", axes, at, strict=True):
-        wanted = "(parameter, lowest, highest)"
-        if not isinstance(axis, tuple) or len(axis) != 3:
+        wanted = "(parameter, (lo, hi)) or (parameter, lo, hi)"
+        if not isinstance(axis, tuple) or len(axis) not in (2, 3):
             raise ParameterError(f"{name} = {axis!r}: must be {wanted}")
-        keys |= keys_of_parameter(structure, load, axis[0], axis[1:], start, name, f"{name}_")
-        names |= {name: f"{name}[0]", f"{name}_low": f"{name}[1]", f"{name}_high": f"{name}[2]"}
+        pair = len(axis) == 2
+        ends = ends_of(axis[1], f"{name}[1]", wanted) if pair else axis[1:]
+        keys |= keys_of_parameter(structure, load, axis[0], ends, start, name, f"{name}_")
+        low, high = (f"{name}[1][0]", f"{name}[1][1]") if pair else (f"{name}[1]", f"{name}[2]")
+        names |= {name: f"{name}[0]", f"{name}_low": low, f"{name}_high": high}
     return keys, names
 
 
@@ -688,7 +689,7 @@ def zone(
 ) -> Zone: ...  # fmt: skip
 @overload
 def zone(
-    motion: Motion, x: tuple[Parameter, float, float], y: tuple[Parameter, float, float],
+    motion: Motion, x: Span, y: Span,
     lines: int = 17, max_points: int = 20_000, progress: door.Progress | None = None,
     x_at: float | None = None, y_at: float | None = None,
 ) -> Zone: ...  # fmt: skip
@@ -739,10 +740,11 @@ def zone(
     pattern : Pattern or str
         At most 24 impacts.
     r, clearance : (float, float)
-        The window: lowest and highest frequency ratio and d K/F0; d is the whole travel of m between the walls.
+        The window: ranges (lo, hi) of the frequency ratio and of d K/F0, or arrays, of which the ends count; d is
+        the whole travel of m between the walls.
     motion : Motion
         In place of the oscillator and the pattern: one of a structure that `branch` takes.
-    x, y : (parameter, float, float)
+    x, y : (parameter, (float, float))
         Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value.
     symmetric : bool, optional
@@ -803,7 +805,7 @@ def zone(
     >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
     >>> phases = [0.517272128279 * math.pi, 1.899298624085 * math.pi]
     >>> motion = vi.exact(damper, vi.Load(0.94, sine=[1, 0]), (phases, [0, 1]))
-    >>> zone = vi.zone(motion, x=("frequency", 0.8, 1.2), y=("opening", 2.0, 40.0))
+    >>> zone = vi.zone(motion, x=("frequency", (0.8, 1.2)), y=("opening", (2.0, 40.0)))
     >>> zone, zone.contains(0.94, [10.0, 18.5])
     (<Zone over frequency and opening: 1 loop, bounded by flip, pitchfork>, array([False,  True]))
     """
