@@ -11,7 +11,7 @@ import vibroimpact as vi
 
 known = {"M": 2.7, "K": 42e3, "m": 0.11}
 rig = vi.VirtualRig(**known, d=0.006, xi=0.01143, restitution=(0.75, 0.65), F0=6, frequency=19.5)
-found = vi.identify(rig.record(seed=17), known=known)
+found = vi.identify(rig.record(rng=17), known=known)
 print(found)
 
 # %%
@@ -32,7 +32,7 @@ found.plot(kind="motion")
 walls = [vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9)]
 records = [
     vi.VirtualRig(**known, d=0.006, xi=0.01143, restitution=walls, F0=F0, frequency=19.5).record(
-        seed=1
+        rng=1
     )
     for F0 in (6.0, 6.4, 6.8)
 ]

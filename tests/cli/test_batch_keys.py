@@ -93,7 +93,7 @@ CALLS = {
     "response": lambda osc, **keys: vi.response(
         osc, [0.94], **({} if {"clearance", "inverse_clearance"} & set(keys) else {"clearance": 37}) | keys),
     "basins": lambda osc, states=None, **keys: vi.basins(osc, 0.94, **{"clearance": 37} | (
-        {"plane": (("x", -1, 1, 2), ("z_dot", -1, 1, 2))} if states is None and "seed" not in keys
+        {"plane": (("x", -1, 1, 2), ("z_dot", -1, 1, 2))} if states is None and "rng" not in keys
         else {"states": 9 if states is None else states}) | keys),
     "branch": lambda osc, **keys: vi.branch(
         vi.equispaced(osc, 0.94, 37)[0], bounds=(10, 60), **keys),
@@ -101,6 +101,15 @@ CALLS = {
     "design": lambda osc, **keys: vi.design(
         osc, **{"r": (1, 1.02), "free": {"clearance": (20, 40)}} | keys),
 }  # fmt: skip
+
+#: The arguments of calls that have another name than their keys.
+ARGUMENTS = {"bifurcation": {"points": "impacts"}}
+
+
+def argument_of(group, key):
+    """The argument of a call for a key."""
+    return ({"seed": "rng"} | ARGUMENTS.get(group, {})).get(key, key)
+
 
 #: The smallest case of each group that has a command, as options without the oscillator.
 OPTIONS = {
@@ -219,7 +228,7 @@ def test_python_has_the_same_defaults(group):
     """A key left out has the same default in a call from Python as in a namelist."""
     compared = 0
     for name, parameter in inspect.signature(getattr(vi, group)).parameters.items():
-        rows = [key for key in TABLES[group] if key["name"] == name]
+        rows = [key for key in TABLES[group] if argument_of(group, key["name"]) == name]
         if not rows or parameter.default in (inspect.Parameter.empty, None):
             continue
         default = rows[0]["default"]
@@ -255,11 +264,12 @@ def test_python_refuses_the_same(group):
     names = inspect.signature(getattr(vi, group)).parameters
     compared = 0
     for key in TABLES[group]:
-        if key["name"] not in names or key["kind"] == "word" or key["most"] > 1:
+        name = argument_of(group, key["name"])
+        if name not in names or key["kind"] == "word" or key["most"] > 1:
             continue
         for value in outside(key):
-            with pytest.raises(ParameterError, match=f"^{key['name']}"):
-                CALLS[group](osc, **{key["name"]: value})
+            with pytest.raises(ParameterError, match=f"^{name}"):
+                CALLS[group](osc, **{name: value})
             compared += 1
     assert compared >= 3, group
 

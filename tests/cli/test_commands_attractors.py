@@ -119,7 +119,7 @@ def test_random_states(tool):
     """Random states are those of the function with the same seed; another seed gives others."""
     options = "--r 1.04 --clearance 14 --states 30 --seed 5"
     assert tool("basins", *SYSTEM, *options.split()).status == 0
-    result = vi.basins(EQUAL, 1.04, 14.0, states=30, seed=5)
+    result = vi.basins(EQUAL, 1.04, 14.0, states=30, rng=5)
     table = rows(tool.cwd / "results/basins.csv")
     assert column(table, "x").tolist() == result.states[1].tolist()
     assert column(table, "label").tolist() == result.labels.tolist()

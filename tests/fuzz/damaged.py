@@ -113,7 +113,7 @@ def others(vi, osc, motion):
     pulse = vi.Record(0.1, np.sin(np.arange(60) / 9)[:, None], constant=[0.1])
     rig = vi.virtual_record(
         duration=1.5,
-        seed=3,
+        rng=3,
         M=2.7,
         K=42e3,
         m=0.11,

@@ -36,8 +36,8 @@ from shared_systems import FIGURE6, TABLE
             "half the clearance",
         ),
         (lambda: vi.basins(FIGURE6, 1.04, 10.0, states=0), "states"),
-        (lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, seed=-1), "seed"),
-        (lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, seed=2**31), "seed"),
+        (lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, rng=-1), "rng"),
+        (lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, rng=2**31), "rng"),
         (
             lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, fixed={"x": 1}),
             "fixed .* goes with plane",

@@ -90,7 +90,7 @@ def test_random_states(load, seed):
     """Random states are the numbers of a published counter-based generator, scaled to the documented box."""
     r, clearance, n = 1.04, 14.0, 30
     states = vi.basins(
-        FIGURE6, r, clearance, states=n, load=load, seed=seed, cycles=1, probes=1
+        FIGURE6, r, clearance, states=n, load=load, rng=seed, cycles=1, probes=1
     ).states
     known = [0xD16CFE09, 0x94FDCCEB, 0x5001E420, 0x24126EA1]
     pi = (0x243F6A88, 0x85A308D3, 0x13198A2E, 0x03707344), (0xA4093822, 0x299F31D0)
@@ -105,7 +105,7 @@ def test_random_states(load, seed):
             [s * u[0], s * u[1], clearance / 2 * u[2], s * u[3]],
             rtol=1e-12,
         )
-    fewer = vi.basins(FIGURE6, r, clearance, states=9, load=load, seed=seed, cycles=1, probes=1)
+    fewer = vi.basins(FIGURE6, r, clearance, states=9, load=load, rng=seed, cycles=1, probes=1)
     np.testing.assert_array_equal(fewer.states, states[:, :9])
 
 
@@ -118,7 +118,7 @@ def test_random_shares_are_those_of_a_lattice():
     x, x_dot, y, z_dot = (item.ravel() for item in np.meshgrid(u, u, u, u))
     states = [0 * x, s * x, s * x_dot, s * x + clearance / 2 * y, s * z_dot]
     lattice = vi.basins(TABLE, r, clearance, states=np.array(states))
-    thrown = vi.basins(TABLE, r, clearance, states=3000, seed=1)
+    thrown = vi.basins(TABLE, r, clearance, states=3000, rng=1)
     shares = [
         dict(zip([np.round(np.sort(a.motion.X), 5).tobytes() if a.motion else a.kind
                   for a in result.attractors], result.fractions.tolist(), strict=True))
@@ -133,7 +133,7 @@ def test_random_shares_are_those_of_a_lattice():
 @pytest.mark.parametrize(
     "start",
     [
-        {"states": 60, "seed": 3},
+        {"states": 60, "rng": 3},
         {"plane": (("y", -3, 3, 5), ("t", 0, 6, 7)), "fixed": {"x": 1.5, "z_dot": -2}},
     ],
 )
@@ -190,7 +190,7 @@ def test_a_long_chaotic_transient_with_slow_phases_is_no_attractor():
 def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
     """Its motions have few impacts for thousands of load cycles, at times."""
     osc = vi.Oscillator(xi=0.1203, mu=0.5491, restitution=0.4072)
-    result = vi.basins(osc, 0.8893, 13.27, states=9, seed=4, cycles=80)
+    result = vi.basins(osc, 0.8893, 13.27, states=9, rng=4, cycles=80)
     assert [item.kind for item in result.attractors] == ["chaotic"]
     assert (result.labels == 0).all()
 

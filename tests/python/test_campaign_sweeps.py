@@ -34,7 +34,7 @@ def test_a_key_that_the_template_lacks_is_added():
 def test_points_fill_the_box(method):
     """Each of 64 equal parts of each side has one point; the logarithm of a geometric key is spread evenly."""
     sweep = vi.Sweep(
-        equispaced_case(), {"r": (0.9, 1.1), "clearance": (2, 200)}, samples=64, method=method, seed=3,
+        equispaced_case(), {"r": (0.9, 1.1), "clearance": (2, 200)}, samples=64, method=method, rng=3,
         geometric=["clearance"],
     )  # fmt: skip
     unit = np.stack(
@@ -49,14 +49,14 @@ def test_points_fill_the_box(method):
 def test_points_are_made_in_blocks(monkeypatch):
     """Blocks of any size, asked for in any order, give the same points; a billion are not held."""
     box = {"r": (0.9, 1.1), "clearance": (2, 200)}
-    whole = vi.Sweep(equispaced_case(), box, samples=1000, seed=3)
+    whole = vi.Sweep(equispaced_case(), box, samples=1000, rng=3)
     points, texts = whole.points, [whole.text(i) for i in range(1000)]
     monkeypatch.setattr("vibroimpact.campaigns.sweep.BLOCK", 64)
-    parts = vi.Sweep(equispaced_case(), box, samples=1000, seed=3)
+    parts = vi.Sweep(equispaced_case(), box, samples=1000, rng=3)
     np.testing.assert_array_equal(parts.points, points)
     for i in (999, 0, 500, 63, 64, 128):
         assert parts.text(i) == texts[i]
-    many = vi.Sweep(equispaced_case(), box, samples=10**9, seed=3)
+    many = vi.Sweep(equispaced_case(), box, samples=10**9, rng=3)
     assert list(many.point(999).values()) == points[999].tolist()
     assert many.point(10**6) != many.point(10**6 + 1)
     with pytest.raises(vi.ParameterError, match="samples = 1073741824: must be"):
@@ -230,7 +230,7 @@ def test_a_box_of_a_group(tmp_path):
     )
     found = vi.Sweep.of_case(vi.read_namelist(path)[0])
     expected = vi.Sweep(
-        found.template, {"xi": (0.001, 0.1), "r": (0.9, 1.1)}, samples=8, method="latin_hypercube", seed=5,
+        found.template, {"xi": (0.001, 0.1), "r": (0.9, 1.1)}, samples=8, method="latin_hypercube", rng=5,
         geometric=["xi"],
     )  # fmt: skip
     np.testing.assert_array_equal(found.points, expected.points)

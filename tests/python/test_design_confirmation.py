@@ -25,9 +25,9 @@ def test_probability_is_that_of_a_known_share():
     assert found.feasible is True
     assert found.interval[0] < found.probability < found.interval[1]
     assert found.bands["samples"].sum() == found.samples == 4000
-    again = found.confirm(4000, seed=1)
+    again = found.confirm(4000, rng=1)
     assert again.to_json() == found.to_json()
-    assert found.confirm(4000, seed=2).probability != found.probability
+    assert found.confirm(4000, rng=2).probability != found.probability
 
 
 @pytest.mark.parametrize(("good", "samples"), [(0, 10), (3, 10), (10, 10), (990, 1000)])
@@ -122,7 +122,7 @@ def test_over_basins_each_attractor_counts_by_its_share():
 
 def test_a_later_confirmation_is_the_same():
     """Without samples the chosen values are checked by the same few samples; a confirmation may come later."""
-    kwargs = QUICK | {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 0.5, "seed": 3}
+    kwargs = QUICK | {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 0.5, "rng": 3}
     at_once = vi.design(OSC, **kwargs | {"samples": 100})
-    later = vi.design(OSC, **kwargs | {"samples": 0}).confirm(100, seed=4)
+    later = vi.design(OSC, **kwargs | {"samples": 0}).confirm(100, rng=4)
     assert repr(later) == repr(at_once)

@@ -102,7 +102,7 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
         ({"states": 0}, "states = 0"),
         ({"samples": 5}, "samples = 5"),
         ({"evaluations": 1.5}, "evaluations = 1.5"),
-        ({"seed": -1}, "seed = -1"),
+        ({"rng": -1}, "rng = -1"),
         ({"nodes": 1}, "nodes = 1"),
     ],
 )

@@ -123,7 +123,7 @@ def test_what_an_identification_has_beyond_the_explorer_is_named(rig, law, messa
     bench = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=0.7, F0=6.0, frequency=19.5, **rig
     )
-    found = vi.identify(bench.record(2.0, seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, law=law)
+    found = vi.identify(bench.record(2.0, rng=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, law=law)
     with pytest.raises(ParameterError, match=message):
         state_of(found)
 
@@ -166,7 +166,7 @@ def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
     rig = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=(0.75, 0.65), F0=6.0, frequency=19.5
     )  # fmt: skip
-    found = vi.identify(rig.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, calibration=0)
+    found = vi.identify(rig.record(rng=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, calibration=0)
     found.save(tmp_path / "found.json")
     state = state_of(vi.load(tmp_path / "found.json"))
     assert vi.same_motion(shown(state).chosen.motion, found.motion)
@@ -187,10 +187,10 @@ def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
     still = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.5, xi=0.01143, restitution=(0.75, 0.65), F0=6.0, frequency=19.5
     )  # fmt: skip
-    none = vi.identify(still.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11})
+    none = vi.identify(still.record(rng=1), known={"M": 2.7, "K": 42e3, "m": 0.11})
     with pytest.raises(ParameterError, match="of the identification: must be 'periodic'"):
         state_of(none)
-    law = vi.identify(rig.record(seed=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, law="power")
+    law = vi.identify(rig.record(rng=1), known={"M": 2.7, "K": 42e3, "m": 0.11}, law="power")
     with pytest.raises(ParameterError, match="law = 'power' of the identification: must be"):
         state_of(law)
 

@@ -14,7 +14,7 @@ from vibroimpact.identification.least_squares import levenberg
 
 def test_the_bench_rig_is_found():
     """From one record at 40 dB, xi is found to 0.0002 as by hand, and all parameters within four errors."""
-    found = vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
     assert found.status == "periodic"
     assert found.pattern == vi.Pattern("RLL")
     assert found.undetermined == []
@@ -29,7 +29,7 @@ def test_the_bench_rig_is_found():
 
 def test_an_identification_is_saved_and_read(tmp_path):
     """JSON, netCDF, MATLAB and CSV hold the parameters; what is read has the same motion."""
-    found = vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
     for suffix in ("json", "nc", "mat"):
         found.save(tmp_path / f"found.{suffix}")
         again = vi.load(tmp_path / f"found.{suffix}")
@@ -42,7 +42,7 @@ def test_an_identification_is_saved_and_read(tmp_path):
 @pytest.mark.parametrize("quantity", ["velocity", "displacement"])
 def test_velocity_and_displacement_do_as_well(quantity):
     """Impacts are no spikes in these, but the same motion is found from their harmonics."""
-    found = vi.identify(vi.VirtualRig(**BENCH).record(seed=1, quantity=quantity), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1, quantity=quantity), known=KNOWN)
     assert found.pattern == vi.Pattern("RLL")
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
@@ -51,7 +51,7 @@ def test_velocity_and_displacement_do_as_well(quantity):
 
 def test_units_of_a_record_do_not_matter():
     """A record in g and lbf gives what the same record in SI units gives."""
-    record = vi.VirtualRig(**BENCH).record(seed=1)
+    record = vi.VirtualRig(**BENCH).record(rng=1)
     other = vi.SensorRecord(
         record.rate, load=record.load / 4.4482216152605, acceleration=record.acceleration / 9.80665,
         units={"load": "lbf", "acceleration": "g"}, bandwidth=record.bandwidth,
@@ -64,7 +64,7 @@ def test_two_records_tell_more_than_one():
     """Fitted at once, two records of one rig give smaller errors than each of them, about the true values."""
     first = vi.VirtualRig(**BENCH)
     second = vi.VirtualRig(**BENCH | {"F0": 5.0, "frequency": 20.1})
-    records = [first.record(seed=1), second.record(seed=2)]
+    records = [first.record(rng=1), second.record(rng=2)]
     both = vi.identify(records, known={"M": 2.7})
     assert both.records == 2
     assert both.undetermined == []
@@ -83,7 +83,7 @@ def test_what_a_symmetric_motion_cannot_tell_is_named():
     motion = vi.equispaced(rig.oscillator, rig.r, rig.clearance)
     stable = [item for item in motion if item.stable and item.admissible]
     assert stable
-    record = rig.record(seed=4, motion=stable[0], settle=20)
+    record = rig.record(rng=4, motion=stable[0], settle=20)
     vague = vi.identify(record, known={"M": 2.7, "K": 42e3})
     assert {"mu", "d"} & set(vague.undetermined)
     assert all(np.isinf(vague.errors[name]) for name in vague.undetermined)
@@ -97,7 +97,7 @@ def test_what_a_symmetric_motion_cannot_tell_is_named():
 def test_a_pair_of_equal_impacts_is_found(seed):
     """Equally spaced impacts, whose linear equations leave the amplitude free, start from the right motion."""
     rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": 0.75, "frequency": 20.6})
-    found = vi.identify(rig.record(seed=seed), known=KNOWN)
+    found = vi.identify(rig.record(rng=seed), known=KNOWN)
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.75), ("d", 0.0036)):
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
     assert found.misfit < 2
@@ -126,11 +126,11 @@ def test_impact_times_alone_tell_the_clearance():
 def test_drifting_restitution_is_an_average():
     """Coefficients that fall by 9 % in a record are found as their means, with errors that grow."""
     with pytest.warns(vi.PoorFitWarning, match="the rig changed during the record"):
-        found = vi.identify(vi.VirtualRig(**BENCH, drift=0.09).record(seed=1), known=KNOWN)
+        found = vi.identify(vi.VirtualRig(**BENCH, drift=0.09).record(rng=1), known=KNOWN)
     assert found.values["R1"] == pytest.approx(0.75 * 0.955, rel=0.03)
     assert found.values["R2"] == pytest.approx(0.65 * 0.955, rel=0.03)
     assert found.errors["R1"] > 1e-3
-    steady = vi.identify(vi.VirtualRig(**BENCH, amplitude=0.02).record(seed=5), known=KNOWN)
+    steady = vi.identify(vi.VirtualRig(**BENCH, amplitude=0.02).record(rng=5), known=KNOWN)
     assert abs(steady.F0 / 6 - 1) < 0.02
     assert abs(steady.values["R1"] - 0.75) < 4 * steady.errors["R1"]
 
@@ -164,7 +164,7 @@ def random_rig(seed):
 def test_another_motion_with_a_weak_impact_is_doubted():
     """The fit of this record has a weak impact 0.04 load cycles off, R2 11 errors off, and a misfit of 1.2."""
     rig, motion = random_rig(135)
-    record = rig.record(2.0, seed=135, motion=motion, settle=60)
+    record = rig.record(2.0, rng=135, motion=motion, settle=60)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         found = vi.identify(record, known={"M": rig.M, "K": rig.K, "m": rig.m})
@@ -183,7 +183,7 @@ def test_three_hundred_rigs(share):
         rig, motion = random_rig(seed)
         # sensors of every second rig are exact, and said to be so
         rig = replace(rig, calibration=seed % 2 * 0.01)
-        record = rig.record(2.0, seed=seed, motion=motion, settle=60)
+        record = rig.record(2.0, rng=seed, motion=motion, settle=60)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", vi.PoorFitWarning)

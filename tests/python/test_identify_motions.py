@@ -73,7 +73,7 @@ def test_motions_of_a_fit_are_those_of_the_core(kind, shaped):
 @pytest.mark.parametrize("harmonics", [(0.1,), (0.02, 0.1)])
 def test_harmonics_of_the_load_move_the_impacts(harmonics, tmp_path):
     """With a load that is no sine the parameters are found as well, and the motion is one under this load."""
-    found = vi.identify(vi.VirtualRig(**BENCH, harmonics=harmonics).record(seed=1), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH, harmonics=harmonics).record(rng=1), known=KNOWN)
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006), ("F0", 6.0)):
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
     assert found.misfit < 1.5
@@ -90,7 +90,7 @@ def test_harmonics_of_the_load_move_the_impacts(harmonics, tmp_path):
 
 def test_a_boundary_is_where_the_motion_is_lost():
     """Beyond the nearest boundary the motion is not stable and admissible; before it it is."""
-    found = vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
     nearest = found.nearest_boundary()
     here = {"r": found.r, "clearance": found.clearance}
     good = []

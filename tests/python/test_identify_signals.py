@@ -12,7 +12,7 @@ from shared_identify import BENCH, KNOWN
 
 def faulty(change):
     """A record of the bench rig after a change of its channels."""
-    record = vi.VirtualRig(**BENCH).record(seed=1)
+    record = vi.VirtualRig(**BENCH).record(rng=1)
     channels = {"load": record.load.copy(), "acceleration": record.acceleration.copy()}
     change(channels)
     return vi.SensorRecord(record.rate, bandwidth=record.bandwidth, **channels)
@@ -57,7 +57,7 @@ def flat(channels):
 
 def test_samples_beyond_the_range_of_a_sensor_are_named():
     """A range that is known finds clipped samples before several of them stand in line."""
-    record = vi.VirtualRig(**BENCH).record(seed=1)
+    record = vi.VirtualRig(**BENCH).record(rng=1)
     most = 0.99 * float(abs(record.acceleration).max())
     given = vi.SensorRecord(record.rate, **record.channels, range=most)
     with pytest.raises(vi.ParameterError, match="must be within the range of its sensor"):
@@ -97,12 +97,12 @@ def test_faults_of_records_are_named(change, message):
 def test_what_is_known_wrongly_is_no_result(known, message):
     """With wrong values that are said to be known there is no fit."""
     with pytest.raises(vi.SingularError, match=message):
-        vi.identify(vi.VirtualRig(**BENCH).record(seed=1), known=known)
+        vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=known)
 
 
 def test_a_bandwidth_above_half_the_rate_is_an_error():
     """What the sensors pass above half the rate is folded onto the harmonics."""
-    record = vi.VirtualRig(**BENCH).record(seed=1)
+    record = vi.VirtualRig(**BENCH).record(rng=1)
     every = vi.SensorRecord(
         record.rate / 8,
         load=record.load[::8],
@@ -123,7 +123,7 @@ def test_a_bandwidth_above_half_the_rate_is_an_error():
 def test_impacts_below_the_band_of_ringing_are_found(rate, bandwidth, seed):
     """With sensors that hardly pass more than the ringing there are no spikes, but harmonics."""
     rig = vi.VirtualRig(**BENCH, rate=rate, bandwidth=bandwidth)
-    found = vi.identify(rig.record(seed=seed), known=KNOWN)
+    found = vi.identify(rig.record(rng=seed), known=KNOWN)
     assert found.pattern == vi.Pattern("RLL")
     assert found.impact_times.size == pytest.approx(3 * 3.0 * 19.5, abs=2)
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
@@ -135,7 +135,7 @@ def test_too_small_a_bandwidth_is_said(seed):
     """Where the sensors hardly pass the ringing, the result is right, or the error says what may be too small."""
     rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=500.0)
     try:
-        found = vi.identify(rig.record(seed=seed), known=KNOWN)
+        found = vi.identify(rig.record(rng=seed), known=KNOWN)
     except vi.SingularError as error:
         said = str(error)
     else:
@@ -147,7 +147,7 @@ def test_too_small_a_bandwidth_is_said(seed):
 def test_ringing_is_that_of_a_passive_mode():
     """At 4096 Hz few impacts are picked at first; a mode with negative damping must not explain the others."""
     rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=1000.0)
-    found = vi.identify(rig.record(duration=1.5, seed=17), known=KNOWN)
+    found = vi.identify(rig.record(duration=1.5, rng=17), known=KNOWN)
     assert found.pattern == vi.Pattern("RLL")
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65)):
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
@@ -155,10 +155,10 @@ def test_ringing_is_that_of_a_passive_mode():
 
 def test_what_the_errors_do_not_contain_is_said():
     """Samples that were dropped, and coefficients that drift, leave a note."""
-    record = vi.VirtualRig(**BENCH).record(seed=1)
+    record = vi.VirtualRig(**BENCH).record(rng=1)
     channels = {name: np.delete(values, 9000) for name, values in record.channels.items()}
     dropped = vi.SensorRecord(record.rate, bandwidth=record.bandwidth, **channels)
-    drifting = vi.VirtualRig(**BENCH, drift=0.09).record(seed=1)
+    drifting = vi.VirtualRig(**BENCH, drift=0.09).record(rng=1)
     for item, text in (
         (dropped, "samples are missing or"),
         (drifting, "the rig changed"),
@@ -179,7 +179,7 @@ def test_what_the_errors_do_not_contain_is_said():
 )
 def test_other_records_have_a_status(clearance, status):
     """Records without a periodic pattern of impacts say what they are, and what their flights tell is right."""
-    found = vi.identify(vi.VirtualRig(**BENCH | {"d": clearance}).record(seed=1), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH | {"d": clearance}).record(rng=1), known=KNOWN)
     assert found.status == status
     assert (found.motion, found.pattern) == (None, None)
     assert (found.oscillator is None) == (found.errors.get("d", np.inf) == np.inf)
@@ -231,12 +231,12 @@ def test_other_records_have_a_status(clearance, status):
 def test_faults_of_calls_are_named(call, message):
     """Each argument that is not allowed has one message."""
     with pytest.raises(vi.ParameterError, match=message):
-        vi.identify(vi.VirtualRig(**BENCH).record(0.9, seed=1), **call)
+        vi.identify(vi.VirtualRig(**BENCH).record(0.9, rng=1), **call)
 
 
 def test_load_phases_of_picked_impacts_are_those_of_the_motion():
     """Also where a lag is known, which the times of the impacts are without."""
-    found = vi.identify(vi.VirtualRig(**BENCH, bandwidth=500.0).record(seed=1), known=KNOWN)
+    found = vi.identify(vi.VirtualRig(**BENCH, bandwidth=500.0).record(rng=1), known=KNOWN)
     cycles = found.frequency * found.impact_times + found._one("load_phase") / (2 * np.pi)
     fitted = found._of(0, "impacts", "fitted") / (2 * np.pi)
     off = (cycles[:, None] - fitted + 0.5) % 1 - 0.5
@@ -245,7 +245,7 @@ def test_load_phases_of_picked_impacts_are_those_of_the_motion():
 
 def test_flights_that_run_away_hide_no_wrong_unit():
     """A short record in g, of which some trial flights grow beyond all numbers: the unit is named."""
-    record = vi.VirtualRig(**BENCH).record(1.0, seed=1)
+    record = vi.VirtualRig(**BENCH).record(1.0, rng=1)
     with pytest.raises(vi.ParameterError, match=r"is it g for m/s\^2"):
         vi.identify(
             rate=record.rate, load=record.load, acceleration=record.acceleration / 9.80665,

@@ -315,7 +315,7 @@ def test_a_point_stands_for_its_arguments():
         (vi.simulate(point, 5, state), vi.simulate(*place, 5, state, 2.0)),
         (vi.exact(point, GUESS), vi.exact(*place, GUESS, 2.0)),
         (vi.lyapunov(point, **few), vi.lyapunov(*place, load=2.0, **few)),
-        (vi.basins(point, states=2, seed=1), vi.basins(*place, states=2, seed=1, load=2.0)),
+        (vi.basins(point, states=2, rng=1), vi.basins(*place, states=2, rng=1, load=2.0)),
         (vi.response(point, [0.93, 0.94], states=2), vi.response(OSC, [0.93, 0.94], 37.0, states=2, load=2.0)),
     ):  # fmt: skip
         assert ours.to_dict() == theirs.to_dict()

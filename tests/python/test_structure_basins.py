@@ -125,11 +125,11 @@ def test_states_with_closed_gaps_have_no_attractor():
 
 def test_random_states_begin_alike():
     """The first random states do not depend on their number, and are those that `find` simulates."""
-    few, many = (vi.basins(DAMPER, LOAD, states=n, seed=3) for n in (5, 12))
+    few, many = (vi.basins(DAMPER, LOAD, states=n, rng=3) for n in (5, 12))
     np.testing.assert_array_equal(few.states, many.states[:, :, :5])
     assert few.axes is None
     assert not few.drawable
-    motions = vi.find(DAMPER, LOAD, states=12, seed=3, max_impacts=0, max_cycles=16, settling=1000)
+    motions = vi.find(DAMPER, LOAD, states=12, rng=3, max_impacts=0, max_cycles=16, settling=1000)
     counts = [
         int((many.labels == i).sum()) for i, item in enumerate(many.attractors) if item.motion
     ]

@@ -233,7 +233,7 @@ def test_find_reduces_a_motion_to_its_shortest_period():
         ({"guesses": 0}, "guesses"),
         ({"states": -1}, "states"),
         ({"settling": -1}, "settling"),
-        ({"seed": -1}, "seed"),
+        ({"rng": -1}, "rng"),
         ({"threads": 0}, "threads"),
         ({"max_impacts": 8, "guesses": 10000}, "max_impacts"),
     ],

@@ -124,7 +124,7 @@ def test_threads_and_seeds():
         vi.uncertainty(FIGURE6, "RRL", R[::4], D[::4], uncertain, samples=6, threads=n, vertices=9)
         for n in (1, 3)
     )
-    other = vi.uncertainty(FIGURE6, "RRL", R[::4], D[::4], uncertain, samples=6, vertices=9, seed=1)
+    other = vi.uncertainty(FIGURE6, "RRL", R[::4], D[::4], uncertain, samples=6, vertices=9, rng=1)
     assert np.array_equal(first.probability, second.probability)
     for a, b in zip(first.bands, second.bands, strict=True):
         assert np.array_equal(a.sampled, b.sampled, equal_nan=True)
@@ -437,7 +437,7 @@ BAD = [
     ({"limit": 0.3}, "limit = 0.3: must be a dict"),
     ({"samples": 0}, "samples = 0: must be a whole number"),
     ({"quantiles": (0.9, 0.1)}, "quantiles = "),
-    ({"seed": -1}, "seed = -1"),
+    ({"rng": -1}, "rng = -1"),
     ({"vertices": 1}, "vertices = 1"),
     ({"progress": 3}, "progress = 3: must be None or callable"),
     ({"bands": 1}, "bands = 1: must be True or False"),

@@ -643,7 +643,7 @@ def test_every_verb_takes_units():
         (lambda at: vi.equispaced(TEXTS, *at)[0].X, here, there),
         (lambda at: vi.exact(TEXTS, *at, guess=motion).X, here, there),
         (lambda at: vi.find(TEXTS, *at, 4, 1)[0].X, here, there),
-        (lambda at: vi.basins(TEXTS, *at, states=3, seed=1).labels, here, there),
+        (lambda at: vi.basins(TEXTS, *at, states=3, rng=1).labels, here, there),
         (lambda at: vi.lyapunov(TEXTS, *at, cycles=50).largest, here, there),
         (lambda at: vi.zone(TEXTS, "RL", *at, lines=9).loops[0], (window, inner), (low, gaps)),
         (lambda at: vi.chart(TEXTS, "RL", *at)["stable"].values, (window, inner), (low, gaps)),

@@ -10,7 +10,7 @@ import operator
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,8 @@ RANGES: dict[str, tuple[float, float, bool]] = {
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000
+#: What functions take for their random numbers (SPEC 7): a seed, a generator, or None.
+Rng: TypeAlias = int | np.random.Generator | None
 #: Largest number of values that a study may keep at once.
 MOST_NUMBERS = 12_500_000
 
@@ -106,6 +108,35 @@ def integer(value: Any, name: str, low: int, high: int) -> int:
     if not low <= item <= high:
         raise ParameterError(f"{name} = {value!r}: must be {wanted}")
     return item
+
+
+def seed_of(rng: Any, high: int = 2**31 - 1) -> int:
+    """The seed of an argument `rng`: a whole number, one drawn from a NumPy Generator, or a fresh one for None.
+
+    Parameters
+    ----------
+    rng : int, numpy.random.Generator or None
+        A Generator is advanced, so that the next call with it gives another seed.
+    high : int
+        The largest seed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from vibroimpact.base.checks import seed_of
+    >>> rng = np.random.default_rng(7)
+    >>> seed_of(7), seed_of(rng) == seed_of(rng), seed_of(np.random.default_rng(7)) == seed_of(7)
+    (7, False, False)
+    """
+    if rng is None or isinstance(rng, np.random.Generator):
+        generator = np.random.default_rng() if rng is None else rng
+        # namelists have no larger ones
+        return int(generator.integers(min(high, 2**31 - 1), endpoint=True))
+    wanted = f"a whole number with 0 <= rng <= {high}, a numpy.random.Generator or None"
+    try:
+        return integer(rng, "rng", 0, high)
+    except (ParameterError, ParameterTypeError) as error:
+        raise type(error)(f"rng = {rng!r}: must be {wanted}") from None
 
 
 def place(index: Any, n: int, what: str) -> int | range:

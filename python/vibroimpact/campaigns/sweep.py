@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base import checks
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.libraries import scipy
 from ..base.spacing import spaced
@@ -47,8 +48,9 @@ class Sweep:
         cases are all combinations of the values, in the order of a C array.
     method : str
         How the points are chosen: "sobol" (scrambled, for which powers of 2 are best) or "latin_hypercube".
-    seed : int
-        Of the points; the same seed gives the same ones.
+    rng : int, numpy.random.Generator or None
+        Seed of the points, or a generator that a seed is drawn from; None: another seed in each call. The same
+        seed gives the same points.
     geometric : sequence of str
         Keys whose logarithm is spread evenly.
 
@@ -71,7 +73,7 @@ class Sweep:
 
     def __init__(
         self, case: str | Case, values: Mapping[str, Sequence[Any]], *, samples: int | None = None,
-        method: str = "sobol", seed: int = 0, geometric: Sequence[str] = (),
+        method: str = "sobol", rng: Rng = 0, geometric: Sequence[str] = (),
     ) -> None:  # fmt: skip
         if isinstance(geometric, str) or not isinstance(geometric, Sequence):
             raise ParameterTypeError(f"geometric = {geometric!r}: must be a sequence of keys")
@@ -103,6 +105,7 @@ class Sweep:
                     f"values: give {math.prod(self.shape)} cases; must be at most {MOST}"
                 )
         else:
+            seed = checks.seed_of(rng, 2**63 - 1)
             logs = {_full_name(key, groups) for key in geometric}
             if logs - set(self.keys):
                 raise ParameterError(f"geometric = {list(geometric)!r}: must be keys of values")
@@ -149,8 +152,9 @@ class Sweep:
     def of_record(cls, record: Mapping[str, Any]) -> Sweep:
         """The sweep with this record."""
         options = {
-            key: record[key] for key in ("samples", "method", "seed", "geometric") if key in record
-        }
+            "rng" if key == "seed" else key: record[key]
+            for key in ("samples", "method", "seed", "geometric") if key in record
+        }  # fmt: skip
         found = cls(record["template"], record["values"], **options)
         if found.record != record:
             raise ParameterError(
@@ -224,7 +228,7 @@ def _of_keys(kind: type[Sweep], text: str, given: Mapping[str, Any]) -> Sweep:
     if "samples" in lists:
         return kind(
             text, boxes, samples=given["samples"], method=given.get("method", "sobol"),
-            seed=given.get("seed", 0), geometric=geometric,
+            rng=given.get("seed", 0), geometric=geometric,
         )  # fmt: skip
     if "counts" not in lists:
         raise ParameterError("counts: must be given with low and high, or samples")
@@ -389,7 +393,7 @@ class Points:
         if method not in METHODS:
             raise ParameterError(f"method = {method!r}: must be {' or '.join(map(repr, METHODS))}")
         self.size = checks.integer(samples, "samples", 1, MOST_POINTS[method])
-        self.seed = checks.integer(seed, "seed", 0, 2**63 - 1)
+        self.seed = seed
         self.boxes, self.logs, self.method = boxes, logs, method
         self._engine()
         #: A block, its number, and what gives the next one.

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.actions import ACTIONS
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.progress import with_progress
 from ..base.status import VERDICT
@@ -271,7 +272,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         return f"<Design {chosen}: {self.verdict}>"
 
     def confirm(
-        self, samples: int = 100_000, seed: int = 1, progress: door.Progress | None = None
+        self, samples: int = 100_000, rng: Rng = 1, progress: door.Progress | None = None
     ) -> Design:
         """The same design, judged by other samples: each is a unit at a random frequency and load.
 
@@ -279,8 +280,9 @@ class Design(Noun, study="design", example=EXAMPLE):
         ----------
         samples : int
             At least 10.
-        seed : int
-            From which the random numbers follow.
+        rng : int, numpy.random.Generator or None
+            Seed of the random numbers, from 0 to 2**31 - 1, or a generator that a seed is drawn from; None:
+            another seed in each call.
         progress : callable, optional
             Called a few times a second with the share done and the present task; by default a bar on a terminal
             or in a notebook.
@@ -297,7 +299,7 @@ class Design(Noun, study="design", example=EXAMPLE):
             raise ParameterError(f"{self!r}: has no host, since it was read from a file")
         problem, order = self._asked or asked_by(self.osc, self.keys)
         samples = checks.integer(samples, "samples", 10, 10**9)
-        seed = checks.integer(seed, "seed", 0, 2**31 - 1)
+        seed = checks.seed_of(rng)
         tables = {
             name: (tuple(table.dims), {key: item.decoded() for key, item in table.columns.items()})
             for name, table in self._result.tables.items()
@@ -390,7 +392,7 @@ def design(
     target: str = "attenuation", limit: float | None = None, quantile: float = 0.99,
     limits: Mapping[str, float] | None = None, over: str = "worst", amplitude: ArrayLike | None = None,
     cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 48,
-    specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, seed: int = 0,
+    specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, rng: Rng = 0,
     threads: int | None = None, progress: door.Progress | None = None,
 ) -> Design:  # fmt: skip
     """The clearance, mass and restitution for which an impact damper works best over a band, tolerances included.
@@ -454,8 +456,9 @@ def design(
         Units and frequencies by which the best candidates are judged.
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and those then examined.
-    seed : int
-        From which the random numbers follow.
+    rng : int, numpy.random.Generator or None
+        Seed of the random numbers, or a generator that a seed is drawn from; None: another seed in each call. The
+        seed that was used is in the case of the result.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -506,7 +509,8 @@ def design(
     keys: dict[str, Any] = {
         "target": target, "limit": limit, "quantile": quantile, "over": over, "clearance": clearance,
         "load": numbers_of(loads), "states": states, "samples": samples, "evaluations": evaluations,
-        "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep, "seed": seed,
+        "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep,
+        "seed": checks.seed_of(rng, 2 * 10**9),
         "amplitude": amplitude, "cycles": cycles,
     }  # fmt: skip
     workers = None if threads is None else checks.integer(threads, "threads", 1, 1024)

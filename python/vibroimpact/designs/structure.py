@@ -66,7 +66,7 @@ def asked_of(
         item = checks.to_float(value, name, wanted)
         if not (0.5 <= item <= 1 if name == "quantile" else 0 < item < math.inf):
             raise ParameterError(f"{name} = {value!r}: must be {wanted}")
-    low = {"evaluations": 8, "nodes": 2, "settling": 1, "seed": 0, "samples": 0}
+    low = {"evaluations": 8, "nodes": 2, "settling": 1, "samples": 0}
     for name in ("states", "specimens", "keep", *low):
         checks.integer(keys[name], name, low.get(name, 1), 10**9)
     band = uncertain(r, "r")

@@ -548,7 +548,7 @@ def identify(
     --------
     >>> import vibroimpact as vi
     >>> rig = vi.VirtualRig(M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=0.7, F0=6.0, frequency=19.5)
-    >>> found = vi.identify(rig.record(seed=1), known=dict(M=2.7, K=42e3, m=0.11))
+    >>> found = vi.identify(rig.record(rng=1), known=dict(M=2.7, K=42e3, m=0.11))
     >>> found.pattern, found.undetermined
     (Pattern(sides='RLL', cycles=1), [])
     >>> low, high = found.interval("xi")

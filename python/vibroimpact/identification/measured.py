@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.libraries import scipy
 from ..motions.motion import Motion
@@ -330,7 +331,7 @@ class VirtualRig:
     --------
     >>> import vibroimpact as vi
     >>> rig = vi.VirtualRig(M=2.7, K=42e3, m=0.11, d=0.006, xi=0.0114, restitution=0.7, F0=6.0, frequency=19.5)
-    >>> rig.record(duration=2.0, seed=1)
+    >>> rig.record(duration=2.0, rng=1)
     <SensorRecord of 20480 samples at 10240 Hz, 2 s: load, acceleration>
     """
 
@@ -483,7 +484,7 @@ class VirtualRig:
             yield run
 
     def record(
-        self, duration: float = 3.0, seed: int = 0, quantity: str = "acceleration", settle: float = 400,
+        self, duration: float = 3.0, rng: Rng = 0, quantity: str = "acceleration", settle: float = 400,
         motion: Motion | None = None,
     ) -> SensorRecord:  # fmt: skip
         """A record of the load and of the motion of the primary mass.
@@ -492,8 +493,9 @@ class VirtualRig:
         ----------
         duration : float
             Its length, s.
-        seed : int
-            Of the noise, of the load phase at its start, and of its load amplitude.
+        rng : int, numpy.random.Generator or None
+            Seed of the noise, of the load phase at its start and of its load amplitude, or a generator that a seed
+            is drawn from; None: another seed in each call.
         quantity : {"acceleration", "velocity", "displacement"}
             What the sensor of the motion measures.
         settle : float
@@ -516,7 +518,7 @@ class VirtualRig:
             raise ParameterError(
                 f"duration = {duration!r}: must be at most {checks.MOST_NUMBERS / self.rate:g} s"
             )
-        seed = checks.integer(seed, "seed", 0, 2**63 - 1)
+        seed = checks.seed_of(rng, 2**63 - 1)
         random = np.random.default_rng(seed)
         F0 = self.F0 * (1 + self.amplitude * random.uniform(-1, 1))
         # the filters settle in the samples before the first one
@@ -643,14 +645,14 @@ def scaled(law: Restitution, factor: float) -> Restitution:
 
 
 def virtual_record(
-    duration: float = 3.0, seed: int = 0, quantity: str = "acceleration", **rig: Any
+    duration: float = 3.0, rng: Rng = 0, quantity: str = "acceleration", **rig: Any
 ) -> SensorRecord:
     """A record of a `VirtualRig` in one call.
 
     Parameters
     ----------
     duration : float
-    seed : int
+    rng : int, numpy.random.Generator or None
     quantity : str
         As of `VirtualRig.record`.
     **rig
@@ -669,7 +671,7 @@ def virtual_record(
     --------
     >>> import vibroimpact as vi
     >>> vi.virtual_record(
-    ...     duration=1.0, seed=3, M=2.7, K=42e3, m=0.11, d=0.006, xi=0.0114, restitution=0.7, F0=6.0,
+    ...     duration=1.0, rng=3, M=2.7, K=42e3, m=0.11, d=0.006, xi=0.0114, restitution=0.7, F0=6.0,
     ...     frequency=19.5,
     ... )
     <SensorRecord of 10240 samples at 10240 Hz, 1 s: load, acceleration>
@@ -681,4 +683,4 @@ def virtual_record(
             raise
         names = str(error).partition(") ")[2]
         raise ParameterTypeError(f"rig: must be the arguments of VirtualRig; {names}") from None
-    return made.record(duration, seed, quantity)
+    return made.record(duration, rng, quantity)

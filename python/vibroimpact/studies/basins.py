@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, SingularError, VibroimpactError
 from ..base.spacing import Axis, axis_of
 from ..motions.exact import attractor_at_end
@@ -266,7 +267,7 @@ def basins_structure(
     start: float = 0.0,
     settling: int = 1000,
     max_cycles: int = 16,
-    seed: int = 0,
+    rng: Rng = 0,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
@@ -278,7 +279,7 @@ def basins_structure(
         "max_events": max_events,
     }  # fmt: skip
     keys |= (
-        {"states": states, "seed": seed}
+        {"states": states, "seed": checks.seed_of(rng)}
         if plane is None
         else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...", points)
     )
@@ -294,7 +295,7 @@ def basins(
     osc: Oscillator, r: float, clearance: float, plane: tuple[Any, Any] | None = None,
     states: int | ArrayLike | None = None, points: int | tuple[int, int] | None = None,
     fixed: Mapping[str, float] | None = None, load: float | Load = 1.0,
-    cycles: int = 1000, probes: int = 200, max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000,
+    cycles: int = 1000, probes: int = 200, max_cycles: int = 16, rng: Rng = 0, max_events: int = 10_000_000,
     threads: int | None = None, progress: Callable[[float, str], None] | None = None,
 ) -> Basins: ...  # fmt: skip
 @overload
@@ -302,7 +303,7 @@ def basins(
     structure: Structure, load: Load, plane: tuple[Any, Any] | None = None, states: int | None = None,
     points: int | tuple[int, int] | None = None,
     state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0, settling: int = 1000,
-    max_cycles: int = 16, seed: int = 0, max_events: int = 10_000_000, threads: int | None = None,
+    max_cycles: int = 16, rng: Rng = 0, max_events: int = 10_000_000, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Basins: ...  # fmt: skip
 @overload
@@ -326,7 +327,7 @@ def basins(
     cycles: int = 1000,
     probes: int = 200,
     max_cycles: int = 16,
-    seed: int = 0,
+    rng: Rng = 0,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
@@ -384,9 +385,10 @@ def basins(
         Of an oscillator: states simulated first.
     max_cycles : int
         Longest period that is considered, in load cycles.
-    seed : int
-        Of random states, from 0 to 2**31 - 1. A state depends only on the seed and its number, so a larger set
-        of states begins with the smaller one.
+    rng : int, numpy.random.Generator or None
+        Seed of random states, from 0 to 2**31 - 1, or a generator that a seed is drawn from; None: another seed
+        in each call. A state depends only on the seed and its number, so a larger set of states begins with the
+        smaller one. The seed that was used is in the case of the result.
     max_events : int
         Events (impacts, rests, releases) after which one simulation is given up: its state has the label -3.
     threads : int, optional
@@ -446,7 +448,7 @@ def basins(
         names |= {name: f"fixed[{name!r}]" for name in COORDINATES}
         keys |= _plane_keys(plane, "x, x_dot, y, z_dot or t", points) | _fixed_keys(fixed)
     elif not isinstance(states, (list, tuple)) and np.ndim(states) == 0:  # type: ignore[arg-type]
-        keys |= {"states": states, "seed": seed}
+        keys |= {"states": states, "seed": checks.seed_of(rng)}
     else:
         starts = checks.real_array(states, "states", "a number or an array (5, M)")  # type: ignore[arg-type]
         if starts.ndim != 2 or starts.shape[0] != 5 or starts.shape[1] == 0:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..base import checks
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import new_counters, stoppable
 from ..base.progress import with_progress
@@ -114,7 +115,7 @@ def boundary_bands(
     samples: int = 64,
     vertices: int = 40,
     quantiles: tuple[float, float] = (0.025, 0.975),
-    seed: int = 0,
+    rng: Rng = 0,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> list[BoundaryBand]:
@@ -139,7 +140,7 @@ def boundary_bands(
         Largest number of vertices of a piece that are examined, 2 to 10000.
     quantiles : (float, float)
         Of the displacement, the ends of the bands.
-    seed : int
+    rng : int, numpy.random.Generator or None
     threads : int, optional
     progress : callable, optional
         As of `uncertainty`.
@@ -168,7 +169,7 @@ def boundary_bands(
         raise ParameterTypeError(f"zone = {zone!r}: must be one of an Oscillator")
     parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
     count = checks.integer(samples, "samples", 1, 100_000)
-    random = np.random.default_rng(checks.integer(seed, "seed", 0, 2**31 - 1))
+    random = np.random.default_rng(checks.seed_of(rng))
     changes = systems(zone.osc, parameters, shares(count, len(parameters), random))
     return bands_of(
         zone, parameters, changes, vertices, quantile_pair(quantiles), threads, progress

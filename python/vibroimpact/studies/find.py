@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base import checks
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.jupyter import rows_html
 from ..base.status import sentence
@@ -289,7 +290,7 @@ def find_structure(
     guesses: int = 48,
     states: int = 24,
     settling: int = 300,
-    seed: int = 0,
+    rng: Rng = 0,
     max_events: int = 10_000_000,
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
@@ -297,7 +298,7 @@ def find_structure(
     """As `find`, of a structure."""
     keys = {
         "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
-        "settling": settling, "seed": seed, "max_events": max_events,
+        "settling": settling, "seed": checks.seed_of(rng), "max_events": max_events,
     }  # fmt: skip
     found = door.run_structure(FoundMotions, structure, load, keys, threads, progress, stops=True)
     found.require()
@@ -313,7 +314,7 @@ def find(
 @overload
 def find(
     structure: Structure, load: Load, max_impacts: int = 2, max_cycles: int = 4, guesses: int = 48,
-    states: int = 24, settling: int = 300, seed: int = 0, max_events: int = 10_000_000,
+    states: int = 24, settling: int = 300, rng: Rng = 0, max_events: int = 10_000_000,
     threads: int | None = None, progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions: ...  # fmt: skip
 @overload
@@ -385,8 +386,9 @@ def find(
     releases : int
         Of an oscillator: releases from rest, for each wall and number of cycles, from which Newton's method is
         started on the return map; this also finds unstable motions with rest.
-    seed : int
-        Of a structure: of the random numbers; the result depends on nothing else.
+    rng : int, numpy.random.Generator or None
+        Of a structure: seed of the random initial states, or a generator that a seed is drawn from; None: another
+        seed in each call. The seed that was used is in the case of the result.
     max_events : int
         Events (impacts, rests, releases) after which the simulation of a state is given up; of an oscillator it
         then counts as one of `Search.unfinished`.

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.actions import ACTIONS
+from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
@@ -182,7 +183,7 @@ def uncertainty(
     bands: bool = True,
     vertices: int = 40,
     quantiles: tuple[float, float] = (0.025, 0.975),
-    seed: int = 0,
+    rng: Rng = 0,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Uncertainty:
@@ -219,8 +220,9 @@ def uncertainty(
     vertices : int
     quantiles : (float, float)
         As of `boundary_bands`.
-    seed : int
-        Of the random numbers; the same seed gives the same result, for any number of threads.
+    rng : int, numpy.random.Generator or None
+        Seed of the random numbers, from 0 to 2**31 - 1, or a generator that a seed is drawn from; None: another
+        seed in each call. The same seed gives the same result, for any number of threads.
     threads : int, optional
         Default: one for each processor.
     progress : callable, optional
@@ -253,7 +255,7 @@ def uncertainty(
     count = checks.integer(samples, "samples", 1, 100_000)
     wanted = checks.truth(bands, "bands")
     ends = quantile_pair(quantiles)
-    number = checks.integer(seed, "seed", 0, 2**31 - 1)
+    number = checks.seed_of(rng)
     r, clearance = range_axes(r, clearance, points)
     axes = axis(r, "r"), axis(clearance, "clearance")
     if wanted and min(map(len, axes)) < 2:
@@ -375,7 +377,7 @@ def limit_probability(
     confidence: float = 0.95,
     settling: int = 400,
     max_events: int = 1_000_000,
-    seed: int = 0,
+    rng: Rng = 0,
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> LimitProbability:
@@ -409,7 +411,7 @@ def limit_probability(
         Load cycles after which a simulation without a period counts as settled, 8 to 1000000.
     max_events : int
         Events after which a simulation fails, 1000 to 1000000000.
-    seed : int
+    rng : int, numpy.random.Generator or None
     threads : int, optional
     progress : callable, optional
         As of `uncertainty`.
@@ -446,7 +448,7 @@ def limit_probability(
         raise ParameterError(f"confidence = {confidence!r}: must be a number between 0 and 1")
     cycles = checks.integer(settling, "settling", 8, 1_000_000)
     events = checks.integer(max_events, "max_events", 1000, 10**9)
-    random = np.random.default_rng(checks.integer(seed, "seed", 0, 2**31 - 1))
+    random = np.random.default_rng(checks.seed_of(rng))
     points = checks.one_shape(r=r, clearance=clearance)
     if not 0 < points[0].size * count * tries <= checks.MOST_NUMBERS:
         raise ParameterError(
