@@ -3,7 +3,7 @@ A rig in physical units
 =======================
 
 A mass of 2.7 kg on a spring of 42 kN/m carries a particle of 0.11 kg, and is driven by 6 N. Every result of the
-rig knows its units, and `physical` draws it in them. The clearance d is the whole travel from wall to wall.
+rig knows its units, and its pictures have them. The clearance d is the whole travel from wall to wall.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ r, clearance = units.frequency_ratio(f=19.5), units.clearance(d=0.0035)
 # The stable motion at 19.5 Hz with 3.5 mm of travel. The spikes of the acceleration are the impacts.
 
 motion = next(m for m in vi.find(rig, r, clearance, max_impacts=4, max_cycles=1) if m.stable)
-motion.physical("mm N s").plot()
+motion.plot()
 
 # %%
 # Its displacement and acceleration in numbers, the energy that the load puts in during a cycle, and where it goes.
@@ -35,10 +35,10 @@ print(f"       + {1e3 * found.impact_loss:.2f} mJ in the impacts")
 # Where two impacts in a load cycle are stable, over the frequency and the clearance for 6 N.
 
 zone = vi.zone(rig, "RL", r=(0.94, 1.1), clearance=(10, 100))
-zone.physical("mm N s").plot()
+zone.plot()
 
 # %%
 # A stepped sine at this clearance, up and down.
 
 diagram = vi.bifurcation_diagram(rig, "r", ("18.5 Hz", "21.5 Hz"), points=121, clearance=clearance)
-diagram.physical("mm N s").plot()
+diagram.plot()

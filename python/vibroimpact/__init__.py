@@ -26,7 +26,9 @@ __all__ = sorted(_PLACES)
 def _later(place: str) -> _Callable[..., object]:
     """Return a function of a module that is imported when the function is called for the first time."""
     module, name = place.split(":")
-    return lambda *arguments: getattr(_import_module(module, __name__), name)(*arguments)
+    return lambda *arguments, **named: getattr(_import_module(module, __name__), name)(
+        *arguments, **named
+    )
 
 
 def _import_all() -> None:
@@ -45,7 +47,7 @@ _ACTIONS.update(
     prove_zone=_later(".proofs.zones:prove_zone"),
     plane_of=_later(".proofs.zones:Plane"),
     draw=_later(".plot.pictures:draw_result"),
-    animate=_later(".plot.animation:animate"),
+    animate_result=_later(".plot.pictures:animate_result"),
     thumbnail=_later(".plot.thumbnail:thumbnail"),
     report=_later(".plot.design:report"),
     html=_later(".formats.html:html"),

@@ -254,12 +254,11 @@ class Physical(Generic[From]):
         """The animation of the result in physical units; arguments as of its own `animate`, as in `plot`."""
         return type(self._of).animate(self, *args, **self._with_window(options))
 
-    def _animate(self, *options: Any) -> Any:
+    def _animate(self, *options: Any, units: Units | str | None = None) -> Any:
         """The animation, for `animate` of the class of the result."""
-        from .plot import animate
+        from .plot.pictures import animate_result
 
-        film: Any = animate
-        return film(self.result, *options, self.units)
+        return animate_result(self.result, *options, units=self.units if units is None else units)
 
     def __bool__(self) -> bool:
         return True  # most results have no length
@@ -271,11 +270,11 @@ class Physical(Generic[From]):
         """A part of the result, or a list of them for a slice."""
         return self._converted("parts", self._of[index])
 
-    def _draw(self, *options: Any) -> Any:
+    def _draw(self, *options: Any, units: Units | str | None = None) -> Any:
         """The picture, for `plot` of the class of the result."""
-        from .plot.pictures import PICTURES
+        from .plot.pictures import draw_result
 
-        return PICTURES[type(self.result).__name__](self.result, *options, units=self.units)
+        return draw_result(self.result, *options, units=self.units if units is None else units)
 
     def to_dict(self) -> dict[str, Any]:
         """`to_dict` of the result with the units; its tables in physical units are in the item `physical`."""

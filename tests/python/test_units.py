@@ -515,10 +515,14 @@ def test_pictures(every, name):
     import matplotlib.pyplot as plt
 
     result = every[name]
-    axes = [plt.figure().add_subplot() for _ in range(2)]
+    axes = [plt.figure().add_subplot() for _ in range(3)]
     options = {"kind": "history"} if hasattr(result, "sample") else {}
-    result.plot(ax=axes[0], **options)
+    result.plot(ax=axes[0], units="dimensionless", **options)
     result.physical(MM).plot(ax=axes[1], **options)
+    # the rig has metres, which are millimetres on axes
+    result.plot(ax=axes[2], **options)
+    assert axes[2].get_xlabel() == axes[1].get_xlabel()
+    assert axes[2].get_ylabel() == axes[1].get_ylabel()
     for label, unit in zip((axes[1].get_xlabel(), axes[1].get_ylabel()), LABELS[name], strict=True):
         assert label.endswith(f"({unit})") if unit != "A" else label.endswith("A$")
     factors = {
@@ -528,11 +532,40 @@ def test_pictures(every, name):
     lines = [
         [line for line in ax.get_lines() if line.get_transform() == ax.transData] for ax in axes
     ]
-    assert len(lines[0]) == len(lines[1])
-    for one, other in zip(*lines, strict=True):
+    assert len(lines[0]) == len(lines[1]) == len(lines[2])
+    for one, other in zip(lines[1], lines[2], strict=True):
+        np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
+    for one, other in zip(*lines[:2], strict=True):
         for unit, a, b in zip(LABELS[name], one.get_data(), other.get_data(), strict=True):
             wanted = np.asarray(a, float) * factors[unit]
             np.testing.assert_allclose(np.asarray(b, float), wanted, rtol=1e-12, atol=1e-15)
+    plt.close("all")
+
+
+def test_units_of_pictures(every):
+    """Units of a picture are chosen by name; unknown ones, and those of a structure, are refused."""
+    import matplotlib.pyplot as plt
+
+    branch = every["Branch"]
+    for units, label in (
+        ("um N s", "(um)"),
+        (UNITS.to("cm N s"), "(cm)"),
+        ("dimensionless", "$dK/F_0$"),
+    ):
+        assert branch.plot(units=units).get_xlabel().endswith(label)
+    assert branch.physical("cm N s").plot().get_xlabel().endswith("(cm)")
+    assert every["Motion"].plot(kind="acceleration").get_ylabel().endswith("(m/s²)")
+    with pytest.raises(vi.ParameterError, match="units = 'parsec N s': must be units of length"):
+        branch.plot(units="parsec N s")
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
+    run = vi.simulate(wall, vi.Load(1.0, cosine=[1]), cycles=3)
+    with pytest.raises(vi.ParameterError, match="units = 'mm N s': must be left out; a Structure"):
+        run.plot(units="mm N s")
+    heavy = vi.Oscillator.from_dimensional(M=1e3, K=1e3, xi=0.01, m=9, restitution=0.7, F0=2e3)
+    assert heavy.units().of_pictures.names == "m N s"
+    plain = vi.Oscillator(xi=0.01, mu=0.1, restitution=0.7)
+    axes = vi.equispaced(plain, 0.98, 30.0)[0].plot(kind="history")
+    assert axes.get_ylabel() == "$X$, $Z$ ($F_0/K$)"
     plt.close("all")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +32,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--units", metavar="UNITS",
-        help="draw in physical units of length, force and time, as 'mm N s', or SI; for cases whose &system "
-        "has mass, stiffness and force",
+        help="units of length, force and time of the axes, as 'mm N s' or SI, for cases whose &system has mass, "
+        "stiffness and force; by default its own units, with mm for m; or dimensionless",
     )  # fmt: skip
 
 
@@ -84,8 +85,10 @@ def draw_all(
     return status
 
 
-def pictured(case: Case, units: str | None) -> Sequence[Callable[[], Any]]:
+def pictured(case: Case, units: str | None) -> Sequence[Callable[..., Any]]:
     """What draws a case, each picture of its own, in physical units if they are given."""
+    if units == "dimensionless":
+        return [partial(draw, units=units) for draw in pictured(case, None)]
     if units is not None:  # refuses what has none before anything is computed
         checked_names(units, "--units")
         if case.osc is None or case.osc.F0 is None:

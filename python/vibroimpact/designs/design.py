@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,9 @@ from .order import NAMES, Order, asked_by, numbers_of
 from .problem import LIMITED, OscillatorHost, Problem, parameters_of
 from .search import search
 from .structure import asked_of
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Design", "design"]
 
@@ -315,12 +318,14 @@ class Design(Noun, study="design", example=EXAMPLE):
         """The result of a case."""
         return designed(*asked_by(case.osc, case.keys), case.text, progress)
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
         """Draw the candidates, the share of good samples along the band, and the sensitivities (extra `plot`).
 
         Returns the four Axes; with `ax` only the share of good samples is drawn, and its Axes is returned.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
         """
-        return self._draw(ax)
+        return self._draw(ax, units=units)
 
     def report(self, path: Any) -> None:
         """Write a page with the answer, the chosen values and the pictures; the extension sets the format (.pdf,

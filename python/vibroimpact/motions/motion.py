@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,6 +51,9 @@ from .trajectory import (
     segments_of_events,
     simulate_structure,
 )
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Motion", "Motions", "Sample"]
 
@@ -439,6 +442,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     def plot(
         self, ax: Any = None, kind: str | None = None, cycles: float | None = None,
         window: ArrayLike | None = None,
+        units: Units | str | None = None,
     ) -> Any:  # fmt: skip
         """Draw the motion, or one panel of its picture, as `Trajectory.plot` (extra `plot`).
 
@@ -452,15 +456,17 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             cycles; of a structure the last ones of a period.
         window : (float, float), optional
             Of a structure: times between which it is drawn, by default a period.
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
         Axes, or an array of Axes if all panels were drawn.
         """
         if self.of_structure:
-            return self._run().plot(ax, kind, cycles, window)
+            return self._run().plot(ax, kind, cycles, window, units)
         self._no_window(window)
-        return self._draw(ax, kind, max(2, self.cycles) if cycles is None else cycles)
+        return self._draw(ax, kind, max(2, self.cycles) if cycles is None else cycles, units=units)
 
     def animate(
         self,
@@ -468,6 +474,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         cycles: float | None = None,
         seconds: float | None = None,
         window: ArrayLike | None = None,
+        units: Units | str | None = None,
     ) -> Any:
         """Animate it; the wall or gap that is hit flashes (extra `plot`).
 
@@ -481,6 +488,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             Duration on the screen, as of `Trajectory.animate`.
         window : (float, float), optional
             As of `plot`.
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
@@ -496,13 +505,14 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         'pair.gif'
         """
         if self.of_structure:
-            return self._run().animate(path, cycles, seconds, window)
+            return self._run().animate(path, cycles, seconds, window, units)
         self._no_window(window)
         return self._animate(
             path,
             self.cycles if cycles is None else cycles,
             None,
             3.0 if seconds is None else seconds,
+            units=units,
         )
 
     def _no_window(self, window: Any) -> None:

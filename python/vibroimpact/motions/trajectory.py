@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from typing import Any, ClassVar, NamedTuple, NoReturn, overload
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, NoReturn, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,6 +58,9 @@ from ..systems.record import Record
 from ..systems.structure import Gap, Load, Structure, check_load, without_none
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Period", "State", "Trajectory", "simulate"]
 
@@ -620,6 +623,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     def plot(
         self, ax: Any = None, kind: str | None = None, cycles: float | None = None,
         window: ArrayLike | None = None,
+        units: Units | str | None = None,
     ) -> Any:  # fmt: skip
         """Draw the trajectory, or one panel of its picture (extra `plot`).
 
@@ -638,15 +642,20 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         window : (float, float), optional
             Times between which it is drawn, in place of `cycles`; all of it by default of a structure.
 
+        units : Units or str, optional
+            Of an oscillator: "mm N s", say, or "dimensionless"; by default its own units, if it knows M, K and F0.
+            Times on the axis then begin at 0 where the picture begins.
+
         Returns
         -------
         Axes, or an array of Axes if all panels were drawn.
         """
-        return self._draw(ax, kind, *self._shown(cycles, window))
+        return self._draw(ax, kind, *self._shown(cycles, window), units=units)
 
     def animate(
         self, path: str | os.PathLike[str] | None = None, cycles: float | None = None,
         seconds: float | None = None, window: ArrayLike | None = None,
+        units: Units | str | None = None,
     ) -> Any:  # fmt: skip
         """Animate it; the wall or gap that is hit flashes, and is green while it rests (extra `plot`).
 
@@ -660,6 +669,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             Of an oscillator: duration of a load cycle on the screen, 3 by default. Of a structure: of all that is
             shown, 10 by default.
         window : (float, float), optional
+            As in `plot`.
+        units : Units or str, optional
             As in `plot`.
 
         Returns
@@ -677,7 +688,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         """
         if seconds is None:
             seconds = 10.0 if self.of_structure else 3.0
-        return self._animate(path, *self._shown(cycles, window), seconds)
+        return self._animate(path, *self._shown(cycles, window), seconds, units=units)
 
     def _shown(
         self, cycles: float | None, window: ArrayLike | None

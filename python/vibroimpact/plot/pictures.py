@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..base.errors import ParameterError
+from ..systems.oscillator import Oscillator
+from ..systems.units import Units, checked_names
+from .animation import animate
 from .attractor import (
     draw_basins,
     draw_bifurcation,
@@ -36,8 +40,52 @@ PICTURES: dict[str, Callable[..., Any]] = {
 }  # fmt: skip
 
 
-def draw_result(result: Any, *options: Any) -> Any:
-    """Draw a result, with the options of its function in order."""
+def draw_result(result: Any, *options: Any, units: Units | str | None = None) -> Any:
+    """Draw a result, with the options of its function in order; `units` as of `units_of_picture`."""
     name = type(result).__name__
     own = f"{name} of structures" if getattr(result, "of_structure", False) else name
-    return PICTURES[own if own in PICTURES else name](result, *options)
+    function = PICTURES[own if own in PICTURES else name]
+    shown = units_of_picture(result, units)
+    return function(result, *options) if shown is None else function(result, *options, units=shown)
+
+
+def animate_result(result: Any, *options: Any, units: Units | str | None = None) -> Any:
+    """Animate a result, with the options of `animate` in order; `units` as of `units_of_picture`."""
+    film: Any = animate
+    return film(result, *options, units=units_of_picture(result, units))
+
+
+def units_of_picture(result: Any, units: Units | str | None) -> Units | None:
+    """The units in which a result is drawn, or None without a dimension.
+
+    Parameters
+    ----------
+    result
+        What is drawn.
+    units : Units or str, optional
+        By default those of its oscillator, if that knows M, K and F0; "dimensionless" for none.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If a unit is not known, or units are given for a result that has none.
+    """
+    osc: Any = getattr(result, "osc", None)
+    known = isinstance(osc, Oscillator) and None not in (osc.M, osc.K, osc.F0)
+    if units is None:
+        return osc.units().of_pictures if known and drawn_in_units(result) else None
+    if isinstance(units, Units):
+        return units
+    if isinstance(units, str) and units == "dimensionless":
+        return None
+    names = checked_names(units)
+    if not isinstance(osc, Oscillator):
+        raise ParameterError(
+            f"units = {units!r}: must be left out; a Structure has the units of its user"
+        )
+    return osc.units().to(names)
+
+
+def drawn_in_units(result: Any) -> bool:
+    """Whether the picture of a result has axes with a dimension; those of an Identification are in SI units."""
+    return type(result).__name__ not in ("Certificate", "Identification")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..base.errors import MissingExtraError
 from ..base.files import write_bytes
 from ..systems.oscillator import Oscillator
-from ..systems.units import Units
+from ..systems.units import SI, Units
 
 #: Okabe and Ito's colours.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
@@ -109,7 +109,14 @@ class Scales:
 
     def __call__(self, values: Any, unit: str) -> Any:
         """Values of a dimensionless unit in the unit of the picture."""
-        return values if self.units is None else values * self.units.scale(unit)
+        units = self._units_for(unit)
+        return values if units is None else values * units.scale(unit)
+
+    def _units_for(self, unit: str) -> Units | None:
+        """The units of a quantity: accelerations are in m/s^2 where lengths are in mm."""
+        if self.units is None or unit != "omega^2 F0/K" or self.units.names != "mm N s":
+            return self.units
+        return self.units.to(SI)
 
     def r(self, values: Any) -> Any:
         """Frequency ratios, or frequencies."""
@@ -121,9 +128,10 @@ class Scales:
 
     def unit(self, unit: str) -> str:
         """The name of the unit of the picture."""
-        if self.units is None:
-            return DIMENSIONLESS.get(unit, unit)
-        return self.units.name(unit).replace("^2", "²")
+        units = self._units_for(unit)
+        return (
+            DIMENSIONLESS.get(unit, unit) if units is None else units.name(unit).replace("^2", "²")
+        )
 
     def label(self, symbol: str, unit: str) -> str:
         """The label of an axis: a quantity, and its unit in brackets unless it is dimensionless."""

@@ -11,12 +11,10 @@ from ..base.errors import ParameterError
 from .chart import _edges
 from .style import (
     ABOVE,
-    CLEARANCE_LABEL,
     FREE,
-    LOAD_LABEL,
     ONE_COLUMN,
-    R_LABEL,
     SETTINGS,
+    Plane,
     add_legend,
     identify,
     is_geometric,
@@ -29,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..studies.boundary_band import BoundaryBand
+    from ..systems.units import Units
 
 __all__ = ["draw_bands", "draw_uncertainty"]
 
@@ -39,7 +38,11 @@ LABELS = {
 
 
 def draw_uncertainty(
-    found: Any, ax: Any = None, inverse: bool = False, what: str = "probability"
+    found: Any,
+    ax: Any = None,
+    inverse: bool = False,
+    what: str = "probability",
+    units: Units | None = None,
 ) -> Any:
     """Draw a map of an Uncertainty with the nominal boundary and the bands; see `Uncertainty.plot`."""
     checks.choice(what, "what", tuple(LABELS))
@@ -47,13 +50,16 @@ def draw_uncertainty(
     if values is None:
         raise ParameterError(f"what = {what!r}: must be 'probability', there were no limits")
     plt = pyplot()
-    y = 1 / found.clearance if inverse else found.clearance
+    plane = Plane(units, inverse)
+    r, y = plane.r(found.r), plane.gap(found.clearance)
     with plt.rc_context(SETTINGS):
         if ax is None:
             _, ax = plt.subplots(figsize=(ONE_COLUMN + 1.5, 3.4), layout="constrained")
-            identify(ax, system(found.osc), f"{found.pattern.sides}/{found.pattern.cycles}")
+            identify(
+                ax, plane.given(system(found.osc)), f"{found.pattern.sides}/{found.pattern.cycles}"
+            )
         image = ax.pcolormesh(
-            _edges(found.r), _edges(y), values, cmap="cividis", vmin=0, vmax=1, rasterized=True
+            _edges(r), _edges(y), values, cmap="cividis", vmin=0, vmax=1, rasterized=True
         )
         ax.figure.colorbar(image, ax=ax, label=LABELS[what])
         if is_geometric(y):
@@ -64,17 +70,21 @@ def draw_uncertainty(
             for piece in found.zone.boundary:
                 if piece.type == "window":
                     continue
-                line = 1 / piece.clearance if inverse else piece.clearance
-                ax.plot(piece.r, line, color="white", lw=1.6)
-                ax.plot(
-                    piece.r, line, color="black", lw=0.8, label="nominal boundary" if first else ""
-                )
+                line = plane.r(piece.r), plane.gap(piece.clearance)
+                ax.plot(*line, color="white", lw=1.6)
+                ax.plot(*line, color="black", lw=0.8, label="nominal boundary" if first else "")
                 first = False
             draw_bands(
-                found.bands, ax, inverse, color=FREE, label=band_label(found.quantiles), fill=False
+                found.bands,
+                ax,
+                inverse,
+                color=FREE,
+                label=band_label(found.quantiles),
+                fill=False,
+                units=units,
             )
-        ax.set(xlim=limits[0], ylim=limits[1], xlabel=R_LABEL)
-        ax.set_ylabel(LOAD_LABEL if inverse else CLEARANCE_LABEL)
+        ax.set(xlim=limits[0], ylim=limits[1])
+        plane.label_axes(ax)
         if found.zone is not None:
             add_legend(ax, **ABOVE | {"ncols": 2})
     return ax
@@ -87,16 +97,17 @@ def band_label(quantiles: tuple[float, float]) -> str:
 
 def draw_bands(
     bands: Sequence[BoundaryBand], ax: Any, inverse: bool = False, *, color: str = FREE, label: str = "",
-    fill: bool = True, lines: bool = True,
+    fill: bool = True, lines: bool = True, units: Units | None = None,
 ) -> None:  # fmt: skip
     """Draw bands: sampled ones filled or solid, those to first order dashed, crosses where first order fails."""
+    plane = Plane(units, inverse)
     names = {"sampled": label, "first": "to first order", "off": "first order does not hold"}
     if not label:
         names = dict.fromkeys(names, "")
     for band in bands:
         for kind, line in (("sampled", "-"), ("first_order", (0, (3, 2)))):
             r, clearance = band.edges(kind)
-            y = 1 / clearance if inverse else clearance
+            r, y = plane.r(r), plane.gap(clearance)
             if fill and kind == "sampled":
                 good = np.isfinite(r).all(axis=0).reshape(-1)
                 for part in np.split(np.arange(len(band)), np.flatnonzero(np.diff(good)) + 1):
@@ -113,7 +124,5 @@ def draw_bands(
                 )  # fmt: skip
         off = ~band.holds
         if off.any():
-            y = 1 / band.clearance if inverse else band.clearance
-            ax.plot(
-                band.r[off], y[off], "x", color=color, ms=2.5, mew=0.6, label=names.pop("off", "")
-            )
+            r, y = plane.r(band.r), plane.gap(band.clearance)
+            ax.plot(r[off], y[off], "x", color=color, ms=2.5, mew=0.6, label=names.pop("off", ""))

@@ -166,13 +166,13 @@ class Savable:
         """The small picture for Jupyter."""
         self.plot(ax=ax)
 
-    def _draw(self, *options: Any) -> Any:
+    def _draw(self, *options: Any, units: Units | str | None = None) -> Any:
         """The picture of this class, with the options of its function in `plot`."""
-        return ACTIONS["draw"](self, *options)
+        return ACTIONS["draw"](self, *options, units=units)
 
-    def _animate(self, *options: Any) -> Any:
+    def _animate(self, *options: Any, units: Units | str | None = None) -> Any:
         """The animation, with the options of `plot.animate`."""
-        return ACTIONS["animate"](self, *options)
+        return ACTIONS["animate_result"](self, *options, units=units)
 
     def physical(self, units: Units | str | None = None) -> Any:
         """The result in physical units, a `Physical`: see `vibroimpact.physical`.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,9 @@ from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
 from .zone import NAMES, OnPlane, Zone, keys_of_plane, window
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Atlas", "Survey", "SurveyMotion", "SurveyPoint", "WithoutImpacts", "atlas"]
 
@@ -315,12 +318,14 @@ class Atlas(OnPlane, study="atlas"):
         if legend:
             legend.remove()  # it would not fit into such a small picture
 
-    def plot(self, ax: Any = None, inverse: bool = False) -> Any:
+    def plot(self, ax: Any = None, inverse: bool = False, units: Units | str | None = None) -> Any:
         """Draw all zones, each with its name, and the points of the survey that no zone explains.
 
         Returns the Axes.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
         """
-        return self._draw(ax, inverse)
+        return self._draw(ax, inverse, units=units)
 
     def __repr__(self) -> str:
         gaps = f", {len(self.unexplained)} attractors unexplained" if self.unexplained else ""

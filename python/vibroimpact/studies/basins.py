@@ -6,7 +6,7 @@ import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,9 @@ from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
 from .find import structure_motions_of
 from .lyapunov import Lyapunov, lyapunov
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Attractor", "Basins", "basins"]
 
@@ -244,9 +247,12 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
                 f"complete = False: must be the whole plane for {name}; cut short, {self.cut}"
             )
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the plane, one colour for each attractor (extra `plot`); returns the Axes."""
-        return self._draw(ax)
+    def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
+        """Draw the plane, one colour for each attractor (extra `plot`); returns the Axes.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        """
+        return self._draw(ax, units=units)
 
     def __repr__(self) -> str:
         names = self._result.tables["attractors"].columns["name"].decoded()

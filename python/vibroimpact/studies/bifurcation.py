@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,9 @@ from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -284,7 +287,9 @@ class BifurcationDiagram(
             return np.asarray(self.strobes[kind][:, int(number)])
         return np.asarray(self.points[quantity])
 
-    def plot(self, ax: Any = None, quantity: str | None = None) -> Any:
+    def plot(
+        self, ax: Any = None, quantity: str | None = None, units: Units | str | None = None
+    ) -> Any:
         """Draw a quantity along the parameter (extra `plot`).
 
         Of an oscillator the impacts, with colour and marker by wall, and the windows N/k as a line on top.
@@ -297,13 +302,15 @@ class BifurcationDiagram(
             or "approach". Of a structure an output by its name, "q_0", "q_1", ... or "q_dot_0", ... at the
             beginning of load cycles; "phase" or "speed" of the impacts. By default the first output, or "q_0"
             without outputs.
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
         Axes
         """
         first = next(iter(self.structure.outputs), "q_0") if self.of_structure else "x"
-        return self._draw(ax, quantity or first)
+        return self._draw(ax, quantity or first, units=units)
 
     def __repr__(self) -> str:
         low, high = self.values[0], self.values[-1]

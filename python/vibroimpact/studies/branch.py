@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ from ..systems.oscillator import Pattern
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
 from .switching import KINDS, switched
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
@@ -414,7 +417,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         """
         return ACTIONS["prove_branch"](self, tolerance)
 
-    def plot(self, ax: Any = None, y: str | None = None) -> Any:
+    def plot(self, ax: Any = None, y: str | None = None, units: Units | str | None = None) -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.
 
         Parameters
@@ -424,12 +427,14 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             "largest" for the largest modulus of the multipliers; of an oscillator a column with one number a
             point, "attenuation" by default; of a structure "q_max_0" (the default), ... or "q_min_0", ... (of a
             coordinate, from 0), "speed_1", ..., "impulse_1", ... or "phase_1", ... (of an impact, from 1).
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
         Axes
         """
-        return self._draw(ax, y)
+        return self._draw(ax, y, units=units)
 
     def __repr__(self) -> str:
         types = self._values("points", "special").tolist()

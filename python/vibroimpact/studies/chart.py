@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,9 @@ from ..systems.units import GAP
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, run_from
 from .zone import keys_of_plane
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Chart", "chart"]
 
@@ -198,12 +201,16 @@ class Chart(Followed, study="chart"):
         coords = {name: own.pop(name) for name in names}
         return xarray("charts").Dataset(own, coords, self.attrs)
 
-    def plot(self, ax: Any = None, color: str | None = None, inverse: bool = False) -> Any:
+    def plot(
+        self, ax: Any = None, color: str | None = None, inverse: bool = False, units: Units | str | None = None,
+    ) -> Any:  # fmt: skip
         """Draw where the motions are stable, unstable, inadmissible or absent; see `plot.draw_chart`.
 
         `inverse` is for charts of an oscillator.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
         """
-        return self._draw(ax, color, inverse)
+        return self._draw(ax, color, inverse, units=units)
 
     def __repr__(self) -> str:
         sizes = self._result.tables["points"].dims

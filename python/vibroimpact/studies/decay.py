@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,9 @@ from ..results import door
 from ..results.noun import Noun, column
 from ..systems.oscillator import Oscillator
 from ..systems.verbs import physical_arguments
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Decay", "decay"]
 
@@ -64,14 +67,18 @@ class Decay(Noun, study="decay"):
         owners = self._result.tables["peaks"].owners
         return np.zeros(0, np.int32) if owners is None else owners
 
-    def plot(self, ax: Any = None, kind: str | None = None) -> Any:
+    def plot(
+        self, ax: Any = None, kind: str | None = None, units: Units | str | None = None
+    ) -> Any:
         """Draw the peaks against time, and the damping of each cycle against the peak at which it begins (extra
         `plot`).
 
         Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", one panel is drawn, the peaks unless
         `kind` names the other one, and its Axes is returned.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
         """
-        return self._draw(ax, kind)
+        return self._draw(ax, kind, units=units)
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f"; cut short, {self.cut}"

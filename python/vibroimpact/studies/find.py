@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["FoundMotions", "Search", "find"]
 
@@ -199,19 +202,21 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         if self.of_structure and self._result.empty:
             raise SingularError(self._result.notes[0][1])
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
         """Draw the multipliers of all motions, and of an oscillator the history of each over a period.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
             With it the multipliers alone are drawn, into it.
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
         Axes, or an array of Axes
         """
-        return self._draw(ax)
+        return self._draw(ax, units=units)
 
     def __repr__(self) -> str:
         stable = sum(motion.stable is True for motion in self)

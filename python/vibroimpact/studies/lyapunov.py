@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure, without_none
 from ..systems.verbs import every_system, physical_arguments
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Lyapunov", "lyapunov"]
 
@@ -104,12 +107,14 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
         if single:
             raise SingularError(self._result.notes[0][1])
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
         """Draw the exponents (extra `plot`); returns the Axes.
 
         Of an oscillator against r or clearance, whichever varies; of a structure by their number.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
         """
-        return self._draw(ax)
+        return self._draw(ax, units=units)
 
     def __repr__(self) -> str:
         if self.per_cycle.ndim > 1:

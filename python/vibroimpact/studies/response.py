@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from ..systems.structure import Load, Structure
 from ..systems.units import positive
 from ..systems.verbs import every_system, physical_arguments
 from .bifurcation import ENDS, SettledMotions, cell, first_point, keys_of_values, rising
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Response", "response"]
 
@@ -156,20 +159,24 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
             )  # fmt: skip
         return Size(*(part[i] for part in parts))
 
-    def plot(self, ax: Any = None, coordinate: int | str | None = None) -> Any:
+    def plot(
+        self, ax: Any = None, coordinate: int | str | None = None, units: Units | str | None = None
+    ) -> Any:
         """Draw the response (extra `plot`); returns the Axes.
 
         Of an oscillator each attractor is a dot, and the envelopes are lines. Of a structure the greatest
         magnitude of an output, by its name, or of a coordinate, by its number, is drawn: by default of the first
         output, or of the first coordinate without outputs.
+
+        The units of an oscillator, `units`, are as of `Trajectory.plot`.
         """
         if self.of_structure:
-            return self._draw(ax, coordinate)
+            return self._draw(ax, coordinate, units=units)
         if coordinate is not None:
             raise ParameterError(
                 f"coordinate = {coordinate!r}: must be left out for a response of an Oscillator"
             )
-        return self._draw(ax)
+        return self._draw(ax, units=units)
 
     def __repr__(self) -> str:
         values = self.values

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,9 @@ from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
 from .zone import Zone, zone
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = [
     "LimitProbability", "Uncertainty", "limit_probability", "uncertainty",
@@ -142,7 +145,9 @@ class Uncertainty:
         attrs |= {f"limit_{name}": value for name, value in self.limit.items()}
         return xarray("maps").Dataset(items, coords, attrs)
 
-    def plot(self, ax: Any = None, inverse: bool = False, what: str = "probability") -> Any:
+    def plot(
+        self, ax: Any = None, inverse: bool = False, what: str = "probability", units: Units | str | None = None,
+    ) -> Any:  # fmt: skip
         """Draw the map as colours, the nominal boundary, and the bands (extra `plot`).
 
         Parameters
@@ -151,12 +156,14 @@ class Uncertainty:
         inverse : bool
             F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         what : {"probability", "within"}
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
         Axes
         """
-        return ACTIONS["draw"](self, ax, inverse, what)
+        return ACTIONS["draw"](self, ax, inverse, what, units=units)
 
     def __repr__(self) -> str:
         held = sum(int(band.holds.sum()) for band in self.bands)

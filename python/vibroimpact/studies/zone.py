@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,9 @@ from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, run_from
 from .geometry import signed_area, winding
+
+if TYPE_CHECKING:
+    from ..systems.units import Units
 
 __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 
@@ -581,7 +584,9 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         """
         return ACTIONS["prove_zone"](self, tolerance)
 
-    def plot(self, ax: Any = None, inverse: bool = False, label: str | None = None) -> Any:
+    def plot(
+        self, ax: Any = None, inverse: bool = False, label: str | None = None, units: Units | str | None = None,
+    ) -> Any:  # fmt: skip
         """Draw the zone with its boundary pieces distinguished by line style and colour.
 
         Parameters
@@ -591,12 +596,14 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
             Of an oscillator: F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         label : str, optional
             Written into the zone; by default the pattern of an oscillator.
+        units : Units or str, optional
+            As of `Trajectory.plot`.
 
         Returns
         -------
         Axes
         """
-        return self._draw(ax, inverse, label)
+        return self._draw(ax, inverse, label, units=units)
 
     def __repr__(self) -> str:
         if self._none:

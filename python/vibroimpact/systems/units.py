@@ -201,6 +201,12 @@ class Units:
         return "/".join([" ".join(above) or "1", *below]) if parts else ""
 
     @property
+    def of_pictures(self) -> Units:
+        """The same for axes: in mm instead of m where F0/K is below a decimetre."""
+        length, force, time = self.names.split()
+        return self.to(f"mm {force} {time}") if length == "m" and self.length < 0.1 else self
+
+    @property
     def hertz(self) -> str:
         """The name of the unit of frequency, cycles per unit of time."""
         time = self.names.split()[2]
