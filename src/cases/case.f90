@@ -48,19 +48,19 @@ module vi_case
       key_type('r', low=1.0e-6_wp, high=1.0e6_wp, may_miss=.true., unit='omega', &
       meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios'), &
       key_type('mass', low=0.0_wp, above=.true., may_miss=.true., only='stiffness', &
-      option='-', unit=of_names, &
+      unit=of_names, &
       meaning='primary mass M, by which a result is known in physical units, too'), &
-      key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', option='-', &
+      key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', &
       unit=of_names, &
       meaning='stiffness K, for physical units'), &
-      key_type('damping', low=0.0_wp, may_miss=.true., only='mass', option='-', unit=of_names, &
+      key_type('damping', low=0.0_wp, may_miss=.true., only='mass', unit=of_names, &
       meaning='damping coefficient C, in place of xi'), &
-      key_type('free_mass', low=0.0_wp, may_miss=.true., only='mass', option='-', unit=of_names, &
+      key_type('free_mass', low=0.0_wp, may_miss=.true., only='mass', unit=of_names, &
       meaning='free mass m, in place of mu'), &
-      key_type('force', low=0.0_wp, above=.true., may_miss=.true., only='mass', option='-', &
+      key_type('force', low=0.0_wp, above=.true., may_miss=.true., only='mass', &
       unit=of_names, &
       meaning='load amplitude F0, for physical units'), &
-      key_type('units', a_word, may_miss=.true., only='mass', never='unit_names', option='-', &
+      key_type('units', a_word, may_miss=.true., only='mass', never='unit_names', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &
       meaning='units of all numbers of the case that have a dimension: clearance = 4 is then &

@@ -14,9 +14,9 @@ from importlib.util import find_spec
 from io import StringIO
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from ..base import checks
 from ..base.errors import VibroimpactError
 from . import NAMES, PICTURES, STUDIES, Record, add_common, name_file, need_extras
+from .options import number
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -27,7 +27,8 @@ EXIT_STATUS = (
 INTERRUPT = "Ctrl-C: what is finished is kept, status 1"
 #: Note on units in the help of the commands that read or write numbers.
 UNITS = (
-    "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega"
+    "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega;\n"
+    "values may also have units, as '19.5 Hz' and '4 mm', with --mass, --stiffness and --force"
 )
 WITHOUT_UNITS = ("explore", "identify", "reproduce", "init", "doctor", "completion")
 #: Commands that compute nothing that is saved.
@@ -94,15 +95,6 @@ def whole(text: str) -> int:
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text.strip()}: must be a whole number") from None
-
-
-def number(text: str) -> float:
-    """The value of an option that is a number."""
-    try:
-        return checks.read_number(text)
-    except ValueError as error:
-        message = str(error) if "must be" in str(error) else f"{text.strip()}: must be a number"
-        raise argparse.ArgumentTypeError(message) from None
 
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:

@@ -11,13 +11,12 @@ from typing import Any, NamedTuple
 from ..base import checks
 from ..base.errors import ParameterError
 from ..results.tables import keys_for, language
+from ..systems.units import NAMED, QUANTITY, with_u
 
 #: The placeholder of a value in the help, by the end of the name of its key.
 ENDS = {"min": "LOW", "max": "HIGH", "points": "N", "axes": "NAME"}
 #: The help text of an option, in place of the meanings of its keys.
 TEXTS = {"state": "displacement and velocity of the primary mass, then of the free mass"}
-#: The type of a value, by the kind of its key.
-TYPES: Mapping[str, Callable[[str], Any]] = {"number": float, "whole": int, "word": str}
 
 
 class Option(NamedTuple):
@@ -48,6 +47,8 @@ class Option(NamedTuple):
     def value(self, words: Sequence[Any], word: Any, key: Mapping[str, Any]) -> Any:
         """One of several words as the value of a key."""
         if key["kind"] == "word":
+            return word
+        if isinstance(word, str) and is_quantity(word):
             return word
         try:
             value = checks.read_number(word) if isinstance(word, str) else float(word)
@@ -84,6 +85,33 @@ class Option(NamedTuple):
         if key["words"]:
             return arguments | many | {"choices": key["words"].split(), "metavar": None}
         return arguments | many | {"type": TYPES[key["kind"]]}
+
+
+def quantity(text: str) -> float | str:
+    """The value of an option that is a number, or a text with a unit, which the namelist takes as it is."""
+    return text.strip() if is_quantity(text) else number(text)
+
+
+def is_quantity(text: str) -> bool:
+    """Whether a text is a number with a unit, which follows after a blank or is known; "1e400" is no such text."""
+    found = QUANTITY.fullmatch(with_u(text))
+    if found is None or re.match("[eE][-+]?[0-9]", found[2]):
+        return False
+    first = re.match("(?:1/)?([A-Za-z%]+)", found[2])
+    return first is not None and (first[1] in NAMED or found[1] + " " in text)
+
+
+def number(text: str) -> float:
+    """The value of an option that is a number."""
+    try:
+        return checks.read_number(text)
+    except ValueError as error:
+        message = str(error) if "must be" in str(error) else f"{text.strip()}: must be a number"
+        raise argparse.ArgumentTypeError(message) from None
+
+
+#: The type of a value, by the kind of its key.
+TYPES: Mapping[str, Callable[[str], Any]] = {"number": quantity, "whole": int, "word": str}
 
 
 def metavar(key: Mapping[str, Any], with_others: bool) -> str:
