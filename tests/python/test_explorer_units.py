@@ -58,6 +58,8 @@ def test_numbers_are_those_of_the_physical_result():
     assert seconds == pytest.approx(physical.period)
     assert length == UNITS.length
     assert picture["portrait"]["second"][1] == ["dY/dt  (mm/s)", UNITS.velocity]
+    # lengths of a rig in metres are shown in millimetres
+    assert physical_text(motion, UNITS.to("SI")) == text
     assert "second" not in history(motion, 2)["history"]
 
 

@@ -86,6 +86,7 @@ def physical(units: Units | None, window: Window) -> Changes:
     """The second axes of the chart, if there are units."""
     if units is None:
         return {"zones.above": {"visible": False}, "zones.beside": {"visible": False}}
+    units = units.of_pictures
     f0, f1 = (r * units.frequency for r in window[0])
     d0, d1 = (clearance * units.length for clearance in window[1])
     return {

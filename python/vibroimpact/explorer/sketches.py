@@ -74,6 +74,7 @@ def second(units: Units | None, *axes: tuple[str, float, str]) -> dict[str, Any]
     """The second axes x and y: of each its label, and what a unit of the first axis is on it."""
     if units is None:
         return {}
+    units = units.of_pictures
     return {
         "second": [
             [f"{name}  ({units.name(unit)})", scale * units.scale(unit)]

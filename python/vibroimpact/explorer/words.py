@@ -54,6 +54,7 @@ def at(r: float, clearance: float, units: Units | None) -> str:
     """A point, also as frequency and clearance if there are units."""
     if units is None:
         return f"r = {r:.5g}, dK/F₀ = {clearance:.5g}"
+    units = units.of_pictures
     frequency, d = r * units.frequency, clearance * units.length
     return (
         f"r = {r:.5g} ({frequency:.5g} {units.hertz}), "
@@ -65,7 +66,7 @@ def physical_text(motion: Motion | None, units: Units | None) -> str:
     """Response quantities of a motion in physical and in dimensionless units; empty without either."""
     if motion is None or units is None:
         return ""
-    found = motion.quantities()
+    found, units = motion.quantities(), units.of_pictures
     values = (
         ("max|X|", found.x.peak, "F0/K", "F₀/K"),
         ("rms X", found.x.rms, "F0/K", "F₀/K"),
