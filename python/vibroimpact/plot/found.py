@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..systems.units import Units
 
 #: Panels in a row; largest number of motions drawn.
-COLUMNS, MOST = 3, 23
+COLUMNS, MOST = 3, 8
 #: Distance below which the labels of two multipliers are placed together.
 NEAR = 0.1
 #: Name, colour and mark of the multipliers of a motion that is not stable, and of one that is.
@@ -29,7 +29,7 @@ STABILITY = (
 def draw_found(found: FoundMotions, ax: Any = None, units: Units | None = None) -> Any:
     """A panel for each motion over its period, and a last one with the multipliers of all.
 
-    The motions are numbered as in the table; if there are very many, the first ones are drawn. With `ax` only
+    The motions are numbered as in the table; of more than eight the first ones are drawn. With `ax` only
     the multipliers are drawn, and of a structure always.
     """
     motions = found[:MOST]

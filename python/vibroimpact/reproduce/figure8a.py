@@ -11,6 +11,9 @@ from .scan import Strip, pair_zone, traced_zone
 from .sweeps import bars, read_sweeps, seeds
 from .traced import compared, outline
 
+#: The axis of F0/(d K).
+LOADS = (0.006, 1.5)
+
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
     """Zones of two and of three impacts, the latter traced from the motions at the ends of the simulated holds."""
@@ -29,13 +32,16 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     sweeps = read_sweeps(folder, "unequal")
     figure, ax = canvas.panels(height=4.0)
     for kind, strips in found.items():
-        traced = outline(UNEQUAL, {"2": "RL", "3": "RLL"}[kind], (0.55, 1.5), strips)
+        sides = {"2": "RL", "3": "RLL"}[kind]
+        # up to the edge of the axes, since the topmost strip has no scan
+        edges = (1 / LOADS[1], 1 / LOADS[0])
+        traced = outline(UNEQUAL, sides, (0.55, 1.5), strips, clearance=edges)
         canvas.zone(ax, strips, kind, traced=traced)
         canvas.bars(ax, bars(sweeps, kind), kind)
         print(f"Figure 8a: {canvas.inside(sweeps, kind, strips)}; {compared(traced, strips)}")
     canvas.letters(ax, {name: PANELS[name][2:] for name in ("a", "b", "c")})
     canvas.axes_of_zones(ax)
-    ax.set(xlim=(0.55, 1.5), ylim=(0.006, 1.5))
+    ax.set(xlim=(0.55, 1.5), ylim=LOADS)
     canvas.identify(ax, UNEQUAL)
     canvas.legend(ax, loc="lower right")
     canvas.save(figure, folder, "figure8a")
